@@ -1,0 +1,49 @@
+# polhode: every target works on a fresh Debian machine with python3.11+ (venv, pip), make and git.
+PYTHON ?= python3
+BIN := .venv/bin
+# Bytecode is written whatever the machine's default, or every import of SciPy costs two seconds.
+INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
+CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+.PHONY: help env demo serve test lint lock clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
+
+env: .venv/runtime  ## make .venv from the hashed lock and compile its bytecode
+
+.venv/runtime: requirements.lock pyproject.toml
+	@echo "polhode: installing into .venv (first time: one or two minutes)"
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@$(INSTALL) --require-hashes -r requirements.lock
+	@$(INSTALL) --no-deps --no-build-isolation -e .
+	@touch $@
+
+.venv/tests: .venv/runtime requirements-test.lock
+	@echo "polhode: installing what the tests need"
+	@$(INSTALL) --require-hashes -r requirements-test.lock
+	@touch $@
+
+demo: env  ## start a server, grade the specimens over HTTP, print the lines (ONCE=1: then stop)
+	@$(CLEAN_ENV) $(BIN)/python -m service.demo $(if $(ONCE),--once)
+
+serve: env  ## start the server on port 8000 with its data in ./.data
+	@$(CLEAN_ENV) POLHODE_DATA=$${POLHODE_DATA:-.data} $(BIN)/polhode serve
+
+lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
+	@$(BIN)/ruff check --quiet .
+	@$(BIN)/ruff format --quiet --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+test: lint  ## lint, then every test
+	@$(CLEAN_ENV) $(BIN)/python -m pytest
+
+lock:  ## renew both locks (needs uv); they name no registry
+	uv lock --upgrade
+	uv export --quiet --format requirements.txt --group build --no-emit-project --output-file requirements.lock
+	uv export --quiet --format requirements.txt --all-groups --no-emit-project --output-file requirements-test.lock
+	@! grep -nE 'https?://' requirements.lock requirements-test.lock
+
+clean:  ## remove what the other targets made
+	rm -rf .venv .demo .data .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,151 @@
+"""The grammar of an assignment: scenes to play, exercises that judge them, figures that show them; and finding the folders."""
+
+import functools
+import importlib
+import pkgutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import exercises
+from exercises.checks import Arrays, Check
+from exercises.outcome import Diagnosis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+Inputs = Mapping[str, Any]
+
+
+class InvalidAssignment(Exception):
+    """A badly declared assignment; ``errors`` lists everything that is wrong with it."""
+
+    def __init__(self, slug: str, errors: list[str]) -> None:
+        super().__init__(f"assignment {slug}: " + "; ".join(errors))
+        self.errors = errors
+
+
+@dataclass(frozen=True)
+class Blank:
+    """An array a scene may bring back: exactly ``shape`` (at most, where ``up_to``), as ``float64`` or ``uint8``."""
+
+    shape: tuple[int, ...]
+    dtype: str = "float64"
+    up_to: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One reproducible situation: ``play`` (a function of the folder's plays.py) calls ``function`` with ``inputs``.
+
+    ``inputs`` is fixed, or drawn from the attempt's generator where the student must not know it. ``truth`` maps the inputs to
+    the exact answer, on the host only. A scene is played only if the one it comes ``after`` was finished.
+    """
+
+    name: str
+    play: str
+    function: str
+    inputs: Inputs | Callable[[np.random.Generator], Inputs]
+    returns: Mapping[str, Blank]
+    truth: Callable[[Inputs], Arrays]
+    budget_s: float
+    after: str | None = None
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture drawn on demand: ``draw(canvas, seen, truth)`` gets one mapping of arrays per scene."""
+
+    name: str
+    title: str
+    alt: str
+    scenes: tuple[str, ...]
+    draw: Callable[["Canvas", list[Arrays], list[Arrays]], None]
+
+
+@dataclass(frozen=True)
+class Animation:
+    """A student's animation, kept as a contact sheet of the frames (n, h, w, 3) that ``scene`` brought back."""
+
+    name: str
+    title: str
+    alt: str
+    scene: str
+    array: str = "frames"
+
+
+@dataclass(frozen=True)
+class Exercise:
+    """A numbered section. A submission that defines any of its ``functions`` has attempted it."""
+
+    number: str
+    title: str
+    functions: tuple[str, ...]
+    checks: tuple[Check, ...]
+    figures: tuple[Figure, ...] = ()
+    animations: tuple[Animation, ...] = ()
+
+    def scenes(self) -> set[str]:
+        """Names of the scenes its checks, figures and animations read."""
+        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in self.animations]
+        return {s for c in self.checks for s in c.scenes} | set(shown)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall."""
+
+    slug: str
+    title: str
+    version: str
+    folder: Path
+    scenes: tuple[Scene, ...]
+    exercises: tuple[Exercise, ...]
+    diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
+
+    def __post_init__(self) -> None:
+        if errors := self._errors():
+            raise InvalidAssignment(self.slug, errors)
+
+    def scene(self, name: str) -> Scene:
+        """The scene of that name."""
+        return next(s for s in self.scenes if s.name == name)
+
+    def exercise(self, number: str) -> Exercise:
+        """The exercise of that number; KeyError if there is none."""
+        for exercise in self.exercises:
+            if exercise.number == number:
+                return exercise
+        raise KeyError(number)
+
+    def functions(self) -> set[str]:
+        """Every name a student may define to be played."""
+        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.functions}
+
+    def _errors(self) -> list[str]:
+        names = [s.name for s in self.scenes]
+        ids = [c.id for e in self.exercises for c in e.checks]
+        errors = [f"scene {n} is declared twice" for n in sorted({n for n in names if names.count(n) > 1})]
+        errors += [f"check id {i} is used twice" for i in sorted({i for i in ids if ids.count(i) > 1})]
+        errors += [f"{f} is missing" for f in ("setup.py", "plays.py") if not (self.folder / f).is_file()]
+        for exercise in self.exercises:
+            errors += [f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(names))]
+            errors += [e for c in exercise.checks for e in c.errors()]
+        for at, scene in enumerate(self.scenes):
+            if scene.after is not None and scene.after not in names[:at]:
+                errors.append(f"scene {scene.name} comes after {scene.after}, which is not declared before it")
+        return errors
+
+
+@functools.cache
+def assignments() -> dict[str, Assignment]:
+    """Every assignment by its slug: each package in this folder that defines ``ASSIGNMENT``."""
+    found = {}
+    for module in pkgutil.iter_modules(exercises.__path__):
+        if module.ispkg:
+            assignment: Assignment = importlib.import_module(f"exercises.{module.name}").ASSIGNMENT
+            found[assignment.slug] = assignment
+    return found

@@ -1,0 +1,120 @@
+"""The check words as declarations: label, scenes, what is measured, an explicit tolerance and its reason.
+
+A check reads the arrays its scenes brought back (``seen``) and the same arrays of the exact motion (``truth``), one mapping
+per scene, in the order the scenes are named. It never sees the student's code.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from ecp import judge
+from ecp.judge import Judgement, Verdict
+from numpy.typing import ArrayLike, NDArray
+
+from exercises.outcome import Outcome, Tolerance
+
+Arrays = Mapping[str, NDArray[Any]]
+Measure = Callable[..., Any]
+Locate = Callable[..., str]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One labelled claim. ``word(seen, truth)`` judges; ``locate(index, *seen)`` names the place of the worst value."""
+
+    id: str
+    label: str
+    scenes: tuple[str, ...]
+    word: Callable[[list[Arrays], list[Arrays]], Judgement]
+    tolerance: Tolerance
+    locate: Locate | None = None
+
+    def judge(self, seen: list[Arrays], truth: list[Arrays]) -> Outcome:
+        """The outcome for arrays that came back; anything not finite fails before any number is compared."""
+        for arrays in seen:
+            for name, array in arrays.items():
+                if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
+                    return self._outcome(Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen)
+        return self._outcome(self.word(seen, truth), seen)
+
+    def unmeasured(self, cause: str) -> Outcome:
+        """The outcome when a scene it needs brought nothing back."""
+        return self._outcome(Judgement(Verdict.UNMEASURED, f"not measured: {cause}"), []).model_copy(update={"cause": cause})
+
+    def errors(self) -> list[str]:
+        """What is wrong with the declaration; empty if nothing is."""
+        numbers = [n for n in (self.tolerance.rtol, self.tolerance.atol, self.tolerance.limit) if n is not None]
+        found = []
+        if not self.tolerance.reason.strip():
+            found.append(f"check {self.id}: its tolerance gives no reason")
+        if any(not (n >= 0 and np.isfinite(n)) for n in numbers):
+            found.append(f"check {self.id}: a tolerance is a finite number ≥ 0")
+        if not self.label.strip() or "   " in self.label or "\n" in self.label:
+            found.append(f"check {self.id}: a label is one line without three spaces in a row")
+        return found
+
+    def _outcome(self, judgement: Judgement, seen: list[Arrays]) -> Outcome:
+        at = judgement.where
+        return Outcome(
+            id=self.id,
+            label=self.label,
+            verdict=judgement.verdict,
+            detail=judgement.detail,
+            measured=judgement.measured,
+            expected=judgement.expected,
+            tolerance=self.tolerance,
+            margin=judgement.margin,
+            where=self.locate(at, *seen) if self.locate and at is not None else None,
+        )
+
+
+def close(
+    id: str,
+    label: str,
+    *scenes: str,
+    measured: Measure,
+    expected: Measure | ArrayLike,
+    rtol: float,
+    atol: float,
+    reason: str,
+    locate: Locate | None = None,
+) -> Check:
+    """``measured(*seen)`` equals ``expected`` (a value, or a function of the truth) to ``atol + rtol·|expected|``."""
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        want = expected(*truth) if callable(expected) else expected
+        return judge.close(measured(*seen), want, rtol, atol)
+
+    return Check(id, label, scenes, word, Tolerance(rtol=rtol, atol=atol, reason=reason), locate)
+
+
+def conserved(
+    id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None
+) -> Check:
+    """``series(*seen)`` (n,) stays at its first value to the relative ``limit``."""
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        return judge.conserved(series(*seen), limit)
+
+    return Check(id, label, scenes, word, Tolerance(limit=limit, reason=reason), locate)
+
+
+def below(id: str, label: str, *scenes: str, measured: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
+    """``measured(*seen)`` is at most ``limit``."""
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        return judge.below(measured(*seen), limit)
+
+    return Check(id, label, scenes, word, Tolerance(limit=limit, reason=reason), locate)
+
+
+def holds(id: str, label: str, *scenes: str, claim: Callable[..., tuple[bool, str]], reason: str) -> Check:
+    """``claim(*seen)`` answers (true or false, the text for the brackets)."""
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        ok, detail = claim(*seen)
+        return judge.holds(ok, detail)
+
+    return Check(id, label, scenes, word, Tolerance(reason=reason))

@@ -1,0 +1,116 @@
+"""The check words: numbers and an explicit tolerance in, a judgement out.
+
+The notebook (``ecp.validate``) and the server judge with these same functions, so both print the same line.
+NaN, infinity and a wrong shape never pass.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class Verdict(StrEnum):
+    """A check's answer. UNMEASURED is not a failure of the physics: its cause says why nothing could be measured."""
+
+    PASS = "pass"
+    FAIL = "fail"
+    UNMEASURED = "unmeasured"
+
+
+MARKS = {Verdict.PASS: "✓", Verdict.FAIL: "✗", Verdict.UNMEASURED: "–"}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """One answered question. ``detail`` is the text in the brackets; ``margin`` is allowed / measured (None: nothing was off,
+    or there is no number); ``where`` is the index of the worst value in the compared array."""
+
+    verdict: Verdict
+    detail: str
+    measured: float | None = None
+    expected: float | None = None
+    margin: float | None = None
+    where: tuple[int, ...] | None = None
+
+
+def line(verdict: Verdict, label: str, detail: str) -> str:
+    """The ✓/✗ line of the notebook: mark, two spaces, label, three spaces, [detail]."""
+    return f"{MARKS[verdict]}  {label}   [{detail}]"
+
+
+def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judgement:
+    """|got − expected| ≤ atol + rtol |expected| everywhere, shapes equal, nothing broadcast."""
+    seen, want = _real(got), _real(expected)
+    tolerance = f"(rtol={rtol:g}, atol={atol:g})"
+    if seen.shape != want.shape:
+        return Judgement(Verdict.FAIL, f"shape {seen.shape} vs expected shape {want.shape} {tolerance}")
+    delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
+    where, margin = _worst(delta, allowed)
+    verdict = _verdict(bool(np.all(delta <= allowed)))
+    if want.ndim == 0:
+        detail = f"got {seen:.6g} vs expected {want:.6g} {tolerance}"
+        return Judgement(verdict, detail, float(seen), float(want), margin)
+    largest = float(delta.max()) if delta.size else 0.0
+    return Judgement(verdict, f"max|Δ| = {largest:.6g} {tolerance}", largest, 0.0, margin, where)
+
+
+def conserved(series: ArrayLike, limit: float) -> Judgement:
+    """max |s(t)/s(0) − 1| ≤ limit along a series; a series that starts at zero must stay there."""
+    values = _real(series)
+    if values.ndim != 1 or values.size < 2:
+        return Judgement(Verdict.FAIL, f"shape {values.shape} is not a series")
+    delta, scale = np.abs(values - values[0]), abs(values[0])
+    drift = delta / scale if scale > 0 else np.where(delta == 0, 0.0, np.inf)
+    where, margin = _worst(drift, np.full_like(drift, limit))
+    largest = float(drift.max())
+    detail = f"max relative drift = {largest:.6g} (limit {limit:g})"
+    return Judgement(_verdict(bool(np.all(drift <= limit))), detail, largest, 0.0, margin, where)
+
+
+def below(value: ArrayLike, limit: float) -> Judgement:
+    """value ≤ limit, for one number or the largest of many."""
+    values = _real(value)
+    where, margin = _worst(values, np.full_like(values, limit))
+    largest = float(values.max())
+    return Judgement(_verdict(bool(np.all(values <= limit))), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
+
+
+def positive(value: ArrayLike) -> Judgement:
+    """value > 0, for one number or the smallest of many."""
+    smallest = float(_real(value).min())
+    return Judgement(_verdict(smallest > 0), f"got {smallest:.6g} (must be > 0)", smallest)
+
+
+def holds(ok: Any, detail: str) -> Judgement:
+    """A claim with its own detail text. Only a true bool passes; an array or a NaN does not."""
+    return Judgement(_verdict(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
+
+
+def _verdict(ok: bool) -> Verdict:
+    return Verdict.PASS if ok else Verdict.FAIL
+
+
+def _worst(delta: Array, allowed: Array) -> tuple[tuple[int, ...] | None, float | None]:
+    """Index and margin of the value that uses most of its allowance; a value that is not a number is the worst of all."""
+    if delta.size == 0:
+        return None, None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        used = np.where(delta == 0, 0.0, delta / allowed)
+    used = np.where(np.isnan(used), np.inf, used)
+    flat = int(np.argmax(used))
+    where: Sequence[np.intp] = np.unravel_index(flat, delta.shape)
+    most = float(used.flat[flat])
+    return tuple(int(i) for i in where), (None if most == 0.0 else 1.0 / most)
+
+
+def _real(x: ArrayLike) -> Array:
+    array = np.asarray(x)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"a check compares real numbers, not {array.dtype}")
+    return array.astype(float)

@@ -1,0 +1,88 @@
+"""What is done with a submission's functions, inside the wall: numbers in, arrays out, no judgement and no truth.
+
+Each play takes the submission's names and a scene's inputs and returns arrays by name. It uses its own integrator, bound
+before the submission runs, so that replacing ``solve_ivp`` changes nothing here.
+"""
+
+import ecp.animate
+import numpy as np
+from ecp import film
+from ecp.strict import WrongAnswer, real_array
+from scipy.integrate import solve_ivp
+
+# The notebook's own settings; a right submission needs under 4000 calls on every scene.
+RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
+
+
+def box(student, inputs):
+    """``box_moments`` for each row (m, a, b, c)."""
+    function = student["box_moments"]
+    rows = [real_array(function(*map(float, row)), (3,), "box_moments") for row in np.asarray(inputs["boxes"])]
+    return {"moments": np.array(rows)}
+
+
+def tensors(student, inputs):
+    """``principal_moments`` of each tensor (3, 3), in the order it returned them."""
+    function = student["principal_moments"]
+    rows = [real_array(function(np.array(tensor)), (3,), "principal_moments") for tensor in np.asarray(inputs["tensors"])]
+    return {"moments": np.array(rows)}
+
+
+def pointwise(student, inputs):
+    """``euler_eqs`` asked once per probe, with its own copies of the arguments."""
+    function = student["euler_eqs"]
+    answers = []
+    for t, w, I in zip(inputs["t"], np.asarray(inputs["w"]), np.asarray(inputs["I"]), strict=True):
+        spin, moments = w.copy(), I.copy()
+        answer = function(float(t), spin, moments)
+        answers.append(real_array(answer, (3,), "euler_eqs"))
+        if not (np.array_equal(spin, w) and np.array_equal(moments, I)):
+            raise WrongAnswer("mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array")
+    return {"wdot": np.array(answers)}
+
+
+def trajectory(student, inputs):
+    """The motion that ``euler_eqs`` drives: ω alone, or with the attitude where ``orientation`` is asked for."""
+    function, moments = student["euler_eqs"], np.asarray(inputs["I"], dtype=float)
+    times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
+    calls = 0
+
+    def spin_rate(t, w):
+        nonlocal calls
+        calls += 1
+        if calls > MOST_CALLS:
+            raise WrongAnswer("stalls", f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
+        return real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
+
+    def both_rates(t, y):
+        w1, w2, w3 = y[:3]
+        turn = np.array([[0.0, -w3, w2], [w3, 0.0, -w1], [-w2, w1, 0.0]])
+        return np.concatenate([spin_rate(t, y[:3].copy()), (y[3:].reshape(3, 3) @ turn).ravel()])
+
+    start = np.asarray(inputs["w0"], dtype=float)
+    if not inputs["orientation"]:
+        return {"t": times, "w": _integrate(spin_rate, start, times)}
+    y = _integrate(both_rates, np.concatenate([start, np.eye(3).ravel()]), times)
+    return {"t": times, "w": y[:3], "R": y[3:].T.reshape(-1, 3, 3)}
+
+
+def precession(student, inputs):
+    """``precession_rate`` of a given motion: one number."""
+    rate = student["precession_rate"](np.array(inputs["t"]), np.array(inputs["w"]))
+    return {"rate": real_array(rate, (), "precession_rate")}
+
+
+def animation(student, inputs):
+    """Stills of ``animate_precession``, returned or handed to ``ecp.animate.show``."""
+    ecp.animate.shown.clear()
+    anim = student["animate_precession"](*(np.array(inputs[name]) for name in ("t", "R", "L")))
+    if anim is None and ecp.animate.shown:
+        anim = ecp.animate.shown[-1]
+    return {"frames": film.stills(anim, float(inputs["seconds"]))}
+
+
+def _integrate(rhs, start, times):
+    run = solve_ivp(rhs, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
+    if not run.success:
+        raise WrongAnswer("stalls", f"the integration stopped at t = {run.t[-1] if run.t.size else 0:.3g} s: {run.message}")
+    return run.y

@@ -1,0 +1,123 @@
+"""The scenes of notebook 2.6: which function is called with which numbers, what comes back, and the exact answer."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import reference
+from numpy.typing import NDArray
+
+from exercises.assignment import Blank, Inputs, Scene
+
+Array = NDArray[np.float64]
+
+BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
+BOOK = reference.box_moments(*BOX)
+SPIN = 6.0  # rad/s about each axis of the book in turn
+NUDGE = 0.02  # both other components, as a fraction of the spin
+PROBES = 32
+BODY = (2.0, 3.0, 4.0)  # moments of exercises 2 and 3
+TORQUE_FREE = (1.0, 0.6, 0.8)  # and their spin: T = 2.82 J, |L| = 4.180909 kg m²/s
+SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
+
+
+def _same_energy(*direction: float) -> tuple[float, ...]:
+    """ω(0) along ``direction`` with the kinetic energy of the torque-free scene, so that its polhode lies on the same ellipsoid."""
+    energies = [float(reference.kinetic_energy(w, BODY)) for w in (TORQUE_FREE, direction)]
+    return tuple(float(x) for x in np.asarray(direction) * np.sqrt(energies[0] / energies[1]))
+
+
+def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, orientation: bool = False) -> Scene:
+    inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
+    returns = {"t": Blank((n,)), "w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
+    return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=4.0, after="probes")
+
+
+def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
+    times = np.linspace(0.0, inputs["t_end"], inputs["n"])
+    exact = reference.motion(inputs["w0"], inputs["I"], times, need="orientation" if inputs["orientation"] else "omega")
+    return {"t": exact.t, "w": exact.w} | ({} if exact.R is None else {"R": exact.R})
+
+
+def _probes(rng: np.random.Generator) -> Inputs:
+    edges = rng.uniform(0.4, 2.0, (PROBES, 3))
+    moments = np.array([reference.box_moments(6.0, *edge) for edge in edges])
+    return {"t": rng.uniform(0.0, 20.0, PROBES), "w": rng.uniform(-3.0, 3.0, (PROBES, 3)), "I": moments}
+
+
+def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
+    return {"wdot": reference.euler_rhs(np.asarray(inputs["w"]).T, np.asarray(inputs["I"]).T).T}
+
+
+def _boxes(rng: np.random.Generator) -> Inputs:
+    return {"boxes": np.column_stack([rng.uniform(0.5, 3.0, 8), rng.uniform(0.2, 3.0, (8, 3))])}
+
+
+def _exact_boxes(inputs: Inputs) -> Mapping[str, Array]:
+    return {"moments": np.array([reference.box_moments(*row) for row in np.asarray(inputs["boxes"])])}
+
+
+def _tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
+    turns = [np.linalg.qr(rng.random((3, 3)))[0] for _ in boxes]
+    return {"tensors": [reference.box_tensor(*box, R).tolist() for box, R in zip(boxes, turns, strict=True)]}
+
+
+def _drawn_tensors(rng: np.random.Generator) -> Inputs:
+    return _tilted(np.asarray(_boxes(rng)["boxes"]), rng)
+
+
+def _exact_tensors(inputs: Inputs) -> Mapping[str, Array]:
+    return {"moments": reference.principal_moments(inputs["tensors"])}
+
+
+def _spun(axis: int) -> tuple[float, ...]:
+    return tuple(SPIN if i == axis else NUDGE * SPIN for i in range(3))
+
+
+def _given_precession(rng: np.random.Generator) -> Inputs:
+    i1, i3, w3, transverse, phase = rng.uniform([1.0, 1.1, 1.0, 0.1, 0.0], [2.0, 1.9, 4.0, 0.8, 6.0])
+    t, rate = np.linspace(0.0, 12.0, 1500), reference.free_precession_rate((i1, i1, i1 * i3), w3)
+    w = np.array([transverse * np.cos(rate * t + phase), transverse * np.sin(rate * t + phase), np.full_like(t, w3)])
+    return {"t": t, "w": w}
+
+
+def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
+    return {"rate": np.array(reference.precession_rate(inputs["t"], inputs["w"]))}
+
+
+def _shown_motion() -> Inputs:
+    # A motion graded nowhere else: what an animation is given to draw must not answer another scene's question.
+    w0, I, times = (0.9, 0.0, 1.4), SYMMETRIC, np.linspace(0.0, 4.0, 96)
+    exact = reference.motion(w0, I, times, need="orientation")
+    assert exact.R is not None
+    return {"t": times, "R": exact.R, "L": reference.angular_momentum(w0, I), "seconds": 12.0}
+
+
+ONE_BOX = {"boxes": [list(BOX)]}
+THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
+
+SCENES = (
+    Scene("box", "box", "box_moments", ONE_BOX, {"moments": Blank((1, 3))}, _exact_boxes, 1.0),
+    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0),
+    Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
+    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0),
+    Scene("probes", "pointwise", "euler_eqs", _probes, {"wdot": Blank((PROBES, 3))}, _exact_rates, 2.0),
+    _trajectory("torque-free", TORQUE_FREE, BODY, 20.0, 3100, orientation=True),
+    _trajectory("polhode-3", _same_energy(0.2, 0.3, 1.1), BODY, 20.0, 1000),
+    _trajectory("polhode-1", _same_energy(1.1, 0.3, 0.2), BODY, 20.0, 1000),
+    _trajectory("symmetric", (0.4, 0.0, 3.0), SYMMETRIC, 8.0, 800),
+    _trajectory("spin-min", _spun(0), BOOK, 2.5, 1500, orientation=True),
+    _trajectory("spin-mid", _spun(1), BOOK, 2.5, 1500, orientation=True),
+    _trajectory("spin-max", _spun(2), BOOK, 2.5, 1500, orientation=True),
+    _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
+    Scene("rate", "precession", "precession_rate", _given_precession, {"rate": Blank(())}, _exact_precession, 1.0),
+    Scene(
+        "film",
+        "animation",
+        "animate_precession",
+        _shown_motion(),
+        {"frames": Blank((24, 360, 480, 3), "uint8", up_to=True)},
+        lambda inputs: {},
+        15.0,
+    ),
+)

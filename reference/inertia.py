@@ -1,0 +1,43 @@
+"""Moments of inertia: the uniform box, principal moments of a tensor, and which triples a real body can have."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+# A flat plate has I₁ + I₂ = I₃ exactly; computed moments may break that by rounding, and only by rounding.
+_TRIANGLE_SLACK = 1e-12
+
+
+def box_moments(m: float, a: float, b: float, c: float) -> Array:
+    """Principal moments (3,) of a uniform box of mass ``m`` (kg) with full edges ``a, b, c`` (m) along ê₁, ê₂, ê₃.
+
+    I₁ = m (b² + c²) / 12 and cyclically (Landau & Lifshitz, Mechanics, §32).
+    """
+    return m / 12.0 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])
+
+
+def box_tensor(m: float, a: float, b: float, c: float, R: ArrayLike) -> Array:
+    """Inertia tensor (3, 3) of that box in space axes when its attitude is ``R`` (3, 3): R diag(I) Rᵀ."""
+    attitude = np.asarray(R, dtype=float)
+    return attitude @ np.diag(box_moments(m, a, b, c)) @ attitude.T
+
+
+def principal_moments(tensor: ArrayLike) -> Array:
+    """Principal moments (..., 3) of symmetric tensors (..., 3, 3), ascending."""
+    return np.linalg.eigvalsh(np.asarray(tensor, dtype=float))
+
+
+def check_moments(I: ArrayLike) -> Array:
+    """``I`` as a float array (3,), or ValueError saying why no rigid body has these moments.
+
+    Each moment is positive and none exceeds the sum of the other two (equality: a flat plate).
+    """
+    moments = np.asarray(I, dtype=float)
+    if moments.shape != (3,):
+        raise ValueError(f"a rigid body has three principal moments; got shape {moments.shape}")
+    if not np.all(np.isfinite(moments)) or not np.all(moments > 0):
+        raise ValueError(f"principal moments are positive and finite; got {moments.tolist()}")
+    if 2 * moments.max() > moments.sum() * (1 + _TRIANGLE_SLACK):
+        raise ValueError(f"no moment exceeds the sum of the other two (triangle inequality); got {moments.tolist()}")
+    return moments

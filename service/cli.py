@@ -1,0 +1,73 @@
+"""The command line: serve, grade, assignments. Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure."""
+
+import argparse
+import json
+import secrets
+import sys
+from pathlib import Path
+
+from exercises.assignment import assignments
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; its exit code."""
+    parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    serve = commands.add_parser("serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set")
+    serve.add_argument("--host", help="address to listen on (POLHODE_HOST, default 127.0.0.1)")
+    serve.add_argument("--port", type=int, help="port to listen on (POLHODE_PORT, default 8000)")
+    serve.set_defaults(run=_serve)
+    grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
+    grade.add_argument("files", nargs="+", type=Path, metavar="FILE")
+    grade.add_argument("--assignment", default="rigid-body", choices=sorted(assignments()), help="default rigid-body")
+    grade.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
+    grade.add_argument("--seed", type=int, default=None, help="draw the secret scenes from this seed, as a report names it")
+    grade.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
+    grade.add_argument("--out", type=Path, metavar="DIR", help="write each report, its figures and contact sheets into DIR")
+    grade.set_defaults(run=_grade)
+    commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
+    arguments = parser.parse_args(argv)
+    return int(arguments.run(arguments))
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    from service.serve import serve
+    from service.settings import Settings
+
+    given = {name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}
+    return serve(Settings(**given))
+
+
+def _assignments(arguments: argparse.Namespace) -> int:
+    for assignment in assignments().values():
+        print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
+        for exercise in assignment.exercises:
+            print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
+    return 0
+
+
+def _grade(arguments: argparse.Namespace) -> int:
+    from service.batch import grade_files
+    from service.grading.grade import UnknownExercise
+    from service.grading.submission import BadSubmission
+    from service.sandbox.seen import Fault
+    from service.sandbox.walls import WallsMissing
+
+    seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
+    try:
+        graded = grade_files(arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out)
+        reports = []
+        for file, report in graded:
+            reports.append({"file": str(file), "report": report.model_dump(mode="json")})
+            if not arguments.json:
+                print(f"== {file}\n{report.text()}", flush=True)
+    except (BadSubmission, UnknownExercise, WallsMissing, Fault, OSError) as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    if arguments.json:
+        print(json.dumps({"reports": reports}, ensure_ascii=False))
+    return 0 if all(r["report"]["passed"] for r in reports) else 1  # type: ignore[index]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,101 @@
+"""Grading beside the web server: a pool of worker processes, never the event loop; a fault is ours and never a verdict."""
+
+import asyncio
+import logging
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+from uuid import UUID
+
+from service import worker
+from service.grading.report import Report
+from service.sandbox.seen import Fault
+from service.store.store import Store, Stored
+
+log = logging.getLogger(__name__)
+TRIES = 2
+
+
+class Grader:
+    """Takes stored submissions one by one and writes their results. ``store`` is the truth; this holds only who is waiting."""
+
+    def __init__(self, store: Store, walls: str, workers: int) -> None:
+        self._store, self._walls, self._workers = store, walls, workers
+        self._pool = self._new_pool()
+        self._waiting: dict[UUID, asyncio.Task[None]] = {}
+        self.running: set[UUID] = set()
+        self._slots = asyncio.Semaphore(workers)
+
+    async def start(self) -> str:
+        """Warm every worker and take up what was accepted but not graded; the walls in force. Fault if they do not stand."""
+        names = await asyncio.gather(*(self._call(worker.ready) for _ in range(self._workers)))
+        for id in await self._store.unfinished():
+            self.take(id)
+        return names[0]
+
+    async def stop(self) -> None:
+        """Give up what is running (it is stored and will be taken up again) and end the workers."""
+        for task in self._waiting.values():
+            task.cancel()
+        await asyncio.gather(*self._waiting.values(), return_exceptions=True)
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def take(self, id: UUID) -> None:
+        """Grade that submission as soon as a worker is free."""
+        if id not in self._waiting:
+            self._waiting[id] = task = asyncio.create_task(self._grade(id))
+            task.add_done_callback(lambda _: self._waiting.pop(id, None))
+
+    async def wait(self, id: UUID, seconds: float) -> None:
+        """Return when that submission has its result, or after ``seconds``."""
+        if task := self._waiting.get(id):
+            await asyncio.wait([task], timeout=seconds)
+
+    async def draw(self, stored: Stored, figure: str, packed: bytes, form: str) -> bytes:
+        """Draw a figure in a worker."""
+        return bytes(await self._call(worker.draw_one, stored.assignment, figure, packed, stored.seed, form))
+
+    async def _grade(self, id: UUID) -> None:
+        async with self._slots:
+            self.running.add(id)
+            try:
+                stored = await self._store.get(id)
+                if stored is None or stored.finished:
+                    return
+                report, artefacts, fault = await self._attempt(stored)
+                await self._store.finish(id, report, fault, artefacts)
+            except asyncio.CancelledError:
+                raise
+            except Exception:
+                log.exception("submission %s could not be graded and stays unfinished", id)
+            finally:
+                self.running.discard(id)
+
+    async def _attempt(self, stored: Stored) -> tuple[Report | None, dict[str, bytes], str | None]:
+        fault = ""
+        for _ in range(TRIES):
+            try:
+                document, artefacts = await self._call(
+                    worker.grade_one, stored.submission, stored.assignment, stored.exercises, stored.seed
+                )
+                return Report.model_validate_json(document), artefacts, None
+            except Exception as error:
+                log.exception("grading submission %s failed", stored.id)
+                fault = str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}"
+        return None, {}, fault
+
+    async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
+        """Run in the pool; a pool that lost a worker is replaced, once for all who noticed."""
+        pool = self._pool
+        try:
+            return await asyncio.get_running_loop().run_in_executor(pool, function, *args)
+        except BrokenProcessPool:
+            if self._pool is pool:
+                self._pool = self._new_pool()
+            raise
+
+    def _new_pool(self) -> ProcessPoolExecutor:
+        spawn = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self._workers, mp_context=spawn, initializer=worker.start, initargs=(self._walls,))

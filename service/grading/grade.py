@@ -1,0 +1,170 @@
+"""Grade a submission: draw the scenes, play them behind the wall, judge what comes back by the exact motion."""
+
+import functools
+import platform
+import zlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib import metadata
+
+import numpy as np
+from ecp.judge import Verdict
+
+from exercises.assignment import Assignment, Exercise, Inputs, Scene
+from exercises.checks import Arrays, Check
+from exercises.outcome import Diagnosis, Outcome
+from service.grading.report import ExerciseReport, Picture, Provenance, Report
+from service.grading.submission import Submission
+from service.sandbox.job import Job, Played
+from service.sandbox.seen import Ending, Seen
+from service.sandbox.walls import Sandbox
+
+VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
+
+
+@dataclass(frozen=True)
+class Graded:
+    """A report, the exercises it covers, and the arrays it was judged from: what figures are drawn of."""
+
+    report: Report
+    exercises: list[Exercise]
+    arrays: Mapping[str, Arrays]
+
+
+class UnknownExercise(ValueError):
+    """An exercise number the assignment does not have."""
+
+
+def grade(
+    submission: Submission, assignment: Assignment, sandbox: Sandbox, seed: int, numbers: Iterable[str] | None = None
+) -> Graded:
+    """Grade the exercises ``numbers``, or without them every exercise the submission has attempted.
+
+    ``seed`` draws the scenes a student must not know; the same seed gives the same questions. Raises UnknownExercise, and
+    Fault when the sandbox fails: then there is no report.
+    """
+    asked = select(assignment, numbers)
+    wanted = {s for e in asked for s in e.scenes()}
+    inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
+    seen = sandbox.play(_job(submission, assignment, inputs))
+    attempted = [e for e in asked if numbers is not None or seen.defined & set(e.functions)] or asked
+    sections = [_judge(e, assignment, seen, inputs) for e in attempted]
+    told = _with_precursors(assignment, {s for e in attempted for s in e.scenes()})
+    shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
+    report = Report(
+        assignment=assignment.slug,
+        version=assignment.version,
+        exercises=sections,
+        figures=[
+            Picture(name=f.name, exercise=e.number, title=f.title, alt=f.alt)
+            for e in attempted
+            for f in e.figures
+            if set(f.scenes) <= set(shown)
+        ],
+        animations=[
+            Picture(name=a.name, exercise=e.number, title=a.title, alt=a.alt)
+            for e in attempted
+            for a in e.animations
+            if a.scene in shown
+        ],
+        endings=[e for e in seen.endings.values() if e.scene in told or e.scene.startswith("cell ")],
+        stdout=seen.stdout,
+        provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls),
+    )
+    return Graded(report, attempted, shown)
+
+
+def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exercise]:
+    """The exercises of those numbers, in the assignment's order; all of them for None."""
+    if numbers is None:
+        return list(assignment.exercises)
+    wanted = set(numbers)
+    if unknown := wanted - {e.number for e in assignment.exercises}:
+        raise UnknownExercise(f"assignment {assignment.slug} has no exercise {', '.join(sorted(unknown))}")
+    return [e for e in assignment.exercises if e.number in wanted]
+
+
+def draw_inputs(scene: Scene, seed: int) -> Inputs:
+    """The scene's inputs: fixed, or drawn from a generator of the seed and the scene's name alone."""
+    if not callable(scene.inputs):
+        return scene.inputs
+    return scene.inputs(np.random.default_rng([seed, zlib.crc32(scene.name.encode())]))
+
+
+def truth(scene: Scene, inputs: Inputs) -> Arrays:
+    """The exact answer of a scene; kept where the inputs are fixed."""
+    return scene.truth(inputs) if callable(scene.inputs) else _fixed_truth(scene)
+
+
+@functools.cache
+def versions() -> dict[str, str]:
+    """Versions of Python and of what the numbers depend on."""
+    return {"python": platform.python_version()} | {name: metadata.version(name) for name in VERSIONS_OF}
+
+
+@functools.cache
+def _fixed_truth(scene: Scene) -> Arrays:
+    assert not callable(scene.inputs)
+    return scene.truth(scene.inputs)
+
+
+def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:
+    """The wanted scenes and those they come after, which tell the likelier cause of a failure first."""
+    return wanted | {after for s in assignment.scenes if s.name in wanted and (after := s.after) is not None}
+
+
+def _job(submission: Submission, assignment: Assignment, inputs: Mapping[str, Inputs]) -> Job:
+    scenes = tuple(
+        Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after)
+        for s in assignment.scenes
+        if s.name in inputs
+    )
+    setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
+    return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), scenes)
+
+
+def _judge(exercise: Exercise, assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> ExerciseReport:
+    outcomes = []
+    for check in exercise.checks:
+        scenes = [assignment.scene(name) for name in check.scenes]
+        if any(s.function not in seen.defined | set(exercise.functions) and seen.defined for s in scenes):
+            continue  # it judges a function that this exercise can do without
+        outcome = _outcome(check, scenes, seen, inputs)
+        if outcome.verdict is not Verdict.PASS:
+            outcome.diagnosis = _likely(scenes, assignment, seen, inputs)
+        outcomes.append(outcome)
+    return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
+
+
+def _outcome(check: Check, scenes: list[Scene], seen: Seen, inputs: Mapping[str, Inputs]) -> Outcome:
+    for scene in scenes:
+        if not seen.finished(scene.name):
+            return check.unmeasured(_cause(scene, seen))
+    return check.judge([seen.arrays[s.name] for s in scenes], [truth(s, inputs[s.name]) for s in scenes])
+
+
+def _cause(scene: Scene, seen: Seen) -> str:
+    """Why a scene brought nothing: its own ending, or that of the scene it comes after, or of the cell that failed before."""
+    ending = seen.endings.get(scene.name)
+    if ending is None:
+        return "your code stopped before this was played"
+    if ending.ending is Ending.NOT_PLAYED and scene.after in seen.endings:
+        ending = seen.endings[scene.after]
+    failed = [e for e in seen.endings.values() if e.scene.startswith("cell ")]
+    if ending.ending is Ending.MISSING and failed:
+        return f"{ending.sentence}; {failed[0].scene.removeprefix('cell ')} stopped with {failed[0].sentence}"
+    return ending.sentence
+
+
+def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> list[Diagnosis]:
+    """The likely cause: what the numbers of a scene or of the one before it single out, else how it ended."""
+    for scene in scenes:
+        for name in (scene.after, scene.name):
+            if name in seen.arrays and (found := assignment.diagnose(name, inputs[name], seen.arrays[name])):
+                return found
+    for scene in scenes:
+        for name in (scene.after, scene.name):
+            ending = seen.endings.get(name or "")
+            if ending is not None and ending.code is not None:
+                return [Diagnosis(code=ending.code, sentence=ending.sentence, confidence=1.0)]
+    return []

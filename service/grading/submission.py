@@ -1,0 +1,56 @@
+"""What a student sent, as cells of source text. Nothing here parses Python: that is left to the far side of the wall."""
+
+import json
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from service.sandbox.job import Cell
+
+MOST_BYTES = 256 * 1024
+
+
+class BadSubmission(ValueError):
+    """Not something that can be graded; the message tells the student what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Submission:
+    """Source text under the file name it came with; a name ending in .ipynb means a notebook."""
+
+    source: str
+    filename: str = "submission.py"
+
+    @classmethod
+    def from_bytes(cls, data: bytes, filename: str) -> "Submission":
+        """A submission from an uploaded file; BadSubmission if it is too large, not text, or not a notebook although named so."""
+        if len(data) > MOST_BYTES:
+            raise BadSubmission(f"the submission has {len(data)} bytes; at most {MOST_BYTES} are accepted")
+        try:
+            source = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            raise BadSubmission(f"{filename} is not a text file (UTF-8)") from None
+        if "\x00" in source:
+            raise BadSubmission(f"{filename} is not a text file (it holds zero bytes)")
+        submission = cls(source, PurePath(filename).name or "submission.py")
+        if not any(cell.source.strip() for cell in submission.cells()):
+            raise BadSubmission(f"{filename} holds no code")
+        return submission
+
+    def cells(self) -> tuple[Cell, ...]:
+        """The code cells of a notebook, or the whole file as one cell."""
+        if not self.filename.endswith(".ipynb"):
+            return (Cell("submission.py", self.source),)
+        return _notebook_cells(self.source)
+
+
+def _notebook_cells(source: str) -> tuple[Cell, ...]:
+    try:
+        notebook = json.loads(source)
+        code = [_text(c["source"]) for c in notebook["cells"] if c["cell_type"] == "code"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise BadSubmission("this is not a Jupyter notebook (format 4) although its name says so") from None
+    return tuple(Cell(f"cell {number}", text) for number, text in enumerate(code, start=1))
+
+
+def _text(source: str | list[str]) -> str:
+    return source if isinstance(source, str) else "".join(source)

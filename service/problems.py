@@ -1,0 +1,67 @@
+"""One shape for every error: problem+json (RFC 9457) with a stable type, and where in the request it lies."""
+
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+TITLES = {
+    "bad-submission": "This cannot be graded",
+    "busy": "The server cannot grade now",
+    "invalid-request": "The request is not understood",
+    "key-reused": "This idempotency key was used for another submission",
+    "not-found": "There is nothing here",
+    "not-ready": "The result is not there yet",
+    "too-large": "The request is too large",
+    "unknown-exercise": "The assignment has no such exercise",
+    "unsupported-media-type": "Send JSON or a multipart file",
+}
+BY_STATUS = {404: "not-found", 405: "invalid-request", 413: "too-large", 415: "unsupported-media-type", 503: "busy"}
+
+
+class Problem(Exception):
+    """An error answer. ``kind`` is a key of TITLES; ``pointer`` names the offending part of a JSON body (RFC 6901)."""
+
+    def __init__(self, status: int, kind: str, detail: str, pointer: str | None = None) -> None:
+        super().__init__(detail)
+        self.status, self.kind, self.detail, self.pointer = status, kind, detail, pointer
+
+
+def install(app: FastAPI) -> None:
+    """Answer every error of ``app`` as a problem."""
+    app.add_exception_handler(Problem, _problem)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(RequestValidationError, _validation)
+    app.add_exception_handler(Exception, _crash)
+
+
+def answer(status: int, kind: str, detail: str, errors: list[dict[str, Any]] | None = None, **headers: str) -> JSONResponse:
+    """The problem document as a response."""
+    body = {"type": f"urn:polhode:problem:{kind}", "title": TITLES.get(kind, "Error"), "status": status, "detail": detail}
+    if errors:
+        body["errors"] = errors
+    return JSONResponse(body, status, headers, media_type="application/problem+json")
+
+
+async def _problem(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, Problem)
+    errors = [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
+    return answer(error.status, error.kind, error.detail, errors)
+
+
+async def _http(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)
+    kind = BY_STATUS.get(error.status_code, "invalid-request")
+    return answer(error.status_code, kind, f"{error.detail}: {request.method} {request.url.path}", None, **(error.headers or {}))
+
+
+async def _validation(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
+    return answer(422, "invalid-request", errors[0]["detail"] if errors else "invalid", errors)
+
+
+async def _crash(request: Request, error: Exception) -> JSONResponse:
+    return answer(500, "fault", "polhode failed; the failure is ours and has been logged")

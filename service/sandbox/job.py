@@ -1,0 +1,71 @@
+"""The question that crosses the wall: code to load and scenes to play, never an answer."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exercises.assignment import Blank
+
+LOAD_BUDGET_S = 10.0
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A piece of the submission under the name a traceback shows."""
+
+    name: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Played:
+    """A scene with its inputs drawn, and the blanks that may come back for it."""
+
+    name: str
+    play: str
+    function: str
+    inputs: Mapping[str, Any]
+    returns: Mapping[str, Blank]
+    budget_s: float
+    after: str | None
+
+
+@dataclass(frozen=True)
+class Job:
+    """One submission's cells, the assignment's setup and plays as source text, and the scenes in order."""
+
+    setup: str
+    plays: str
+    cells: tuple[Cell, ...]
+    functions: tuple[str, ...]
+    scenes: tuple[Played, ...]
+
+    def without(self, done: set[str]) -> "Job":
+        """The same job with only the scenes that are not in ``done``."""
+        left = tuple(s for s in self.scenes if s.name not in done)
+        return Job(self.setup, self.plays, self.cells, self.functions, left)
+
+    def encode(self) -> bytes:
+        """The job as the guest reads it: JSON. What may come back (``returns``) is the host's business and stays."""
+        scenes = [
+            {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
+            for s in self.scenes
+        ]
+        document = {
+            "setup": self.setup,
+            "plays": self.plays,
+            "cells": [[c.name, c.source] for c in self.cells],
+            "functions": self.functions,
+            "load_budget_s": LOAD_BUDGET_S,
+            "scenes": scenes,
+        }
+        return json.dumps(document, default=_listed, allow_nan=False).encode()
+
+
+def _listed(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not an input of a scene")

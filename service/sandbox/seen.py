@@ -1,0 +1,67 @@
+"""What came back through the wall: arrays checked by the host, and how each scene ended."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+
+class Ending(StrEnum):
+    """How the execution of a scene, or of a cell, stopped. It says nothing about whether the answer is right."""
+
+    FINISHED = "finished"
+    RAISED = "raised"
+    WRONG_ANSWER = "wrong-answer"
+    MISSING = "missing-function"
+    TIMED_OUT = "timed-out"
+    MEMORY = "memory"
+    EXITED = "exited"
+    KILLED = "killed"
+    OUTPUT = "output"
+    PROTOCOL = "protocol"
+    NOT_PLAYED = "not-played"
+
+
+SENTENCES = {
+    Ending.FINISHED: "finished",
+    Ending.RAISED: "your code raised an exception",
+    Ending.WRONG_ANSWER: "your function returned something else than was asked for",
+    Ending.MISSING: "the function is not defined",
+    Ending.TIMED_OUT: "your code did not finish in the time allowed",
+    Ending.MEMORY: "your code asked for more memory than is allowed",
+    Ending.EXITED: "your code ended the Python process",
+    Ending.KILLED: "the Python process crashed",
+    Ending.OUTPUT: "your code printed or returned far too much",
+    Ending.PROTOCOL: "what came back was not a result",
+    Ending.NOT_PLAYED: "not played, because an earlier step did not finish",
+}
+
+
+class SceneEnding(BaseModel):
+    """The ending of one scene or cell, with the public diagnosis code and the student's traceback where there is one."""
+
+    scene: str
+    ending: Ending
+    sentence: str
+    code: str | None = None
+    traceback: str | None = None
+
+
+@dataclass
+class Seen:
+    """Everything one play brought back. ``arrays`` holds float64 or uint8 arrays by scene and name."""
+
+    defined: set[str] = field(default_factory=set)
+    arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
+    endings: dict[str, SceneEnding] = field(default_factory=dict)
+    stdout: str = ""
+
+    def finished(self, scene: str) -> bool:
+        """Whether that scene was played to its end."""
+        return scene in self.endings and self.endings[scene].ending is Ending.FINISHED
+
+
+class Fault(Exception):
+    """Our own failure: the submission could not be graded. Never a verdict."""

@@ -1,0 +1,157 @@
+"""Reading the guest's frames. Until this module has checked them they are bytes from a stranger.
+
+A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` is an
+array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. The host knows which
+arrays a scene may bring, their element type and their largest shape; anything else breaks the protocol.
+"""
+
+import json
+import math
+import struct
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exercises.assignment import Blank
+from service.sandbox.job import Job
+from service.sandbox.seen import Ending, SceneEnding, Seen
+
+MOST_JSON = 64 * 1024
+MOST_TEXT = 8 * 1024
+DTYPES = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
+HEAD = struct.Struct("<cI")
+
+
+class ProtocolError(Exception):
+    """The bytes that came back are not what this job may answer."""
+
+
+class Reader:
+    """Turns the byte stream of one play into ``seen``; ``started`` is the scene in progress, ``done`` the guest's last word."""
+
+    def __init__(self, job: Job, seen: Seen) -> None:
+        self.seen, self.done, self.started = seen, False, None
+        self._scenes = {s.name: s for s in job.scenes}
+        self._functions = set(job.functions)
+        self._cells = {c.name for c in job.cells}
+        self._longest = max([MOST_JSON, *(_size(b) + 1024 for s in job.scenes for b in s.returns.values())])
+        self._buffer = bytearray()
+
+    started: str | None
+
+    def feed(self, data: bytes) -> None:
+        """Take more bytes; ProtocolError as soon as they cannot be an answer."""
+        self._buffer += data
+        for kind, payload in self._frames():
+            if self.done:
+                raise ProtocolError("bytes after the end")
+            if kind == b"J":
+                self._event(_json(payload))
+            else:
+                self._array(payload)
+
+    def _frames(self) -> Iterator[tuple[bytes, bytes]]:
+        while len(self._buffer) >= HEAD.size:
+            kind, length = HEAD.unpack_from(self._buffer)
+            if kind not in (b"J", b"A") or length > (MOST_JSON if kind == b"J" else self._longest):
+                raise ProtocolError("not a frame")
+            if len(self._buffer) < HEAD.size + length:
+                return
+            payload = bytes(self._buffer[HEAD.size : HEAD.size + length])
+            del self._buffer[: HEAD.size + length]
+            yield kind, payload
+
+    def _event(self, event: Mapping[str, Any]) -> None:
+        match event.get("event"):
+            case "defined":
+                self.seen.defined = {n for n in event.get("names", []) if isinstance(n, str)} & self._functions
+            case "start":
+                self.started = self._known(event, self._scenes)
+            case "scene":
+                name = self._known(event, self._scenes)
+                self.seen.endings[name] = _ending(name, event)
+                self.started = None
+                if not self.seen.finished(name) or set(self.seen.arrays.get(name, {})) != set(self._scenes[name].returns):
+                    self._incomplete(name)
+            case "cell":
+                name = self._known(event, self._cells)
+                self.seen.endings[f"cell {name}"] = _ending(f"cell {name}", event)
+            case "done":
+                self.done = True
+            case _:
+                raise ProtocolError("unknown event")
+
+    def _incomplete(self, name: str) -> None:
+        """A scene that did not finish, or finished without its arrays, leaves no arrays behind."""
+        self.seen.arrays.pop(name, None)
+        if self.seen.finished(name):
+            raise ProtocolError("a scene ended without its arrays")
+
+    def _known(self, event: Mapping[str, Any], names: Any) -> str:
+        name = event.get("scene")
+        if not isinstance(name, str) or name not in names:
+            raise ProtocolError("unknown scene")
+        return name
+
+    def _array(self, payload: bytes) -> None:
+        (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
+        header = _json(payload[2 : 2 + length])
+        scene = self._known(header, self._scenes)
+        blank = self._scenes[scene].returns.get(str(header.get("name")))
+        if blank is None or scene != self.started:
+            raise ProtocolError("an array nobody asked for")
+        shape = _shape(header.get("shape"), blank)
+        raw = payload[2 + length :]
+        if len(raw) != math.prod(shape) * DTYPES[blank.dtype].itemsize:
+            raise ProtocolError("an array of another length than its shape")
+        array: NDArray[Any] = np.frombuffer(raw, DTYPES[blank.dtype]).reshape(shape)
+        self.seen.arrays.setdefault(scene, {})[str(header["name"])] = array
+
+
+def text(value: Any, most: int = MOST_TEXT) -> str:
+    """A stranger's text made harmless to show: bounded, no control characters but newline and tab, no bidi controls."""
+    shown = str(value)[:most]
+    return "".join(c if c in "\n\t" or (c.isprintable() and c not in _BIDI) else "\ufffd" for c in shown)
+
+
+_BIDI = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+
+
+def _ending(name: str, event: Mapping[str, Any]) -> SceneEnding:
+    try:
+        ending = Ending(event.get("ending"))
+    except ValueError:
+        raise ProtocolError("unknown ending") from None
+    trace, code = event.get("traceback"), event.get("code")
+    return SceneEnding(
+        scene=name,
+        ending=ending,
+        sentence=text(event.get("sentence", ""), 600),
+        code=text(code, 40) if code else None,
+        traceback=text(trace) if trace else None,
+    )
+
+
+def _shape(shape: Any, blank: Blank) -> tuple[int, ...]:
+    if not isinstance(shape, list) or len(shape) != len(blank.shape) or not all(type(n) is int and n >= 0 for n in shape):
+        raise ProtocolError("not a shape")
+    fits = all(n <= most for n, most in zip(shape, blank.shape, strict=True)) if blank.up_to else tuple(shape) == blank.shape
+    if not fits:
+        raise ProtocolError("an array of another shape than asked for")
+    return tuple(shape)
+
+
+def _size(blank: Blank) -> int:
+    return math.prod(blank.shape) * DTYPES[blank.dtype].itemsize
+
+
+def _json(data: bytes) -> Mapping[str, Any]:
+    try:
+        document = json.loads(data)
+    except (ValueError, RecursionError):
+        raise ProtocolError("not JSON") from None
+    if not isinstance(document, dict):
+        raise ProtocolError("not an object")
+    return document

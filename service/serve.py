@@ -1,0 +1,31 @@
+"""Running the server: an embedded database under it unless there is another, and a clean end."""
+
+import sys
+
+import uvicorn
+
+from service.app import create_app
+from service.sandbox.walls import WallsMissing, choose
+from service.settings import Settings
+from service.store.postgres import DatabaseUnavailable, EmbeddedPostgres
+
+
+def serve(settings: Settings) -> int:
+    """Serve until interrupted; exit code 2 if the walls or the database cannot be had, with the reason on stderr."""
+    database = None
+    try:
+        choose(settings.walls)
+        if settings.database_url is None:
+            database = EmbeddedPostgres(settings.data)
+            database.start()
+            settings = settings.model_copy(update={"database_url": database.url})
+        config = uvicorn.Config(create_app(settings), host=settings.host, port=settings.port, log_level="warning")
+        server = uvicorn.Server(config)
+        server.run()
+        return 0 if server.started else 2
+    except (WallsMissing, DatabaseUnavailable) as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    finally:
+        if database is not None:
+            database.stop()

@@ -1,0 +1,24 @@
+"""Settings, all from the environment with the prefix ``POLHODE_``; docs/settings.md lists them."""
+
+import os
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+class Settings(BaseSettings):
+    """Everything an operator can set."""
+
+    model_config = SettingsConfigDict(env_prefix="POLHODE_", extra="ignore")
+
+    data: Path = Field(Path("polhode-data"), description="Folder for the embedded database and its log.")
+    database_url: str | None = Field(None, description="A PostgreSQL to use instead of the embedded one (postgresql://…).")
+    walls: Literal["bubblewrap", "process"] = Field(
+        "bubblewrap",
+        description="What shuts submissions in. process means no wall, only limits: for code you trust.",
+    )
+    workers: int = Field(os.cpu_count() or 1, ge=1, description="Submissions graded at the same time; each keeps one warm guest.")
+    host: str = Field("127.0.0.1", description="Address the server listens on.")
+    port: int = Field(8000, ge=0, le=65535, description="Port the server listens on.")

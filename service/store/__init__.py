@@ -1,0 +1,1 @@
+"""What must not be lost: submissions and results in PostgreSQL, embedded by default."""

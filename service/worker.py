@@ -1,0 +1,50 @@
+"""What runs in a worker process: one warm sandbox, grading and drawing. Everything here is called from the grader's pool."""
+
+import atexit
+
+from exercises.assignment import assignments
+from service.grading import pictures
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.seen import Fault
+from service.sandbox.walls import Sandbox, choose
+
+_sandbox: Sandbox | None = None
+
+
+def start(walls: str) -> None:
+    """Prepare this process: a sandbox behind those walls, and no life after the server's."""
+    global _sandbox
+    die_with_parent()
+    _sandbox = Sandbox(choose(walls))
+    _sandbox.start()
+    atexit.register(_sandbox.close)
+
+
+def ready() -> str:
+    """Name of the walls in force, once a first play behind them has succeeded. Fault if it has not."""
+    sandbox = _own()
+    sandbox.rehearse()
+    return sandbox.walls
+
+
+def grade_one(submission: Submission, slug: str, exercises: list[str] | None, seed: int) -> tuple[str, dict[str, bytes]]:
+    """The report as JSON and the artefacts to keep."""
+    graded = grade(submission, assignments()[slug], _own(), seed, exercises)
+    return graded.report.model_dump_json(), pictures.pack(graded)
+
+
+def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
+    """One figure of a graded submission."""
+    assignment = assignments()[slug]
+    declared = pictures.find(assignment, figure)
+    if declared is None:
+        raise KeyError(figure)
+    return pictures.draw(assignment, declared, pictures.unpack(packed), seed, form)
+
+
+def _own() -> Sandbox:
+    if _sandbox is None:
+        raise Fault("this worker was not started")
+    return _sandbox

@@ -90,9 +90,7 @@ def close(
     return Check(id, label, scenes, word, Tolerance(rtol=rtol, atol=atol, reason=reason), locate)
 
 
-def conserved(
-    id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None
-) -> Check:
+def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
     """``series(*seen)`` (n,) stays at its first value to the relative ``limit``."""
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:

@@ -22,9 +22,9 @@ def create_app(settings: Settings) -> FastAPI:
     """The application for a database that is there: ``settings.database_url`` is set. Raises WallsMissing without walls."""
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
-    choose(settings.walls)
+    walls = choose(settings.walls)
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
-    app.state.settings = settings
+    app.state.settings, app.state.walls = settings, walls
     problems.install(app)
     app.middleware("http")(_guard)
     app.include_router(routes.router)
@@ -39,9 +39,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     assert settings.database_url is not None
     await asyncio.to_thread(migrate, settings.database_url)
     app.state.store = Store(settings.database_url)
-    app.state.grader = Grader(app.state.store, settings.walls, settings.workers)
+    app.state.grader = Grader(app.state.store, app.state.walls, settings.workers)
     try:
-        app.state.walls = await app.state.grader.start()
+        await app.state.grader.start()
         yield
     finally:
         await app.state.grader.stop()

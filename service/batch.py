@@ -40,5 +40,5 @@ def _write(graded: Graded, assignment: Assignment, folder: Path) -> None:
     for picture in graded.report.figures:
         figure = pictures.find(assignment, picture.name)
         assert figure is not None
-        drawn = pictures.draw(assignment, figure, dict(graded.arrays), graded.report.provenance.seed, "svg")
+        drawn = pictures.draw(assignment, figure, graded.arrays, graded.report.provenance.seed, "svg")
         (folder / f"{picture.name}.svg").write_bytes(drawn)

@@ -12,6 +12,7 @@ from uuid import UUID
 from service import worker
 from service.grading.report import Report
 from service.sandbox.seen import Fault
+from service.sandbox.walls import Walls
 from service.store.store import Store, Stored
 
 log = logging.getLogger(__name__)
@@ -21,19 +22,18 @@ TRIES = 2
 class Grader:
     """Takes stored submissions one by one and writes their results. ``store`` is the truth; this holds only who is waiting."""
 
-    def __init__(self, store: Store, walls: str, workers: int) -> None:
+    def __init__(self, store: Store, walls: Walls, workers: int) -> None:
         self._store, self._walls, self._workers = store, walls, workers
         self._pool = self._new_pool()
         self._waiting: dict[UUID, asyncio.Task[None]] = {}
         self.running: set[UUID] = set()
         self._slots = asyncio.Semaphore(workers)
 
-    async def start(self) -> str:
-        """Warm every worker and take up what was accepted but not graded; the walls in force. Fault if they do not stand."""
-        names = await asyncio.gather(*(self._call(worker.ready) for _ in range(self._workers)))
+    async def start(self) -> None:
+        """Warm every worker and take up what was accepted but not graded. Fault if the walls do not stand."""
+        await asyncio.gather(*(self._call(worker.ready) for _ in range(self._workers)))
         for id in await self._store.unfinished():
             self.take(id)
-        return names[0]
 
     async def stop(self) -> None:
         """Give up what is running (it is stored and will be taken up again) and end the workers."""

@@ -13,7 +13,10 @@ from service.routes import find_submission, status
 router = APIRouter()
 LATEST = 100
 _environment = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=select_autoescape(), trim_blocks=True, lstrip_blocks=True
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    autoescape=select_autoescape(),
+    trim_blocks=True,
+    lstrip_blocks=True,
 )
 _templates = Jinja2Templates(env=_environment)
 
@@ -23,7 +26,7 @@ async def index(request: Request) -> HTMLResponse:
     """The latest submissions and the assignments."""
     stored = await request.app.state.store.recent(LATEST)
     rows = [(s, status(request, s)) for s in stored]
-    context = {"rows": rows, "assignments": list(assignments().values()), "walls": request.app.state.walls}
+    context = {"rows": rows, "assignments": list(assignments().values()), "walls": request.app.state.walls.name}
     return _templates.TemplateResponse(request, "index.html", context)
 
 

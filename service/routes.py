@@ -30,7 +30,7 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"walls": request.app.state.walls, "database": "ok"}
+    checks = {"walls": request.app.state.walls.name, "database": "ok"}
     try:
         await _store(request).ping()
     except Exception as error:
@@ -68,7 +68,7 @@ async def submit(
     prefer: Annotated[str | None, Header()] = None,
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
 ) -> JSONResponse:
-    """Store a submission, then grade it. 202 at once, or with ``Prefer: wait=SECONDS`` 200 with the report when it is done in time."""
+    """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     assignment = find_assignment(slug)
     received = await intake.receive(request, assignment)
     new = Stored(
@@ -189,5 +189,3 @@ def _store(request: Request) -> Store:
 def _grader(request: Request) -> Grader:
     grader: Grader = request.app.state.grader
     return grader
-
-

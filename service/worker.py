@@ -8,25 +8,24 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.seen import Fault
-from service.sandbox.walls import Sandbox, choose
+from service.sandbox.walls import Sandbox, Walls
 
 _sandbox: Sandbox | None = None
 
 
-def start(walls: str) -> None:
+def start(walls: Walls) -> None:
     """Prepare this process: a sandbox behind those walls, and no life after the server's."""
-    global _sandbox
+    global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
-    _sandbox = Sandbox(choose(walls))
+    _sandbox = Sandbox(walls)
     _sandbox.start()
     atexit.register(_sandbox.close)
+    assignments()  # imported while the guest warms up
 
 
-def ready() -> str:
-    """Name of the walls in force, once a first play behind them has succeeded. Fault if it has not."""
-    sandbox = _own()
-    sandbox.rehearse()
-    return sandbox.walls
+def ready() -> None:
+    """Return once a first play behind the walls has succeeded. Fault if it has not."""
+    _own().rehearse()
 
 
 def grade_one(submission: Submission, slug: str, exercises: list[str] | None, seed: int) -> tuple[str, dict[str, bytes]]:

@@ -6,13 +6,13 @@ A figure is drawn on the host, on a bare canvas, when somebody first looks at it
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import reference
 from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 
+import reference
 from exercises.assignment import Figure
 from exercises.checks import Arrays
-from exercises.rigid_body.scenes import BOX as BOX_NUMBERS
 from exercises.rigid_body.scenes import BODY, NUDGE, SPIN, SYMMETRIC
+from exercises.rigid_body.scenes import BOX as BOX_NUMBERS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -151,7 +151,7 @@ BOX = Figure(
 OMEGA = Figure(
     "omega",
     "Angular velocity and the drift of T and |L|",
-    "Above: the three components of your ω against time, the exact motion dotted. Below: relative drift of T and |L| on a log axis.",
+    "Above: the three components of your ω against time, the exact motion dotted. Below: drift of T and |L| on a log axis.",
     ("torque-free",),
     _omega,
 )

@@ -1,11 +1,12 @@
-"""Known slips in ``euler_eqs``, each written as the numbers it gives at the probes."""
+"""Known slips: in ``euler_eqs``, each written as the numbers it gives at the probes; in animations, a picture that stands still."""
 
 from collections.abc import Iterator
 
 import numpy as np
-import reference
+from ecp.film import moving_share
 from numpy.typing import NDArray
 
+import reference
 from exercises.assignment import Inputs
 from exercises.checks import Arrays
 from exercises.diagnosis import Mistake, constant_factor, diagnose
@@ -13,17 +14,24 @@ from exercises.outcome import Diagnosis
 
 Array = NDArray[np.float64]
 
+STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
 COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")
 DIFFERENCE = ("(I₂ − I₃)", "(I₃ − I₁)", "(I₁ − I₂)")
 MOMENT = ("I₁", "I₂", "I₃")
 
 
 def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
-    """The likely cause behind the numbers of a scene; only the point-wise probes single one out."""
+    """The likely cause behind the numbers of a scene: of the point-wise probes, or of an animation's stills."""
+    if scene == "film" and moving_share(seen["frames"]) <= STILL:
+        sentence = "the picture stays the same from frame to frame: does the update function change what is drawn?"
+        return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
     if scene != "probes":
         return []
     w, moments = np.asarray(inputs["w"]), np.asarray(inputs["I"])
     truth, wdot = _rates(w, moments), seen["wdot"]
+    if not np.all(np.isfinite(wdot)):
+        sentence = "euler_eqs returns values that are not finite: look for a division by zero or an overflow"
+        return [Diagnosis(code="not-finite", sentence=sentence, confidence=1.0)]
     if found := diagnose(wdot, _slips(w, moments, truth)):
         return found
     factor = constant_factor(wdot, truth)
@@ -58,13 +66,9 @@ def _slips_of_one_component(k: int, w: Array, moments: Array, truth: Array) -> I
         answer[:, k] = column
         return answer
 
-    yield Mistake(
-        "sign-flipped", f"{COMPONENT[k]} has the opposite sign: check {DIFFERENCE[k]}", lambda: changed(-truth[:, k])
-    )
+    yield Mistake("sign-flipped", f"{COMPONENT[k]} has the opposite sign: check {DIFFERENCE[k]}", lambda: changed(-truth[:, k]))
     yield Mistake("missing-component", f"{COMPONENT[k]} is always zero", lambda: changed(np.zeros(len(truth))))
-    yield Mistake(
-        "missing-division", f"{COMPONENT[k]} is not divided by {MOMENT[k]}", lambda: changed(truth[:, k] * moments[:, k])
-    )
+    yield Mistake("missing-division", f"{COMPONENT[k]} is not divided by {MOMENT[k]}", lambda: changed(truth[:, k] * moments[:, k]))
     yield Mistake(
         "moment-sum",
         f"{COMPONENT[k]} holds the sum of two moments where their difference {DIFFERENCE[k]} belongs",

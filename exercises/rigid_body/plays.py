@@ -4,6 +4,8 @@ Each play takes the submission's names and a scene's inputs and returns arrays b
 before the submission runs, so that replacing ``solve_ivp`` changes nothing here.
 """
 
+import math
+
 import ecp.animate
 import numpy as np
 from ecp import film
@@ -51,8 +53,11 @@ def trajectory(student, inputs):
         nonlocal calls
         calls += 1
         if calls > MOST_CALLS:
-            raise WrongAnswer("stalls", f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
-        return real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
+            raise WrongAnswer(None, f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
+        rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
+        if not all(map(math.isfinite, rate)):
+            raise WrongAnswer("not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite")
+        return rate
 
     def both_rates(t, y):
         w1, w2, w3 = y[:3]
@@ -84,5 +89,5 @@ def animation(student, inputs):
 def _integrate(rhs, start, times):
     run = solve_ivp(rhs, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
     if not run.success:
-        raise WrongAnswer("stalls", f"the integration stopped at t = {run.t[-1] if run.t.size else 0:.3g} s: {run.message}")
+        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if run.t.size else 0:.3g} s: {run.message}")
     return run.y

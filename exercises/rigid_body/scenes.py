@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import reference
 from numpy.typing import NDArray
 
+import reference
 from exercises.assignment import Blank, Inputs, Scene
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
     return tuple(float(x) for x in np.asarray(direction) * np.sqrt(energies[0] / energies[1]))
 
 
-def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, orientation: bool = False) -> Scene:
+def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
     returns = {"t": Blank((n,)), "w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
     return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=4.0, after="probes")
@@ -59,7 +59,7 @@ def _exact_boxes(inputs: Inputs) -> Mapping[str, Array]:
 
 def _tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
     turns = [np.linalg.qr(rng.random((3, 3)))[0] for _ in boxes]
-    return {"tensors": [reference.box_tensor(*box, R).tolist() for box, R in zip(boxes, turns, strict=True)]}
+    return {"tensors": [reference.box_tensor(m, a, b, c, R).tolist() for (m, a, b, c), R in zip(boxes, turns, strict=True)]}
 
 
 def _drawn_tensors(rng: np.random.Generator) -> Inputs:

@@ -4,12 +4,14 @@ The notebook's lines alone accept a function that returns zeros and the time-rev
 """
 
 import numpy as np
-import reference
+from ecp.film import moving_share
 from numpy.typing import NDArray
 
+import reference
 from exercises.assignment import Animation, Exercise
 from exercises.checks import Arrays, below, close, conserved, holds
 from exercises.rigid_body import figures
+from exercises.rigid_body.mistakes import STILL
 from exercises.rigid_body.scenes import BODY, NUDGE, SPIN
 from exercises.rigid_body.scenes import SYMMETRIC as TOP
 
@@ -65,12 +67,8 @@ def _spin_claim(*runs: Arrays) -> tuple[bool, str]:
 
 
 def _moves(seen: Arrays) -> tuple[bool, str]:
-    frames = seen["frames"].astype(int)
-    if len(frames) < 2:
-        return False, f"{len(frames)} frame"
-    changed = np.abs(frames - frames[0]).max(axis=3) > 16
-    share = changed.mean(axis=(1, 2)).max()
-    return bool(share > 1e-4), f"{len(frames)} stills, up to {share:.2%} of the picture changes"
+    share = moving_share(seen["frames"])
+    return share > STILL, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
 
 
 MOMENTS = Exercise(

@@ -16,7 +16,7 @@ from exercises.outcome import Diagnosis, Outcome
 from service.grading.report import ExerciseReport, Picture, Provenance, Report
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Played
-from service.sandbox.seen import Ending, Seen
+from service.sandbox.seen import Ending, SceneEnding, Seen
 from service.sandbox.walls import Sandbox
 
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
@@ -150,10 +150,13 @@ def _cause(scene: Scene, seen: Seen) -> str:
         return "your code stopped before this was played"
     if ending.ending is Ending.NOT_PLAYED and scene.after in seen.endings:
         ending = seen.endings[scene.after]
-    failed = [e for e in seen.endings.values() if e.scene.startswith("cell ")]
-    if ending.ending is Ending.MISSING and failed:
+    if ending.ending is Ending.MISSING and (failed := _failed_cells(seen)):
         return f"{ending.sentence}; {failed[0].scene.removeprefix('cell ')} stopped with {failed[0].sentence}"
     return ending.sentence
+
+
+def _failed_cells(seen: Seen) -> list[SceneEnding]:
+    return [e for e in seen.endings.values() if e.scene.startswith("cell ")]
 
 
 def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> list[Diagnosis]:
@@ -165,6 +168,8 @@ def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Map
     for scene in scenes:
         for name in (scene.after, scene.name):
             ending = seen.endings.get(name or "")
+            if ending is not None and ending.ending is Ending.MISSING and (failed := _failed_cells(seen)):
+                ending = failed[0]
             if ending is not None and ending.code is not None:
                 return [Diagnosis(code=ending.code, sentence=ending.sentence, confidence=1.0)]
     return []

@@ -2,6 +2,7 @@
 
 import io
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +20,7 @@ def pack(graded: Graded) -> dict[str, bytes]:
     """What to keep of a graded submission, by artefact name: its arrays, and a contact sheet for each animation."""
     sheets = {a.scene: a.name for e in graded.exercises for a in e.animations if a.scene in graded.arrays}
     kept = {
-        f"{scene}/{name}": array
-        for scene, arrays in graded.arrays.items()
-        if scene not in sheets
-        for name, array in arrays.items()
+        f"{scene}/{name}": array for scene, arrays in graded.arrays.items() if scene not in sheets for name, array in arrays.items()
     }
     stream = io.BytesIO()
     np.savez(stream, **kept)  # type: ignore[arg-type]
@@ -47,7 +45,7 @@ def find(assignment: Assignment, name: str) -> Declared | None:
     return next((f for e in assignment.exercises for f in e.figures if f.name == name), None)
 
 
-def draw(assignment: Assignment, figure: Declared, arrays: Arrays | dict[str, Arrays], seed: int, form: str) -> bytes:
+def draw(assignment: Assignment, figure: Declared, arrays: Mapping[str, Arrays], seed: int, form: str) -> bytes:
     """The figure as ``form`` ("png" or "svg") from the arrays a submission brought back and the exact motion beside them."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -57,11 +55,11 @@ def draw(assignment: Assignment, figure: Declared, arrays: Arrays | dict[str, Ar
     exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
     canvas = Figure(figsize=(9, 4.5), dpi=100)
     FigureCanvasAgg(canvas)
-    figure.draw(canvas, [arrays[s.name] for s in scenes], exact)  # type: ignore[misc]
+    figure.draw(canvas, [arrays[s.name] for s in scenes], exact)
     stream = io.BytesIO()
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
         metadata = {"Title": figure.title, "Description": figure.alt} | ({"Date": None} if form == "svg" else {})
-        canvas.savefig(stream, format=form, metadata=metadata)  # type: ignore[arg-type]
+        canvas.savefig(stream, format=form, metadata=metadata)
     return stream.getvalue()
 
 

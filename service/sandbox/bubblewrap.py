@@ -1,6 +1,5 @@
 """Walls by bubblewrap: no network, own process ids, a cleared environment, and a read-only file system of just what is needed."""
 
-import functools
 import os
 import re
 import subprocess
@@ -9,10 +8,10 @@ import sysconfig
 from importlib import metadata
 from pathlib import Path
 
-from service.sandbox.walls import BOOT, ENVIRONMENT
+from service.sandbox.walls import BOOT, ENVIRONMENT, Walls
 
 ROOTS = ("numpy", "scipy", "matplotlib")
-GUEST_HOME = "/polhode"
+GUEST_HOME, SCRATCH = "/polhode", "/tmp"
 # Extension modules whose libraries (X11, TLS, databases, terminals) no submission needs.
 LEFT_OUT = re.compile(r"_(tkinter|ssl|curses|curses_panel|sqlite3|dbm|gdbm)\b|readline|nis|ossaudiodev|test")
 # manylinux wheels bring their own libraries and use of the system's only the C library's family and the C++ runtime (PEP 600).
@@ -20,44 +19,40 @@ C_LIBRARY = ("libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.s
 CPP_USER = "matplotlib/ft2font*.so"
 
 
-class BubblewrapWalls:
-    """``program`` is the bwrap to use. As root its guest keeps just enough to step down to an unprivileged user id by itself."""
+def bubblewrap_walls(program: str) -> Walls:
+    """Walls by ``program``, a bwrap. As root its guest keeps just enough to step down to an unprivileged user id by itself."""
+    inside = [str(_interpreter()), "-I", "-S", "-B", "-c", BOOT, GUEST_HOME, str(_site_packages()), "bubblewrap"]
+    command = (program, *_namespaces(), *_files(), *_variables(), "--remount-ro", "/", "--chdir", SCRATCH, "--", *inside)
+    return Walls("bubblewrap", command, {"PATH": "/usr/bin:/bin"})
 
-    name = "bubblewrap"
 
-    def __init__(self, program: str) -> None:
-        self._program = program
+def _namespaces() -> list[str]:
+    args = ["--die-with-parent", "--new-session", "--unshare-pid", "--unshare-net"]
+    args += ["--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
+    if os.geteuid() != 0:
+        return [*args, "--unshare-user"]
+    return args + [part for c in ("CAP_SETUID", "CAP_SETGID", "CAP_SYS_ADMIN") for part in ("--cap-add", c)]
 
-    def command(self) -> list[str]:
-        """bwrap with every namespace, the read-only binds and the guest's interpreter."""
-        here, site = Path(__file__).parent, _site_packages()
-        interpreter = _interpreter()
-        binds = [*_runtime(), *(site / name for name in _packages())]
-        args = [self._program, "--die-with-parent", "--new-session", "--clearenv", "--unshare-pid", "--unshare-net"]
-        args += ["--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
-        if os.geteuid() == 0:
-            for capability in ("CAP_SETUID", "CAP_SETGID", "CAP_SYS_ADMIN"):
-                args += ["--cap-add", capability]
-        else:
-            args += ["--unshare-user"]
-        for folder in sorted({parent for path in binds for parent in path.parents[:-1]}):
-            args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
-        for path in binds:
-            args += ["--ro-bind", os.path.realpath(path), str(path)]
-        args += ["--ro-bind", str(here / "guest"), f"{GUEST_HOME}/guest"]
-        args += ["--ro-bind", str(_kit()), f"{GUEST_HOME}/ecp"]
-        args += ["--dev-bind", "/dev/null", "/dev/null", "--dev-bind", "/dev/urandom", "/dev/urandom"]
-        args += ["--size", str(4 << 20), "--tmpfs", "/tmp", "--dir", "/tmp/mpl"]
-        for cached in _font_list():
-            args += ["--ro-bind", str(cached), f"/tmp/mpl/{cached.name}"]
-        for key, value in (ENVIRONMENT | {"MPLCONFIGDIR": "/tmp/mpl", "HOME": "/tmp"}).items():
-            args += ["--setenv", key, value]
-        args += ["--remount-ro", "/", "--chdir", "/tmp", "--"]
-        return [*args, str(interpreter), "-I", "-S", "-B", "-c", BOOT, GUEST_HOME, str(site), GUEST_HOME, self.name]
 
-    def environment(self) -> dict[str, str]:
-        """bwrap's own; the guest's is set inside."""
-        return {"PATH": "/usr/bin:/bin"}
+def _files() -> list[str]:
+    site, args = _site_packages(), []
+    binds = [*_runtime(), *(site / name for name in _packages())]
+    for folder in sorted({parent for path in binds for parent in path.parents[:-1]}):
+        args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
+    for path in binds:
+        args += ["--ro-bind", os.path.realpath(path), str(path)]
+    args += ["--ro-bind", str(Path(__file__).parent / "guest"), f"{GUEST_HOME}/guest"]
+    args += ["--ro-bind", str(_kit()), f"{GUEST_HOME}/ecp"]
+    args += ["--dev-bind", "/dev/null", "/dev/null", "--dev-bind", "/dev/urandom", "/dev/urandom"]
+    args += ["--size", str(4 << 20), "--tmpfs", SCRATCH, "--dir", f"{SCRATCH}/mpl"]
+    for cached in _font_list():
+        args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
+    return args
+
+
+def _variables() -> list[str]:
+    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": SCRATCH}
+    return ["--clearenv", *(part for pair in variables.items() for part in ("--setenv", *pair))]
 
 
 def _interpreter() -> Path:
@@ -75,7 +70,6 @@ def _kit() -> Path:
     return Path(next(iter(ecp.__path__)))
 
 
-@functools.cache
 def _packages() -> list[str]:
     """Top-level names in site-packages of numpy, scipy, matplotlib and all they require."""
     names: set[str] = set()
@@ -94,7 +88,6 @@ def _packages() -> list[str]:
     return sorted(name for name in names if (_site_packages() / name).exists())
 
 
-@functools.cache
 def _runtime() -> list[Path]:
     """Interpreter, standard library and the shared libraries they are linked with, at the paths the loader looks for them."""
     stdlib = Path(sysconfig.get_path("stdlib"))

@@ -2,51 +2,49 @@
 
 import shutil
 import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from service.sandbox.job import Cell, Job, Played
 from service.sandbox.seen import Ending, Fault, SceneEnding, Seen
 from service.sandbox.zygote import Zygote
 
-BOOT = "import sys; sys.path[:] = [p for p in sys.path if p] + sys.argv[1:4]; from guest.zygote import main; main(int(sys.argv[5]), sys.argv[4])"
-ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg", "LC_ALL": "C.UTF-8", "PATH": "/usr/bin:/bin"}
+# Arguments: two folders to import from, the walls' name, the control socket.
+BOOT = "import sys; sys.path += sys.argv[1:3]; from guest.zygote import main; main(int(sys.argv[4]), sys.argv[3])"
+ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MPLBACKEND": "Agg",
+    "LC_ALL": "C.UTF-8",
+    "PATH": "/usr/bin:/bin",
+}
 
 
 class WallsMissing(Exception):
     """No wall that was asked for can be put up here; the message says what to do."""
 
 
-class Walls(Protocol):
-    """How a guest is shut in: a name for reports, and the command and environment that start it."""
+@dataclass(frozen=True)
+class Walls:
+    """How a guest is shut in: a ``name`` for reports, and the whole command and environment that start it.
+
+    The guest's control socket number is appended to the command.
+    """
 
     name: str
-
-    def command(self) -> list[str]:
-        """The command line; the guest's control socket number is appended."""
-        ...
-
-    def environment(self) -> dict[str, str]:
-        """The whole environment of that command."""
-        ...
+    command: tuple[str, ...]
+    environment: Mapping[str, str]
 
 
-class ProcessWalls:
+def process_walls() -> Walls:
     """Another process with resource limits and nothing else: it can read what the server can. For tests and trusted code."""
+    import matplotlib
 
-    name = "process"
-
-    def command(self) -> list[str]:
-        """This interpreter, without environment and user site, importing the guest from the source tree."""
-        here = Path(__file__).parent
-        kit = here.parents[1] / "exercises" / "kit"
-        return [sys.executable, "-I", "-B", "-c", BOOT, str(here), str(kit), str(here), self.name]
-
-    def environment(self) -> dict[str, str]:
-        """Threads off and a private matplotlib folder; nothing of the server's."""
-        import matplotlib
-
-        return ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir()}
+    here = Path(__file__).parent
+    kit = here.parents[1] / "exercises" / "kit"
+    command = (sys.executable, "-I", "-B", "-c", BOOT, str(here), str(kit), "process")
+    return Walls("process", command, ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir()})
 
 
 class Sandbox:
@@ -60,7 +58,7 @@ class Sandbox:
     def start(self) -> None:
         """Begin warming a guest; returns before it is warm."""
         if self._zygote is None:
-            self._zygote = Zygote(self._walls.command(), self._walls.environment())
+            self._zygote = Zygote(self._walls.command, self._walls.environment)
 
     def wait_ready(self) -> None:
         """Return when a guest is warm; Fault if it cannot start."""
@@ -112,10 +110,10 @@ class Sandbox:
 def choose(name: str) -> Walls:
     """The walls of that name, "bubblewrap" or "process"; WallsMissing if they cannot be had."""
     if name == "process":
-        return ProcessWalls()
+        return process_walls()
     if name != "bubblewrap":
         raise WallsMissing(f'POLHODE_WALLS is "bubblewrap" or "process", not {name!r}')
-    from service.sandbox.bubblewrap import BubblewrapWalls
+    from service.sandbox.bubblewrap import bubblewrap_walls
 
     program = find_bubblewrap()
     if program is None:
@@ -124,7 +122,7 @@ def choose(name: str) -> Walls:
             "(apt install bubblewrap), or set POLHODE_WALLS=process to grade code you trust: it then runs as an ordinary "
             "process that can read whatever the server can."
         )
-    return BubblewrapWalls(program)
+    return bubblewrap_walls(program)
 
 
 def find_bubblewrap() -> str | None:

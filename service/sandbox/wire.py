@@ -20,7 +20,7 @@ from service.sandbox.seen import Ending, SceneEnding, Seen
 
 MOST_JSON = 64 * 1024
 MOST_TEXT = 8 * 1024
-DTYPES = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
+DTYPES: Mapping[str, np.dtype[Any]] = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
 HEAD = struct.Struct("<cI")
 
 
@@ -121,7 +121,7 @@ _BIDI = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\
 
 def _ending(name: str, event: Mapping[str, Any]) -> SceneEnding:
     try:
-        ending = Ending(event.get("ending"))
+        ending = Ending(str(event.get("ending")))
     except ValueError:
         raise ProtocolError("unknown ending") from None
     trace, code = event.get("traceback"), event.get("code")

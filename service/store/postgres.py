@@ -160,10 +160,24 @@ class EmbeddedPostgres:
         program = find_bubblewrap()
         if program is None:
             raise DatabaseUnavailable(
-                "PostgreSQL does not run as root. Start polhode as an ordinary user, install bubblewrap, or set POLHODE_DATABASE_URL"
+                "PostgreSQL does not run as root: start polhode as an ordinary user, or install bubblewrap, "
+                "or set POLHODE_DATABASE_URL"
             )
         uid, gid = _server_ids()
-        view = [program, "--die-with-parent", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID", "--dev-bind", "/dev", "/dev", "--ro-bind", "/proc", "/proc"]
+        view = [
+            program,
+            "--die-with-parent",
+            "--cap-add",
+            "CAP_SETUID",
+            "--cap-add",
+            "CAP_SETGID",
+            "--dev-bind",
+            "/dev",
+            "/dev",
+            "--ro-bind",
+            "/proc",
+            "/proc",
+        ]
         for system in ("/usr", "/lib", "/lib64", "/bin", "/sbin", "/etc"):
             if os.path.exists(system):
                 view += ["--ro-bind", system, system]

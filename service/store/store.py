@@ -119,7 +119,7 @@ class Store:
 
     async def _rows(self, query: object) -> Sequence[Row[tuple[object, ...]]]:
         async with self._engine.connect() as connection:
-            return (await connection.execute(query)).all()  # type: ignore[call-overload, no-any-return]
+            return (await connection.execute(query)).all()  # type: ignore[call-overload]
 
 
 _JOINED = select(submission, result.c.report, result.c.fault).outerjoin(result)

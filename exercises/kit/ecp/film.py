@@ -12,6 +12,7 @@ from ecp.strict import WrongAnswer
 FRAME_CAP = 600
 STILLS = 24
 WIDTH, HEIGHT = 480, 360
+VISIBLE = 16  # of 255 levels of a colour
 
 
 def stills(anim: Any, seconds: float, at_most: int = STILLS) -> NDArray[np.uint8]:
@@ -43,9 +44,18 @@ def stills(anim: Any, seconds: float, at_most: int = STILLS) -> NDArray[np.uint8
         if number in chosen:
             for artist in figure.findobj(lambda artist: artist.get_animated()):
                 artist.set_animated(False)  # blitting had marked it, and an ordinary draw leaves marked artists out
-            canvas.draw()
-            drawn.append(np.asarray(canvas.buffer_rgba())[:HEIGHT, :WIDTH, :3].copy())
+            canvas.draw()  # type: ignore[no-untyped-call]
+            pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+            drawn.append(pixels[:HEIGHT, :WIDTH, :3].copy())
     return np.stack(drawn)
+
+
+def moving_share(frames: NDArray[np.uint8]) -> float:
+    """Largest share of pixels that differ visibly between the first still and another; ``frames`` (n, h, w, 3)."""
+    if len(frames) < 2:
+        return 0.0
+    difference = np.abs(frames[1:].astype(np.int16) - frames[0].astype(np.int16)).max(axis=3)
+    return float((difference > VISIBLE).mean(axis=(1, 2)).max())
 
 
 def _frames(anim: Any) -> list[Any]:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 class Verdict(StrEnum):
     """A check's answer. UNMEASURED is not a failure of the physics: its cause says why nothing could be measured."""
 
-    PASS = "pass"
+    PASS = "pass"  # noqa: S105
     FAIL = "fail"
     UNMEASURED = "unmeasured"
 

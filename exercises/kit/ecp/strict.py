@@ -1,4 +1,4 @@
-"""What a student's function returned, taken strictly: a real array of exactly the asked shape, or a sentence saying what is wrong."""
+"""What a student's function returned, taken strictly: a real array of just the asked shape, or a sentence saying what is wrong."""
 
 from typing import Any
 
@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 
 class WrongAnswer(Exception):
-    """The function answered, but not with what was asked for. ``code`` is the public diagnosis code."""
+    """The function answered, but not with what was asked for. ``code`` is the public diagnosis code, if one fits."""
 
-    def __init__(self, code: str, sentence: str) -> None:
+    def __init__(self, code: str | None, sentence: str) -> None:
         super().__init__(sentence)
         self.code = code
 

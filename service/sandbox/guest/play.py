@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from ecp.strict import WrongAnswer
-
 from guest.cells import runnable
 from guest.wire import Writer
 
@@ -101,7 +100,12 @@ def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:
     except WrongAnswer as wrong:
         return {"ending": "wrong-answer", "code": wrong.code, "sentence": str(wrong)}
     except MemoryError as error:
-        return {"ending": "memory", "code": "memory", "sentence": "your code asked for more memory than is allowed", **_trace(error)}
+        return {
+            "ending": "memory",
+            "code": "memory",
+            "sentence": "your code asked for more memory than is allowed",
+            **_trace(error),
+        }
     except SyntaxError as error:
         return {"ending": "raised", "code": "syntax-error", "sentence": _said(error), **_trace(error)}
     except BaseException as error:

@@ -1,5 +1,6 @@
 """A warm process that imports once and forks a fresh child for each job. It reads no submission and knows no secret."""
 
+import importlib
 import os
 import signal
 import socket
@@ -8,6 +9,16 @@ import traceback
 
 LOCKDOWN_FAILED = 97
 SCRATCH = "/tmp"
+WARM = (
+    "ecp.film",
+    "guest.play",
+    "guest.lockdown",
+    "matplotlib.animation",
+    "matplotlib.backends.backend_agg",
+    "matplotlib.pyplot",
+    "mpl_toolkits.mplot3d.art3d",
+    "scipy.integrate",
+)
 
 
 def main(control_fd: int, walls: str) -> None:
@@ -22,7 +33,7 @@ def main(control_fd: int, walls: str) -> None:
         child = os.fork()
         if child == 0:
             control.close()
-            _child(*fds, walls=walls)
+            _child(walls, *fds)
         for fd in fds:
             os.close(fd)
         status = os.waitpid(child, 0)[1]
@@ -31,20 +42,12 @@ def main(control_fd: int, walls: str) -> None:
 
 
 def _warm_up() -> None:
-    import ecp.film  # noqa: F401
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.animation
-    import matplotlib.backends.backend_agg
-    import matplotlib.pyplot
-    import mpl_toolkits.mplot3d.art3d
-    import scipy.integrate
-
-    import guest.play  # noqa: F401
+    for name in WARM:
+        importlib.import_module(name)
+    sys.modules["matplotlib"].use("Agg")
 
 
-def _child(job: int, result: int, output: int, walls: str) -> None:
+def _child(walls: str, job: int, result: int, output: int) -> None:
     code = LOCKDOWN_FAILED
     try:
         job, result, output = (_above_low(fd) for fd in (job, result, output))

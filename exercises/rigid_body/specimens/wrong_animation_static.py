@@ -1,0 +1,4 @@
+def animate_precession(t, R, L):
+    fig, ax = plt.subplots()
+    ax.plot(R[:, 0, 2], R[:, 1, 2])
+    return FuncAnimation(fig, lambda k: (), frames=len(t))

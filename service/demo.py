@@ -1,0 +1,118 @@
+"""The demonstration: a real server on a free port, every specimen sent over HTTP, its lines printed as they come back."""
+
+import argparse
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from exercises.assignment import assignments
+from exercises.specimens import Specimen, specimens
+
+START_S = 60.0
+SLUG = "rigid-body"
+
+
+def main() -> int:
+    """Exit code 0 if every specimen got its expected report, 1 if not, 2 if nothing could be graded."""
+    parser = argparse.ArgumentParser(prog="polhode demo", description=__doc__)
+    parser.add_argument("--once", action="store_true", help="stop the server after the last specimen")
+    once = parser.parse_args().once
+    began, address = time.monotonic(), f"http://127.0.0.1:{(port := _free_port())}"
+    environment = os.environ | {"POLHODE_DATA": os.environ.get("POLHODE_DATA", ".demo")}
+    server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)
+    try:
+        if not _wait_ready(server, address):
+            return 2
+        print(f"({time.monotonic() - began:.1f} s)")
+        wrong = _grade_all(address)
+        print(f"\n{_summary(wrong)} ({time.monotonic() - began:.1f} s)")
+        if not once:
+            print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop it.", flush=True)
+            server.wait()
+        return 1 if wrong else 0
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        server.send_signal(signal.SIGTERM)
+        server.wait(30)
+
+
+def _grade_all(address: str) -> list[str]:
+    """Send every specimen, a few at a time, print the reports in order; names of those with an unexpected report."""
+    known, wrong = specimens(assignments()[SLUG]), []
+    with ThreadPoolExecutor(4) as pool:
+        answers = [pool.submit(_submit, address, specimen) for specimen in known]
+        for number, (specimen, future) in enumerate(zip(known, answers, strict=True), start=1):
+            document = future.result()
+            print(f"\n[{number}/{len(known)}] {specimen.file.name}   {address}/submissions/{document['id']}")
+            report = document["report"]
+            if report is None:
+                print(f"not graded: {document['status']} {document.get('fault', '')}")
+            else:
+                _print_lines(address, document["id"])
+            if report is None or not _as_expected(specimen, report):
+                wrong.append(specimen.file.name)
+    return wrong
+
+
+def _print_lines(address: str, id: str) -> None:
+    with urllib.request.urlopen(f"{address}/v1/submissions/{id}/report.txt", timeout=30) as answer:
+        print(answer.read().decode().rstrip(), flush=True)
+
+
+def _as_expected(specimen: Specimen, report: dict[str, Any]) -> bool:
+    outcomes = [o for e in report["exercises"] for o in e["outcomes"]]
+    codes = {d["code"] for o in outcomes for d in o["diagnosis"]}
+    return {o["id"]: o["verdict"] for o in outcomes} == dict(specimen.verdicts) and codes == specimen.codes
+
+
+def _summary(wrong: list[str]) -> str:
+    return f"unexpected reports: {', '.join(wrong)}" if wrong else "every specimen got the report it should"
+
+
+def _submit(address: str, specimen: Specimen) -> dict[str, Any]:
+    """POST the file as a form and wait for the report."""
+    boundary, file = "polhode-demo-boundary", specimen.file
+    fields = [f'name="exercises"\r\n\r\n{number}'.encode() for number in specimen.ask or ()]
+    fields.append(f'name="file"; filename="{file.name}"\r\n\r\n'.encode() + file.read_bytes())
+    parts = [f"--{boundary}\r\nContent-Disposition: form-data; ".encode() + field + b"\r\n" for field in fields]
+    body = b"".join(parts) + f"--{boundary}--\r\n".encode()
+    headers = {"Content-Type": f"multipart/form-data; boundary={boundary}", "Prefer": "wait=60"}
+    request = urllib.request.Request(f"{address}/v1/assignments/{SLUG}/submissions", body, headers)
+    with urllib.request.urlopen(request, timeout=90) as answer:
+        document: dict[str, Any] = json.load(answer)
+    return document
+
+
+def _wait_ready(server: subprocess.Popen[bytes], address: str) -> bool:
+    deadline = time.monotonic() + START_S
+    print(f"starting a server at {address} ", end="", flush=True)
+    while server.poll() is None and time.monotonic() < deadline:
+        try:
+            with urllib.request.urlopen(f"{address}/readyz", timeout=5) as answer:
+                print(f"ready: {json.load(answer)['checks']}", flush=True)
+                return True
+        except (urllib.error.URLError, ConnectionError):
+            print(".", end="", flush=True)
+            time.sleep(0.25)
+    print("\nthe server did not start", file=sys.stderr)
+    return False
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+    return port
+
+
+if __name__ == "__main__":
+    sys.exit(main())

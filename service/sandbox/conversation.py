@@ -1,0 +1,136 @@
+"""One play as the host sees it: write the job, read results and output, and stop listening when patience or room runs out."""
+
+import os
+import selectors
+import signal
+import socket
+import time
+from dataclasses import dataclass, field
+
+from service.sandbox.job import LOAD_BUDGET_S, Job
+from service.sandbox.seen import SENTENCES, Ending, Fault, SceneEnding, Seen
+from service.sandbox.wire import ProtocolError, Reader
+
+GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
+LOAD_S = 2 * LOAD_BUDGET_S
+MOST_RESULT = 64 << 20
+MOST_OUTPUT, KEPT_OUTPUT = 4 << 20, 64 << 10
+CHUNK = 1 << 16
+LOCKDOWN_FAILED = 97
+CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
+
+
+@dataclass
+class Pipes:
+    """The host's ends: the job goes out, results and printed output come in, ``control`` tells when the child was reaped."""
+
+    control: socket.socket
+    job: int
+    result: int
+    output: int
+
+
+@dataclass
+class Conversation:
+    """``stopped`` says why the host ended it, if it did; ``code`` is the child's exit code, 128 + n for signal n."""
+
+    job: Job
+    reader: Reader
+    pipes: Pipes
+    output: bytearray = field(default_factory=bytearray)
+    stopped: Ending | None = None
+    code: int | None = None
+    _received: int = 0
+    _printed: int = 0
+
+    def hold(self) -> None:
+        """Talk until the child is reaped and both pipes are empty; closes the pipes."""
+        question = memoryview(self.job.encode())
+        os.set_blocking(self.pipes.job, False)
+        patience = _Patience(self.job)
+        with selectors.DefaultSelector() as selector:
+            selector.register(self.pipes.job, selectors.EVENT_WRITE)
+            for end in (self.pipes.result, self.pipes.output, self.pipes.control):
+                selector.register(end, selectors.EVENT_READ)
+            try:
+                while selector.get_map() and self.stopped is None:
+                    ready = selector.select(patience.left(self.reader.started))
+                    if not ready:
+                        self.stopped = Ending.TIMED_OUT
+                    for key, _ in ready:
+                        if key.fd == self.pipes.job:
+                            question = _write_some(key.fd, question)
+                            more = bool(question)
+                        else:
+                            more = self._listen(key.fd)
+                        if not more:
+                            selector.unregister(key.fileobj)
+                            if key.fd != self.pipes.control.fileno():
+                                os.close(key.fd)
+            finally:
+                for key in list(selector.get_map().values()):
+                    if key.fd != self.pipes.control.fileno():
+                        os.close(key.fd)
+
+    def conclude(self, seen: Seen) -> None:
+        """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
+        if self.code == LOCKDOWN_FAILED:
+            raise Fault(f"the walls around a submission could not be put up: {self.output.decode(errors='replace')[-500:]}")
+        ending = self.stopped or self._by_exit_code()
+        if ending is None:
+            return
+        lost = [self.reader.started] if self.reader.started else [s.name for s in self.job.scenes if s.name not in seen.endings]
+        for scene in lost:
+            seen.arrays.pop(scene, None)
+            seen.endings[scene] = SceneEnding(scene=scene, ending=ending, sentence=SENTENCES[ending], code=CODES.get(ending))
+
+    def _listen(self, fd: int) -> bool:
+        """Take what one end has to say; False when it has said its last."""
+        if fd == self.pipes.control.fileno():
+            self.code = (self.pipes.control.recv(1) or bytes([LOCKDOWN_FAILED]))[0]
+            return False
+        data = os.read(fd, CHUNK)
+        if fd == self.pipes.output:
+            self._printed += len(data)
+            self.output += data[: KEPT_OUTPUT - len(self.output)]
+        else:
+            self._received += len(data)
+            try:
+                self.reader.feed(data)
+            except ProtocolError:
+                self.stopped = Ending.PROTOCOL
+        if self._printed > MOST_OUTPUT or self._received > MOST_RESULT:
+            self.stopped = Ending.OUTPUT
+        return bool(data)
+
+    def _by_exit_code(self) -> Ending | None:
+        if self.code == 128 + signal.SIGXCPU:
+            return Ending.TIMED_OUT
+        if self.code is not None and self.code >= 128:
+            return Ending.KILLED
+        return None if self.reader.done else Ending.EXITED
+
+
+class _Patience:
+    """How long to wait for the next word: the budget of the scene in progress, and never past the sum of all budgets."""
+
+    def __init__(self, job: Job) -> None:
+        self._budgets = {s.name: s.budget_s for s in job.scenes}
+        self._since = time.monotonic()
+        self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + LOAD_S
+        self._scene: str | None = None
+
+    def left(self, scene: str | None) -> float:
+        """Seconds left for ``scene`` (None: loading, or between scenes)."""
+        if scene != self._scene:
+            self._scene, self._since = scene, time.monotonic()
+        until = self._since + GRACE_S + self._budgets.get(scene or "", LOAD_S)
+        return max(0.0, min(until, self._last) - time.monotonic())
+
+
+def _write_some(fd: int, data: memoryview) -> memoryview:
+    """What is left to write; nothing, if nobody reads any more."""
+    try:
+        return data[os.write(fd, data[:CHUNK]) :]
+    except BrokenPipeError:
+        return memoryview(b"")

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from ecp import judge
-from ecp.judge import Judgement, Verdict
 from numpy.typing import ArrayLike, NDArray
 
+from ecp import judge
+from ecp.judge import Judgement, Verdict
 from exercises.outcome import Outcome, Tolerance
 
 Arrays = Mapping[str, NDArray[Any]]

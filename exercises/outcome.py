@@ -2,8 +2,9 @@
 
 from collections.abc import Collection
 
-from ecp.judge import Verdict, line
 from pydantic import BaseModel, computed_field
+
+from ecp.judge import Verdict, line
 
 
 class Tolerance(BaseModel):

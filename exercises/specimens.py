@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ecp.judge import Verdict
-
 from exercises.assignment import Assignment
 
 

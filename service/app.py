@@ -10,7 +10,7 @@ from fastapi.staticfiles import StaticFiles
 
 from service import pages, problems, routes
 from service.grader import Grader
-from service.sandbox.walls import choose
+from service.sandbox.walls import Walls, choose
 from service.settings import Settings
 from service.store.migrate import migrate
 from service.store.store import Store
@@ -18,11 +18,14 @@ from service.store.store import Store
 CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
 
 
-def create_app(settings: Settings) -> FastAPI:
-    """The application for a database that is there: ``settings.database_url`` is set. Raises WallsMissing without walls."""
+def create_app(settings: Settings, walls: Walls | None = None) -> FastAPI:
+    """The application for a database that is there: ``settings.database_url`` is set. Raises WallsMissing without walls.
+
+    ``walls`` are those of the settings, if somebody has chosen them already.
+    """
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
-    walls = choose(settings.walls)
+    walls = walls or choose(settings.walls)
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
     app.state.settings, app.state.walls = settings, walls
     problems.install(app)

@@ -6,7 +6,7 @@ import sys
 import uvicorn
 
 from service.app import create_app
-from service.sandbox.walls import WallsMissing
+from service.sandbox.walls import WallsMissing, choose
 from service.settings import Settings
 from service.store.postgres import DatabaseUnavailable, EmbeddedPostgres
 
@@ -16,11 +16,12 @@ def serve(settings: Settings) -> int:
     database = None
     signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
+        walls = choose(settings.walls)
         if settings.database_url is None:
             database = EmbeddedPostgres(settings.data)
             database.start()
             settings = settings.model_copy(update={"database_url": database.url})
-        config = uvicorn.Config(create_app(settings), host=settings.host, port=settings.port, log_level="warning")
+        config = uvicorn.Config(create_app(settings, walls), host=settings.host, port=settings.port, log_level="warning")
         server = uvicorn.Server(config)
         server.run()
         return 0 if server.started else 2

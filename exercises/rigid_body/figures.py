@@ -6,9 +6,9 @@ A figure is drawn on the host, on a bare canvas, when somebody first looks at it
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 
 import reference
+from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 from exercises.assignment import Figure
 from exercises.checks import Arrays
 from exercises.rigid_body.scenes import BODY, NUDGE, SPIN, SYMMETRIC

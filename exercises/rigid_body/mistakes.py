@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 import numpy as np
-from ecp.film import moving_share
 from numpy.typing import NDArray
 
 import reference
+from ecp.film import moving_share
 from exercises.assignment import Inputs
 from exercises.checks import Arrays
 from exercises.diagnosis import Mistake, constant_factor, diagnose

@@ -6,11 +6,12 @@ before the submission runs, so that replacing ``solve_ivp`` changes nothing here
 
 import math
 
-import ecp.animate
 import numpy as np
+from scipy.integrate import solve_ivp
+
+import ecp.animate
 from ecp import film
 from ecp.strict import WrongAnswer, real_array
-from scipy.integrate import solve_ivp
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000

@@ -4,10 +4,10 @@ The notebook's lines alone accept a function that returns zeros and the time-rev
 """
 
 import numpy as np
-from ecp.film import moving_share
 from numpy.typing import NDArray
 
 import reference
+from ecp.film import moving_share
 from exercises.assignment import Animation, Exercise
 from exercises.checks import Arrays, below, close, conserved, holds
 from exercises.rigid_body import figures

@@ -1,14 +1,15 @@
 """The notebook's Setup cell: these names are in scope for every submission."""
 
-import ecp
 import matplotlib.pyplot as plt
 import numpy as np
-from ecp import draw, validate
-from ecp.animate import show
-from ecp.draw import FACE_COLORS, box_polys
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from scipy.integrate import solve_ivp
+
+import ecp
+from ecp import draw, validate
+from ecp.animate import show
+from ecp.draw import FACE_COLORS, box_polys
 
 __all__ = [
     "FACE_COLORS",

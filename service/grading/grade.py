@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from importlib import metadata
 
 import numpy as np
-from ecp.judge import Verdict
 
+from ecp.judge import Verdict
 from exercises.assignment import Assignment, Exercise, Inputs, Scene
 from exercises.checks import Arrays, Check
 from exercises.outcome import Diagnosis, Outcome

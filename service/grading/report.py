@@ -1,8 +1,8 @@
 """The one Report: stored, served and printed."""
 
-from ecp.judge import Verdict
 from pydantic import BaseModel, computed_field
 
+from ecp.judge import Verdict
 from exercises.outcome import Outcome
 from service.sandbox.seen import Ending, SceneEnding
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from service.sandbox.walls import BOOT, ENVIRONMENT, Walls
 
 ROOTS = ("numpy", "scipy", "matplotlib")
-GUEST_HOME, SCRATCH = "/polhode", "/tmp"
+GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
 # Extension modules whose libraries (X11, TLS, databases, terminals) no submission needs.
 LEFT_OUT = re.compile(r"_(tkinter|ssl|curses|curses_panel|sqlite3|dbm|gdbm)\b|readline|nis|ossaudiodev|test")
 # manylinux wheels bring their own libraries and use of the system's only the C library's family and the C++ runtime (PEP 600).
@@ -67,7 +67,7 @@ def _site_packages() -> Path:
 def _kit() -> Path:
     import ecp
 
-    return Path(next(iter(ecp.__path__)))
+    return Path(ecp.__path__[0])
 
 
 def _packages() -> list[str]:

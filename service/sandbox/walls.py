@@ -39,10 +39,10 @@ class Walls:
 
 def process_walls() -> Walls:
     """Another process with resource limits and nothing else: it can read what the server can. For tests and trusted code."""
+    import ecp
     import matplotlib
 
-    here = Path(__file__).parent
-    kit = here.parents[1] / "exercises" / "kit"
+    here, kit = Path(__file__).parent, Path(ecp.__path__[0]).parent
     command = (sys.executable, "-I", "-B", "-c", BOOT, str(here), str(kit), "process")
     return Walls("process", command, ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir()})
 
@@ -85,7 +85,7 @@ class Sandbox:
             try:
                 survived = self._zygote.play(left, seen)
             except Fault:
-                self._zygote = None
+                self.close()
                 raise
             if not survived:
                 self._zygote = None

@@ -50,9 +50,10 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
     tolerance = f"(rtol={rtol:g}, atol={atol:g})"
     if seen.shape != want.shape:
         return Judgement(Verdict.FAIL, f"shape {seen.shape} vs expected shape {want.shape} {tolerance}")
-    delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
+    with np.errstate(invalid="ignore"):
+        delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
     where, margin = _worst(delta, allowed)
-    verdict = _verdict(bool(np.all(delta <= allowed)))
+    verdict = _verdict(bool(np.all(np.isfinite(want)) and np.all(delta <= allowed)))
     if want.ndim == 0:
         detail = f"got {seen:.6g} vs expected {want:.6g} {tolerance}"
         return Judgement(verdict, detail, float(seen), float(want), margin)
@@ -65,8 +66,9 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
     values = _real(series)
     if values.ndim != 1 or values.size < 2:
         return Judgement(Verdict.FAIL, f"shape {values.shape} is not a series")
-    delta, scale = np.abs(values - values[0]), abs(values[0])
-    drift = delta / scale if scale > 0 else np.where(delta == 0, 0.0, np.inf)
+    with np.errstate(invalid="ignore"):
+        delta, scale = np.abs(values - values[0]), abs(values[0])
+        drift = delta / scale if scale > 0 else np.where(delta == 0, 0.0, np.inf)
     where, margin = _worst(drift, np.full_like(drift, limit))
     largest = float(drift.max())
     detail = f"max relative drift = {largest:.6g} (limit {limit:g})"
@@ -78,13 +80,15 @@ def below(value: ArrayLike, limit: float) -> Judgement:
     values = _real(value)
     where, margin = _worst(values, np.full_like(values, limit))
     largest = float(values.max())
-    return Judgement(_verdict(bool(np.all(values <= limit))), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
+    ok = bool(np.all(np.isfinite(values)) and np.all(values <= limit))
+    return Judgement(_verdict(ok), f"got {largest:.6g} (limit {limit:g})", largest, None, margin, where)
 
 
 def positive(value: ArrayLike) -> Judgement:
     """value > 0, for one number or the smallest of many."""
-    smallest = float(_real(value).min())
-    return Judgement(_verdict(smallest > 0), f"got {smallest:.6g} (must be > 0)", smallest)
+    values = _real(value)
+    smallest = float(values.min())
+    return Judgement(_verdict(bool(np.all(np.isfinite(values)) and smallest > 0)), f"got {smallest:.6g} (must be > 0)", smallest)
 
 
 def holds(ok: Any, detail: str) -> Judgement:

@@ -11,9 +11,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from ecp.strict import WrongAnswer
 from guest.cells import runnable
 from guest.wire import Writer
+
+from ecp.strict import WrongAnswer
 
 Names = dict[str, Any]
 

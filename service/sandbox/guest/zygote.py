@@ -8,7 +8,7 @@ import sys
 import traceback
 
 LOCKDOWN_FAILED = 97
-SCRATCH = "/tmp"
+SCRATCH = "/polhode/scratch"
 WARM = (
     "ecp.film",
     "guest.play",

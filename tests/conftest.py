@@ -1,0 +1,95 @@
+"""Shared fixtures: a sandbox behind real walls, and one real server for the tests that talk HTTP."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from exercises.assignment import assignments
+from service.sandbox.walls import Sandbox, choose, process_walls
+
+
+@pytest.fixture(scope="session")
+def rigid_body():
+    return assignments()["rigid-body"]
+
+
+@pytest.fixture(scope="session")
+def sandbox():
+    """Behind bubblewrap, as a server has it."""
+    sandbox = Sandbox(choose("bubblewrap"))
+    sandbox.rehearse()
+    yield sandbox
+    sandbox.close()
+
+
+@pytest.fixture(scope="session", params=["bubblewrap", "process"])
+def either_sandbox(request, sandbox):
+    """Each of the two real sandboxes in turn."""
+    if request.param == "bubblewrap":
+        yield sandbox
+        return
+    bare = Sandbox(process_walls())
+    yield bare
+    bare.close()
+
+
+class Server:
+    """``polhode serve`` as its own process on a free loopback port."""
+
+    def __init__(self, data: Path, **environment: str) -> None:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        self.url = f"http://127.0.0.1:{self.port}"
+        self.log = data.parent / f"serve-{self.port}.log"
+        with self.log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "service.cli", "serve", "--port", str(self.port)],
+                env=os.environ | {"POLHODE_DATA": str(data)} | environment,
+                stdout=log,
+                stderr=log,
+            )
+
+    def wait_ready(self) -> "Server":
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline and self.process.poll() is None:
+            try:
+                urllib.request.urlopen(f"{self.url}/readyz", timeout=5).close()
+                return self
+            except OSError:
+                time.sleep(0.1)
+        raise AssertionError(f"no server: {self.log.read_text()[-2000:]}")
+
+    def stop(self, how: signal.Signals = signal.SIGTERM) -> int:
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        return self.process.wait(30)
+
+
+@pytest.fixture(scope="session")
+def new_server():
+    """Start servers on any data folder; all of them are stopped at the end."""
+    servers = []
+
+    def start(data: Path, **environment: str) -> Server:
+        servers.append(Server(data, **environment))
+        return servers[-1].wait_ready()
+
+    yield start
+    for server in servers:
+        server.stop()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory, new_server):
+    data = tmp_path_factory.mktemp("data") / "polhode"
+    yield new_server(data)
+    shutil.rmtree(data, ignore_errors=True)

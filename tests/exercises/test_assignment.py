@@ -1,0 +1,71 @@
+import dataclasses
+
+import pytest
+
+from exercises.assignment import Exercise, InvalidAssignment, assignments
+from exercises.checks import close
+
+
+def test_rigid_body_is_found_by_its_folder(rigid_body):
+    assert rigid_body.folder.name == "rigid_body"
+    assert [e.number for e in rigid_body.exercises] == ["1", "2", "3", "4", "5", "6"]
+
+
+def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch, rigid_body):
+    import exercises
+
+    folder = tmp_path / "second"
+    folder.mkdir()
+    (folder / "__init__.py").write_text(
+        "import dataclasses\nfrom exercises.rigid_body import ASSIGNMENT as A\nASSIGNMENT = dataclasses.replace(A, slug='second')\n"
+    )
+    monkeypatch.setattr(exercises, "__path__", [*exercises.__path__, str(tmp_path)])
+    assignments.cache_clear()
+    try:
+        assert set(assignments()) == {"rigid-body", "second"}
+    finally:
+        assignments.cache_clear()
+
+
+def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):
+    bad = close("2-energy", "a   b", "nowhere", measured=lambda s: s, expected=0.0, rtol=-1.0, atol=0.0, reason=" ")
+    broken = dataclasses.replace(rigid_body.scenes[-1], after="unknown")
+    with pytest.raises(InvalidAssignment) as caught:
+        dataclasses.replace(
+            rigid_body,
+            folder=tmp_path,
+            scenes=(*rigid_body.scenes, broken),
+            exercises=(*rigid_body.exercises, Exercise("7", "t", (), (bad,))),
+        )
+    told = "; ".join(caught.value.errors)
+    for part in (
+        "scene film is declared twice",
+        "check id 2-energy is used twice",
+        "setup.py is missing",
+        "plays.py is missing",
+        "no scene nowhere",
+        "gives no reason",
+        "finite number",
+        "three spaces",
+        "comes after unknown",
+    ):
+        assert part in told
+
+
+def test_the_notebooks_nine_lines_are_there_with_their_labels(rigid_body):
+    labels = [c.label for e in rigid_body.exercises for c in e.checks if c.tolerance.reason == "the notebook's own tolerance"]
+    assert len(labels) == 8  # the ninth, on stability, has no tolerance of its own
+    for label in (
+        "principal moments match the analytic box result",
+        "rotational energy conserved (torque-free)",
+        "ω₃ is constant for the symmetric top",
+        "free precession rate is (I₃−I₁)/I₁·ω₃",
+    ):
+        assert label in labels
+
+
+def test_every_exercise_has_a_check_against_the_reference(rigid_body):
+    """Answered with the truth of another situation, some check of each exercise must fail: it does read the reference."""
+    against = {"1-boxes", "2-motion", "3-about-3", "4-motion", "5-growth", "6-attitude"}
+    for exercise in rigid_body.exercises:
+        assert against & {c.id for c in exercise.checks}, exercise.number

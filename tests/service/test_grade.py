@@ -1,0 +1,109 @@
+"""Grading through the real walls: the nine lines, hostile submissions, repeatability."""
+
+import pytest
+
+from ecp.judge import Verdict
+from exercises.specimens import specimens
+from service.grading.grade import UnknownExercise, grade
+from service.grading.report import Report
+from service.grading.submission import Submission
+
+NINE = {
+    "1-notebook": "max|Δ| = ",
+    "2-energy": "max relative drift = 1.95273e-13 (limit 1e-06)",
+    "2-momentum": "max relative drift = 9.3897e-14 (limit 1e-06)",
+    "3-energy": "max|Δ| = 5.50671e-13 (rtol=1e-06, atol=1e-09)",
+    "3-momentum": "max|Δ| = 3.92575e-13 (rtol=1e-06, atol=1e-09)",
+    "4-constant": "got 0 vs expected 0 (rtol=1e-06, atol=1e-09)",
+    "4-rate": "got 1.8 vs expected 1.8 (rtol=0.001, atol=1e-09)",
+    "5-notebook": "growth: min 0.038, mid 1.136, max 0.029",
+    "6-orthonormal": "got 2.6001e-11 vs expected 0 (rtol=1e-06, atol=1e-06)",
+}
+ROUND_OFF = {"2-energy", "2-momentum", "3-energy", "3-momentum", "6-orthonormal"}
+
+
+@pytest.fixture(scope="module")
+def files(rigid_body):
+    return {s.file.name: s for s in specimens(rigid_body)}
+
+
+def graded(files, name, rigid_body, sandbox, seed=5, numbers=None):
+    data = files[name].file.read_bytes()
+    return grade(Submission.from_bytes(data, name), rigid_body, sandbox, seed, numbers)
+
+
+def test_the_right_specimen_prints_the_notebooks_nine_lines(files, rigid_body, sandbox):
+    report = graded(files, "right_all.py", rigid_body, sandbox).report
+    outcomes = {o.id: o for o in report.outcomes()}
+    assert report.passed and set(NINE) <= set(outcomes)
+    for id, detail in NINE.items():
+        if id in ROUND_OFF:  # digits of rounding differ from machine to machine: an order of magnitude is what they say
+            printed = float(detail.split("= ")[-1].split()[0] if "= " in detail[:25] else detail.split()[1])
+            assert printed / 10 < outcomes[id].measured < printed * 10, id
+        else:
+            assert outcomes[id].detail.startswith(detail), id
+
+
+def test_exact_growth_to_the_digits_printed(files, rigid_body, sandbox):
+    import reference
+
+    runs = graded(files, "right_terms.py", rigid_body, sandbox, numbers=["5"]).arrays
+    growth = [reference.transverse_growth(runs[f"spin-{k}"]["w"], i, 6.0) for i, k in enumerate(("min", "mid", "max"))]
+    assert [f"{g:.4f}" for g in growth] == ["0.0385", "1.1364", "0.0289"]
+
+
+@pytest.mark.parametrize(
+    "name", ["wrong_zeros.py", "wrong_time_reversed.py", "hostile_patched_max.py", "hostile_replaced_solver.py"]
+)
+def test_what_fools_checks_of_invariants_does_not_fool_these(files, name, rigid_body, sandbox):
+    report = graded(files, name, rigid_body, sandbox, numbers=["2"]).report
+    verdicts = {o.id: o.verdict for o in report.outcomes()}
+    assert verdicts["2-pointwise"] is Verdict.FAIL and verdicts["2-motion"] is Verdict.FAIL
+
+
+def test_same_seed_same_report(files, rigid_body, sandbox):
+    one, two = (graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=7).report for _ in range(2))
+    other = graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=8).report
+    assert one.model_dump_json() == two.model_dump_json()
+    assert [o.measured for o in one.outcomes()] != [o.measured for o in other.outcomes()]
+
+
+def test_a_report_survives_storage_whole(files, rigid_body, sandbox):
+    for name in ("right_all.py", "wrong_notebook.ipynb", "wrong_not_finite.py"):
+        report = graded(files, name, rigid_body, sandbox).report
+        again = Report.model_validate_json(report.model_dump_json())
+        assert again.text() == report.text() and again.score == report.score
+
+
+def test_only_what_is_asked_for_is_graded(files, rigid_body, sandbox):
+    report = graded(files, "right_all.py", rigid_body, sandbox, numbers=["4", "2"]).report
+    assert [e.number for e in report.exercises] == ["2", "4"]
+    with pytest.raises(UnknownExercise, match="no exercise 7"):
+        graded(files, "right_all.py", rigid_body, sandbox, numbers=["2", "7"])
+
+
+def test_a_missing_function_is_unmeasured_with_its_cause(files, rigid_body, sandbox):
+    report = grade(Submission("x = 1"), rigid_body, sandbox, 1, ["2"]).report
+    assert {o.verdict for o in report.outcomes()} == {Verdict.UNMEASURED}
+    assert report.outcomes()[0].line.endswith("[not measured: euler_eqs is not defined]")
+    assert report.outcomes()[0].diagnosis[0].code == "missing-function"
+
+
+GOLDEN = """\
+Exercise 2. Euler's equations
+✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
+✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
+✗  euler_eqs agrees with Euler's equations point by point   [max|Δ| = 6.67435 (rtol=1e-12, atol=1e-12)]
+     worst at ω̇₂, probe 1 of 32
+     8.7e+11 times the allowed difference
+     likely returns-zero: euler_eqs returns zeros whatever it is asked
+✗  ω(t) follows the exact motion   [max|Δ| = 2.12694 (rtol=0, atol=1e-08)]
+     worst at ω₁, t = 8.099 s
+     2.13e+08 times the allowed difference
+
+2 of 4 checks ✓
+"""
+
+
+def test_the_text_of_a_report(files, rigid_body, sandbox):
+    assert graded(files, "wrong_zeros.py", rigid_body, sandbox, numbers=["2"]).report.text() == GOLDEN

@@ -1,0 +1,226 @@
+"""The HTTP interface against a real server: contract, errors as problems, nothing half-stored, nothing lost."""
+
+import io
+import json
+import signal
+import urllib.error
+import urllib.request
+import uuid
+
+import pytest
+from PIL import Image
+
+SLUG = "/v1/assignments/rigid-body/submissions"
+ZEROS = "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0]\n"
+
+
+def call(server, path, body=None, method=None, **headers):
+    """Status, headers and body of a request; headers are given with underscores."""
+    given = {name.replace("_", "-"): value for name, value in headers.items()}
+    request = urllib.request.Request(server.url + path, body, given, method=method)
+    try:
+        with urllib.request.urlopen(request, timeout=90) as answer:
+            return answer.status, answer.headers, answer.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.headers, error.read()
+
+
+def post(server, document, **headers):
+    data = document if isinstance(document, bytes) else json.dumps(document).encode()
+    return call(server, SLUG, data, Content_Type="application/json", **headers)
+
+
+def form(filename, content, **fields):
+    parts = [f'name="{k}"\r\n\r\n{v}'.encode() for k, v in fields.items()]
+    parts.append(f'name="file"; filename="{filename}"\r\n\r\n'.encode() + content)
+    body = b"".join(b"--bound\r\nContent-Disposition: form-data; " + part + b"\r\n" for part in parts) + b"--bound--\r\n"
+    return body, "multipart/form-data; boundary=bound"
+
+
+def stored(server):
+    """How many submissions the page lists."""
+    return call(server, "/")[2].decode().count('scope="row"')
+
+
+@pytest.fixture(scope="module")
+def right(server, rigid_body):
+    source = (rigid_body.folder / "specimens" / "right_all.py").read_text()
+    status, _, body = post(server, {"source": source}, Prefer="wait=60")
+    assert status == 200
+    return json.loads(body)
+
+
+def test_health(server):
+    assert call(server, "/livez")[0] == 200
+    assert json.loads(call(server, "/readyz")[2]) == {"status": "ready", "checks": {"walls": "bubblewrap", "database": "ok"}}
+
+
+def test_assignments_tell_checks_tolerances_and_reasons(server):
+    assert json.loads(call(server, "/v1/assignments")[2])[0]["slug"] == "rigid-body"
+    document = json.loads(call(server, "/v1/assignments/rigid-body")[2])
+    checks = {c["id"]: c for e in document["exercises"] for c in e["checks"]}
+    assert checks["2-energy"]["tolerance"] == {"limit": 1e-6, "reason": "the notebook's own tolerance"}
+    assert document["exercises"][1]["functions"] == ["euler_eqs"]
+
+
+def test_report_as_json_and_text(server, right):
+    assert right["status"] == "graded" and right["report"]["passed"] and right["report"]["provenance"]["walls"] == "bubblewrap"
+    status, headers, body = call(server, f"/v1/submissions/{right['id']}/report.txt")
+    assert status == 200 and headers["content-type"].startswith("text/plain")
+    lines = [o["line"] for e in right["report"]["exercises"] for o in e["outcomes"]]
+    assert [line for line in body.decode().split("\n") if line.startswith("✓")] == lines
+
+
+def test_accepted_at_once_and_graded_soon(server):
+    status, headers, body = post(server, {"source": ZEROS, "exercises": ["2"]})
+    document = json.loads(body)
+    assert status == 202 and headers["location"] == f"/v1/submissions/{document['id']}" and headers["retry-after"]
+    assert document["status"] in ("queued", "running")
+    import time
+
+    for _ in range(100):
+        document = json.loads(call(server, headers["location"])[2])
+        if document["status"] == "graded":
+            break
+        time.sleep(0.1)
+    assert document["report"]["score"] == 2 and document["report"]["max_score"] == 4
+
+
+def test_files_are_taken_as_py_and_ipynb(server, rigid_body):
+    for name in ("right_terms.py", "right_notebook.ipynb"):
+        body, kind = form(name, (rigid_body.folder / "specimens" / name).read_bytes(), exercises="2")
+        status, _, answer = call(server, SLUG, body, Content_Type=kind, Prefer="wait=60")
+        report = json.loads(answer)["report"]
+        assert status == 200 and report["passed"] and [e["number"] for e in report["exercises"]] == ["2"]
+
+
+def test_figures_are_drawn_on_demand_and_cached(server, right):
+    base = f"/v1/submissions/{right['id']}"
+    for picture in right["report"]["figures"]:
+        status, headers, svg = call(server, f"{base}/figures/{picture['name']}.svg")
+        assert status == 200 and headers["content-type"].startswith("image/svg") and picture["alt"] in svg.decode()
+    status, headers, png = call(server, f"{base}/figures/omega.png")
+    with Image.open(io.BytesIO(png)) as image:
+        assert image.format == "PNG"
+    assert call(server, f"{base}/figures/omega.png", If_None_Match=headers["etag"])[0] == 304
+    status, _, sheet = call(server, f"{base}/animations/precession.png")
+    with Image.open(io.BytesIO(sheet)) as image:
+        assert status == 200 and image.size[0] > 1000
+    for missing in ("figures/nope.png", "animations/nope.png", "figures/omega.gif"):
+        assert call(server, f"{base}/{missing}")[0] in (404, 422)
+
+
+def test_pages(server, right):
+    status, headers, page = call(server, f"/submissions/{right['id']}")
+    assert status == 200 and "default-src 'self'" in headers["content-security-policy"]
+    assert "✓  rotational energy conserved" in page.decode() and page.decode().count("<figure>") == 9
+    assert right["id"] in call(server, "/")[2].decode()
+
+
+def test_text_from_a_student_is_inert_in_a_page(server):
+    source = (
+        "print('<script>alert(1)</script>\\u202e')\ndef euler_eqs(t, w, I):\n    raise ValueError('<img src=x onerror=alert(2)>')"
+    )
+    document = json.loads(post(server, {"source": source}, Prefer="wait=60")[2])
+    page = call(server, f"/submissions/{document['id']}")[2].decode()
+    assert "&lt;script&gt;" in page and "<script" not in page and "<img src=x" not in page and "\u202e" not in page
+
+
+BAD = [
+    (b"{", "application/json", 400, "invalid-request"),
+    (b"[" * 100_000, "application/json", 400, "invalid-request"),
+    (b"[]", "application/json", 422, "invalid-request"),
+    (b'{"source": 3}', "application/json", 422, "invalid-request"),
+    (b'{"source": "x = 1", "passed": true}', "application/json", 422, "invalid-request"),
+    (b'{"source": ""}', "application/json", 422, "bad-submission"),
+    (b'{"source": "x = 1\\u0000"}', "application/json", 422, "bad-submission"),
+    (json.dumps({"source": "x" * 2_000_000}).encode(), "application/json", 413, "too-large"),
+    (json.dumps({"source": "x" * 300_000}).encode(), "application/json", 413, "too-large"),
+    (b'{"source": "x = 1", "exercises": ["2", "9"]}', "application/json", 422, "unknown-exercise"),
+    (b'{"source": "x = 1", "exercises": []}', "application/json", 422, "invalid-request"),
+    (b'{"source": "x = 1", "exercises": "2"}', "application/json", 422, "invalid-request"),
+    (b"source=x", "application/x-www-form-urlencoded", 415, "unsupported-media-type"),
+    (*form("a.ipynb", b"not a notebook"), 422, "bad-submission"),
+    (*form("a.py", b"\x7fELF\x02\x01\x01\x00\xff\xfe"), 422, "bad-submission"),
+    (*form("a.exe", b"x = 1"), 422, "bad-submission"),
+    (*form("a.py", b"x" * 300_000), 413, "too-large"),
+    (b"--bound\r\nnonsense", "multipart/form-data; boundary=bound", 422, "invalid-request"),
+    (b"--bound--\r\n", "multipart/form-data; boundary=bound", 422, "invalid-request"),
+    (b"x", "multipart/form-data", 400, "invalid-request"),
+]
+
+
+@pytest.mark.parametrize(("body", "kind", "status", "problem"), BAD, ids=range(len(BAD)))
+def test_bad_requests_are_problems_and_leave_nothing(server, body, kind, status, problem):
+    before = stored(server)
+    got, headers, answer = call(server, SLUG, body, Content_Type=kind)
+    document = json.loads(answer)
+    assert (got, headers["content-type"]) == (status, "application/problem+json")
+    assert document["type"] == f"urn:polhode:problem:{problem}" and document["status"] == status and document["detail"]
+    assert stored(server) == before
+
+
+@pytest.mark.parametrize(
+    ("path", "method", "status"),
+    [
+        ("/v1/assignments/nope", "GET", 404),
+        ("/v1/assignments/nope/submissions", "POST", 404),
+        ("/v1/submissions/nope", "GET", 404),
+        (f"/v1/submissions/{uuid.uuid4()}", "GET", 404),
+        (f"/v1/submissions/{uuid.uuid4()}/report.txt", "GET", 404),
+        ("/nope", "GET", 404),
+        (SLUG, "DELETE", 405),
+        (SLUG, "POST", 415),
+    ],
+)
+def test_other_errors_have_the_same_shape(server, path, method, status):
+    got, headers, answer = call(server, path, method=method)
+    assert (got, headers["content-type"], json.loads(answer)["status"]) == (status, "application/problem+json", status)
+
+
+def test_idempotency_key(server):
+    key = uuid.uuid4().hex
+    first = json.loads(post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key)[2])
+    again = json.loads(post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key, Prefer="wait=60")[2])
+    assert first["id"] == again["id"] and again["status"] == "graded"
+    status, _, answer = post(server, {"source": ZEROS, "exercises": ["3"]}, Idempotency_Key=key)
+    assert status == 422 and json.loads(answer)["type"].endswith("key-reused")
+
+
+def test_what_was_accepted_survives_a_kill_and_is_graded_later(new_server, tmp_path):
+    data = tmp_path / "polhode"
+    first = new_server(data, POLHODE_WORKERS="1")
+    slow = "import time\ntime.sleep(1)\n" + ZEROS
+    ids = [json.loads(post(first, {"source": slow, "exercises": ["2"]})[2])["id"] for _ in range(2)]
+    first.stop(signal.SIGKILL)
+    second = new_server(data, POLHODE_WORKERS="2")
+    import time
+
+    deadline = time.monotonic() + 30
+    for id in ids:
+        while json.loads(call(second, f"/v1/submissions/{id}")[2])["status"] != "graded":
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+    assert second.stop() == 0
+    assert not (data / "postgres" / "postmaster.pid").exists()
+
+
+def test_every_specimen_gets_its_expected_report_over_http(server, rigid_body):
+    from concurrent.futures import ThreadPoolExecutor
+
+    from exercises.specimens import specimens
+
+    def grade(specimen):
+        numbers = {"exercises": ",".join(specimen.ask)} if specimen.ask else {}
+        body, kind = form(specimen.file.name, specimen.file.read_bytes(), **numbers)
+        return json.loads(call(server, SLUG, body, Content_Type=kind, Prefer="wait=60")[2])
+
+    known = specimens(rigid_body)
+    with ThreadPoolExecutor(3) as pool:
+        answers = list(pool.map(grade, known))
+    for specimen, answer in zip(known, answers, strict=True):
+        outcomes = [o for e in answer["report"]["exercises"] for o in e["outcomes"]]
+        assert {o["id"]: o["verdict"] for o in outcomes} == dict(specimen.verdicts), specimen.file.name
+        assert {d["code"] for o in outcomes for d in o["diagnosis"]} == specimen.codes, specimen.file.name
+        assert all(o["cause"] for o in outcomes if o["verdict"] == "unmeasured"), specimen.file.name

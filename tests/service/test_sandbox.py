@@ -1,0 +1,312 @@
+"""The walls by their effect: what a submission can do is what it could do when it tried."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exercises.assignment import Blank
+from service.sandbox import walls
+from service.sandbox.job import Cell, Job, Played
+from service.sandbox.seen import Ending
+from service.sandbox.walls import Sandbox, WallsMissing, choose
+
+PLAYS = """
+import numpy as np
+
+def ask(student, inputs):
+    return {"x": np.asarray(student["f"](*inputs["args"]), dtype=float)}
+"""
+
+
+def job(source, *scenes, function="f"):
+    played = scenes or (scene("one"),)
+    return Job("import numpy as np", PLAYS, (Cell("submission.py", source),), (function,), tuple(played))
+
+
+def scene(name, args=(1.0,), budget_s=1.0, after=None):
+    return Played(name, "ask", "f", {"args": list(args)}, {"x": Blank((2,))}, budget_s, after)
+
+
+GOOD = "def f(x):\n    return [x, 2 * x]"
+
+
+def attempt(sandbox, body):
+    """Run ``body`` as a submission and return what it printed as JSON lines."""
+    seen = sandbox.play(job(f"import json\n{body}"))
+    return [json.loads(line) for line in seen.stdout.splitlines() if line.startswith(("[", "{", '"'))]
+
+
+def test_arrays_come_back(either_sandbox):
+    seen = either_sandbox.play(job(GOOD, scene("one", [1.0]), scene("two", [2.5])))
+    assert seen.arrays["one"]["x"].tolist() == [1.0, 2.0] and seen.arrays["two"]["x"].tolist() == [2.5, 5.0]
+    assert seen.defined == {"f"}
+
+
+@pytest.mark.parametrize(
+    ("body", "ending", "code"),
+    [
+        ("def f(x):\n    while True: pass", Ending.TIMED_OUT, "timeout"),
+        ("import time\ndef f(x):\n    time.sleep(60)", Ending.TIMED_OUT, "timeout"),
+        (
+            "def f(x):\n    while True:\n        try:\n            while True: pass\n        except BaseException: pass",
+            Ending.TIMED_OUT,
+            "timeout",
+        ),
+        (
+            "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 60))\ndef f(x):\n    while True: pass",
+            Ending.TIMED_OUT,
+            "timeout",
+        ),
+        ("def f(x):\n    raise KeyError(x)", Ending.RAISED, "raises"),
+        ("def f(x):\n    raise SystemExit(0)", Ending.RAISED, "raises"),
+        ("def f(x):\n    return f(x)", Ending.RAISED, "raises"),
+        ("import os\ndef f(x):\n    os._exit(0)", Ending.EXITED, None),
+        ("import ctypes\ndef f(x):\n    ctypes.string_at(0)", Ending.KILLED, None),
+        ("def f(x):\n    return bytearray(1 << 33)", Ending.MEMORY, "memory"),
+        ("def f(x):\n    return [0] * (1 << 33)", Ending.MEMORY, "memory"),
+        ("import sys\ndef f(x):\n    while True: print('x' * 100000)", Ending.OUTPUT, None),
+        ("import os\ndef f(x):\n    os.write(3, b'J' + bytes(100))", Ending.PROTOCOL, None),
+        ("def f(x):\n    return [1.0, 2.0, 3.0]", Ending.PROTOCOL, None),
+        ("def g(x):\n    return x", Ending.MISSING, "missing-function"),
+    ],
+)
+def test_endings_and_the_next_submission_is_unharmed(sandbox, body, ending, code):
+    began = time.monotonic()
+    seen = sandbox.play(job(body))
+    assert (seen.endings["one"].ending, seen.endings["one"].code) == (ending, code)
+    assert "one" not in seen.arrays
+    assert time.monotonic() - began < 12
+    assert sandbox.play(job(GOOD)).finished("one")
+
+
+def test_one_stall_costs_one_scene(sandbox):
+    body = (
+        "import signal\ndef f(x):\n    signal.pthread_sigmask(signal.SIG_BLOCK, [14])\n    while x == 2.0: pass\n    return [x, x]"
+    )
+    seen = sandbox.play(job(body, scene("a", [1.0]), scene("b", [2.0], budget_s=0.2), scene("c", [3.0]), scene("d", after="b")))
+    assert seen.finished("a") and seen.finished("c")
+    assert seen.endings["b"].ending is Ending.TIMED_OUT and seen.endings["d"].ending is Ending.NOT_PLAYED
+
+
+def test_a_failing_cell_is_told_and_the_others_run(sandbox):
+    cells = (Cell("cell 1", "%matplotlib inline\n!ls\nx = 1"), Cell("cell 2", "1 / 0"), Cell("cell 3", "%%time\n" + GOOD))
+    seen = sandbox.play(Job("", PLAYS, cells, ("f",), (scene("one"),)))
+    assert seen.finished("one")
+    trace = seen.endings["cell cell 2"].traceback
+    assert "ZeroDivisionError" in trace and "cell 2" in trace and "play.py" not in trace
+
+
+def test_traceback_shows_only_the_students_lines(sandbox):
+    seen = sandbox.play(job("def helper(x):\n    return np.linalg.inv([[0.0]])\n\ndef f(x):\n    return helper(x)"))
+    trace = seen.endings["one"].traceback
+    assert "line 5, in f" in trace and "line 2, in helper" in trace and "Singular matrix" in trace
+    assert "plays.py" not in trace and "linalg.py" not in trace
+
+
+def test_no_file_of_the_host_is_there(sandbox, tmp_path):
+    secret = tmp_path / "secret"
+    secret.write_text("swordfish")
+    tried = [str(secret), "/etc/passwd", "/etc/shadow", "/proc/self/environ", "/root/.bashrc", str(Path(__file__).resolve())]
+    body = f"""
+import os
+told = []
+for path in {tried!r}:
+    try:
+        told.append(open(path).read()[:20])
+    except OSError as error:
+        told.append(type(error).__name__)
+print(json.dumps(told))
+print(json.dumps([os.path.exists(p) for p in {tried!r}]))
+"""
+    opened, existing = attempt(sandbox, body)
+    assert set(opened) <= {"FileNotFoundError", "PermissionError"} and not any(existing)
+
+
+def test_neither_reference_nor_truth_can_be_imported(sandbox):
+    names = ["reference", "exercises", "exercises.rigid_body.scenes", "service", "fastapi", "sqlalchemy", "psycopg", "pydantic"]
+    body = f"""
+import importlib, sys
+told = {{}}
+for name in {names!r}:
+    try:
+        importlib.import_module(name); told[name] = "there"
+    except ImportError:
+        told[name] = "not there"
+print(json.dumps(told))
+"""
+    assert set(attempt(sandbox, body)[0].values()) == {"not there"}
+
+
+def test_secret_environment_does_not_cross(monkeypatch):
+    monkeypatch.setenv("POLHODE_CANARY", "swordfish")
+    guarded = Sandbox(choose("bubblewrap"))
+    try:
+        assert "swordfish" not in json.dumps(attempt(guarded, "import os\nprint(json.dumps(dict(os.environ)))"))
+    finally:
+        guarded.close()
+
+
+def test_nothing_can_be_written(sandbox):
+    body = """
+import os, sys, numpy
+told = []
+for folder in ["/", "/tmp", "/polhode/scratch", "/polhode/scratch/mpl", "/dev", "/polhode", "/polhode/ecp", os.path.dirname(numpy.__file__), "."]:
+    try:
+        open(os.path.join(folder, "left"), "w").write("x"); told.append(folder)
+    except OSError:
+        pass
+    try:
+        os.mkdir(os.path.join(folder, "left.d")); told.append(folder)
+    except OSError:
+        pass
+print(json.dumps(told))
+"""
+    assert attempt(sandbox, body) == [[]]
+
+
+def test_no_network(sandbox):
+    with socket.create_server(("127.0.0.1", 0)) as listener, socket.socket(socket.AF_UNIX) as abstract:
+        listener.settimeout(0.2)
+        abstract.bind("\0polhode-canary")
+        abstract.listen()
+        body = _CONNECT.replace("PORT", str(listener.getsockname()[1]))
+        assert attempt(sandbox, body) == [[]]
+        with pytest.raises(TimeoutError):
+            listener.accept()
+
+
+_CONNECT = """
+import socket
+told = []
+addresses = [(socket.AF_INET, ("127.0.0.1", PORT)), (socket.AF_INET, ("8.8.8.8", 53)), (socket.AF_UNIX, "\\0polhode-canary")]
+for family, address in addresses:
+    try:
+        with socket.socket(family) as s:
+            s.settimeout(1); s.connect(address); told.append(str(address))
+    except OSError:
+        pass
+print(json.dumps(told))
+"""
+
+
+def test_no_process_outlives_its_submission_and_none_can_be_signalled(sandbox):
+    body = """
+import os, time
+children = 0
+try:
+    for _ in range(200):
+        if os.fork() == 0:
+            os.setsid(); time.sleep(60); os._exit(0)
+        children += 1
+except OSError:
+    pass
+reached = []
+for pid in range(2, 40):
+    try:
+        os.kill(pid, 0); reached.append(pid)
+    except ProcessLookupError:
+        pass
+    except PermissionError:
+        reached.append(-pid)
+print(json.dumps({"children": children, "reached": len(reached), "me": os.getpid()}))
+"""
+    before = _guests()
+    (told,) = attempt(sandbox, body)
+    assert told["me"] == 1 and told["children"] < 20 and told["reached"] == told["children"]
+    time.sleep(0.3)
+    assert _guests() == before
+    assert sandbox.play(job(GOOD)).finished("one")
+
+
+def _guests():
+    told = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    return told.count("guest.zygote")
+
+
+def test_no_privilege_is_left(sandbox):
+    body = """
+import ctypes, os
+libc = ctypes.CDLL(None, use_errno=True)
+told = {"uid": os.getuid(), "unshare": libc.unshare(0x00020000), "mount": libc.mount(b"none", b"/polhode/scratch", b"tmpfs", 0, None)}
+try:
+    os.setuid(0); told["root"] = True
+except OSError:
+    told["root"] = False
+print(json.dumps(told))
+"""
+    (told,) = attempt(sandbox, body)
+    assert told["uid"] != 0 and told["unshare"] == -1 and told["mount"] == -1 and told["root"] is False
+
+
+def test_submissions_do_not_see_each_other(sandbox):
+    sandbox.play(
+        job("import numpy, builtins, sys\nnumpy.pi = 3\nbuiltins.left = 1\nsys.modules['left'] = sys\nnp.random.seed(1)\n" + GOOD)
+    )
+    body = "import sys, builtins\nprint(json.dumps([np.pi, hasattr(builtins, 'left'), 'left' in sys.modules]))"
+    assert attempt(sandbox, body) == [[np.pi, False, False]]
+
+
+def test_a_dead_guest_is_a_fault_and_then_replaced():
+    guarded = Sandbox(choose("bubblewrap"))
+    guarded.rehearse()
+    guarded._zygote._process.kill()
+    guarded._zygote._process.wait()
+    from service.sandbox.seen import Fault
+
+    with pytest.raises(Fault):
+        guarded.play(job(GOOD))
+    assert guarded.play(job(GOOD)).finished("one")
+    guarded.close()
+
+
+HOST = """
+import time
+from service.sandbox.walls import Sandbox, choose
+sandbox = Sandbox(choose("bubblewrap"))
+sandbox.rehearse()
+print(sandbox._zygote._process.pid, flush=True)
+time.sleep(60)
+"""
+
+
+def test_nothing_survives_a_killed_server():
+    process = subprocess.Popen([sys.executable, "-c", HOST], stdout=subprocess.PIPE, text=True)
+    pid = int(process.stdout.readline())
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    deadline = time.monotonic() + 5
+    while _alive(pid):
+        assert time.monotonic() < deadline, "the guest outlived its server"
+        time.sleep(0.05)
+
+
+def _alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_without_bubblewrap_there_is_no_silent_fallback(monkeypatch):
+    monkeypatch.setattr(walls, "find_bubblewrap", lambda: None)
+    with pytest.raises(WallsMissing, match="POLHODE_WALLS=process"):
+        choose("bubblewrap")
+    assert choose("process").name == "process"
+
+
+def test_walls_that_do_not_stand_are_a_fault(monkeypatch):
+    real = choose("bubblewrap")
+    fake = walls.Walls("bubblewrap", (sys.executable, "-c", "print('no walls here')"), dict(os.environ))
+    from service.sandbox.seen import Fault
+
+    with pytest.raises(Fault, match="no walls here"):
+        Sandbox(fake).rehearse()
+    assert real.command

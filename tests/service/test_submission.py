@@ -1,0 +1,44 @@
+import json
+
+import pytest
+
+from service.grading.submission import MOST_BYTES, BadSubmission, Submission
+
+
+def notebook(*sources, **fields):
+    cells = [{"cell_type": "code", "source": s} for s in sources]
+    return json.dumps({"cells": cells, "nbformat": 4} | fields).encode()
+
+
+def test_a_file_is_one_cell():
+    (cell,) = Submission.from_bytes(b"\xef\xbb\xbfx = 1\n", "mine.py").cells()
+    assert (cell.name, cell.source) == ("submission.py", "x = 1\n")
+
+
+def test_a_notebook_is_its_code_cells_numbered_as_shown():
+    submission = Submission.from_bytes(notebook("x = 1", ["y = 2\n", "z = 3"]), "mine.ipynb")
+    assert [(c.name, c.source) for c in submission.cells()] == [("cell 1", "x = 1"), ("cell 2", "y = 2\nz = 3")]
+
+
+def test_a_path_in_a_file_name_is_dropped():
+    assert Submission.from_bytes(b"x = 1", "../../etc/cron.d/mine.py").filename == "mine.py"
+
+
+@pytest.mark.parametrize(
+    ("data", "name", "why"),
+    [
+        (b"x" * (MOST_BYTES + 1), "a.py", "at most"),
+        (b"\x89PNG\r\n\x1a\n", "a.py", "not a text file"),
+        (b"x = 1\x00", "a.py", "zero bytes"),
+        (b"   \n", "a.py", "no code"),
+        (b"x = 1", "a.ipynb", "not a Jupyter notebook"),
+        (b"[" * 100_000, "a.ipynb", "not a Jupyter notebook"),
+        (b'{"cells": 3}', "a.ipynb", "not a Jupyter notebook"),
+        (b'{"cells": [{"cell_type": "code", "source": 3}]}', "a.ipynb", "not a Jupyter notebook"),
+        (b'{"worksheets": []}', "a.ipynb", "not a Jupyter notebook"),
+        (notebook(), "a.ipynb", "no code"),
+    ],
+)
+def test_what_is_no_submission_says_why(data, name, why):
+    with pytest.raises(BadSubmission, match=why):
+        Submission.from_bytes(data, name)

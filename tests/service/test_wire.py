@@ -1,0 +1,95 @@
+"""The host's reading of a stranger's bytes: whatever does not answer the question breaks the protocol."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from exercises.assignment import Blank
+from service.sandbox.job import Cell, Job, Played
+from service.sandbox.seen import Ending, Seen
+from service.sandbox.wire import ProtocolError, Reader, text
+
+SCENE = Played("s", "play", "f", {}, {"w": Blank((3, 2)), "film": Blank((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None)
+JOB = Job("", "", (Cell("cell 1", ""),), ("f", "g"), (SCENE,))
+
+
+def event(**fields):
+    payload = json.dumps(fields).encode()
+    return struct.pack("<cI", b"J", len(payload)) + payload
+
+
+def array(header, raw):
+    head = json.dumps(header).encode()
+    payload = struct.pack("<H", len(head)) + head + raw
+    return struct.pack("<cI", b"A", len(payload)) + payload
+
+
+W = array({"scene": "s", "name": "w", "shape": [3, 2]}, np.arange(6.0).tobytes())
+FILM = array({"scene": "s", "name": "film", "shape": [1, 2, 2, 3]}, bytes(12))
+START, FINISHED = event(event="start", scene="s"), event(event="scene", scene="s", ending="finished", sentence="")
+
+
+def read(*frames, at_once=True):
+    seen = Seen()
+    reader = Reader(JOB, seen)
+    data = b"".join(frames)
+    for piece in [data] if at_once else [data[i : i + 1] for i in range(len(data))]:
+        reader.feed(piece)
+    return reader, seen
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_a_whole_play(at_once):
+    defined = event(event="defined", names=["f", "print", 3])
+    reader, seen = read(defined, START, W, FILM, FINISHED, event(event="done"), at_once=at_once)
+    assert reader.done and seen.defined == {"f"} and seen.finished("s")
+    assert seen.arrays["s"]["w"].tolist() == [[0, 1], [2, 3], [4, 5]]
+    assert seen.arrays["s"]["film"].shape == (1, 2, 2, 3)
+
+
+@pytest.mark.parametrize(
+    "frames",
+    [
+        [b"\x00" * 8],
+        [struct.pack("<cI", b"J", 1 << 30)],
+        [struct.pack("<cI", b"J", 3) + b"{]}"],
+        [struct.pack("<cI", b"J", 2) + b"[]"],
+        [struct.pack("<cI", b"J", 40000) + b"[" * 40000],
+        [event(event="verdict", passed=True)],
+        [event(event="start", scene="other")],
+        [event(event="start", scene=["s"])],
+        [event(event="scene", scene="s", ending="perfect")],
+        [event(event="cell", scene="cell 9", ending="raised")],
+        [W],
+        [START, array({"scene": "s", "name": "R", "shape": [3, 2]}, bytes(48))],
+        [START, array({"scene": "s", "name": "w", "shape": [2, 3]}, bytes(48))],
+        [START, array({"scene": "s", "name": "w", "shape": [3, 2]}, bytes(40))],
+        [START, array({"scene": "s", "name": "w", "shape": [3, -2]}, bytes(48))],
+        [START, array({"scene": "s", "name": "w", "shape": [3, True]}, bytes(48))],
+        [START, array({"scene": "s", "name": "w", "shape": [10**12, 10**12]}, b"")],
+        [START, array({"scene": "s", "name": "film", "shape": [5, 2, 2, 3]}, bytes(60))],
+        [START, struct.pack("<cI", b"A", 1) + b"\x00"],
+        [START, W, FINISHED],
+        [event(event="done"), START],
+    ],
+)
+def test_anything_else_breaks_the_protocol(frames):
+    with pytest.raises(ProtocolError):
+        read(*frames)
+
+
+def test_arrays_of_a_scene_that_did_not_finish_are_dropped():
+    _, seen = read(START, W, event(event="scene", scene="s", ending="timed-out", sentence="late"))
+    assert "s" not in seen.arrays and seen.endings["s"].ending is Ending.TIMED_OUT
+
+
+def test_texts_are_bounded_and_harmless():
+    wild = "a\x1b[31m\u202eb\ud800\u2066c\n\td\x00"
+    shown = text(wild)
+    assert shown == "a\ufffd[31m\ufffdb\ufffd\ufffdc\n\td\ufffd"
+    assert shown.encode()
+    assert len(text("x" * 10**6)) == 8192
+    _, seen = read(START, event(event="scene", scene="s", ending="raised", sentence=wild, traceback=[wild], code=7))
+    seen.endings["s"].model_dump_json().encode()

@@ -46,15 +46,16 @@ class Outcome(BaseModel):
         """The ✓/✗ line, byte for byte as in the notebook."""
         return line(self.verdict, self.label, self.detail)
 
+    def notes(self) -> list[str]:
+        """Where a ✗ is worst, and how far off it is."""
+        if self.verdict is not Verdict.FAIL:
+            return []
+        found = [f"worst at {self.where}"] if self.where else []
+        return [*found, f"{1 / self.margin:.3g} times the allowed difference"] if self.margin else found
+
     def text(self, told: Collection[str] = ()) -> str:
         """The line, and for anything but ✓ what helps to find the discrepancy, indented below it; not what was ``told`` already."""
         if self.verdict is Verdict.PASS:
             return self.line
-        notes = [self.where and f"worst at {self.where}", self._margin_note()]
-        notes += [f"likely {d.code}: {d.sentence}" for d in self.diagnosis if d.sentence not in (self.cause, *told)]
-        return "\n".join([self.line, *(f"     {note}" for note in notes if note)])
-
-    def _margin_note(self) -> str | None:
-        if self.verdict is not Verdict.FAIL or not self.margin:
-            return None
-        return f"{1 / self.margin:.3g} times the allowed difference"
+        causes = [f"likely {d.code}: {d.sentence}" for d in self.diagnosis if d.sentence not in (self.cause, *told)]
+        return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes])])

@@ -39,8 +39,9 @@ class Walls:
 
 def process_walls() -> Walls:
     """Another process with resource limits and nothing else: it can read what the server can. For tests and trusted code."""
-    import ecp
     import matplotlib
+
+    import ecp
 
     here, kit = Path(__file__).parent, Path(ecp.__path__[0]).parent
     command = (sys.executable, "-I", "-B", "-c", BOOT, str(here), str(kit), "process")

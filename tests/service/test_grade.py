@@ -98,7 +98,7 @@ Exercise 2. Euler's equations
      8.7e+11 times the allowed difference
      likely returns-zero: euler_eqs returns zeros whatever it is asked
 ✗  ω(t) follows the exact motion   [max|Δ| = 2.12694 (rtol=0, atol=1e-08)]
-     worst at ω₁, t = 8.099 s
+     worst at ω₁, t = 8.093 s
      2.13e+08 times the allowed difference
 
 2 of 4 checks ✓

@@ -10,7 +10,8 @@ from fastapi.staticfiles import StaticFiles
 
 from service import pages, problems, routes
 from service.grader import Grader
-from service.sandbox.walls import Walls, choose
+from service.sandbox.choose import choose
+from service.sandbox.walls import Walls
 from service.settings import Settings
 from service.store.migrate import migrate
 from service.store.store import Store

@@ -8,7 +8,8 @@ from service.grading import pictures
 from service.grading.grade import Graded, grade, select
 from service.grading.report import Report
 from service.grading.submission import Submission
-from service.sandbox.walls import Sandbox, choose
+from service.sandbox.choose import choose
+from service.sandbox.sandbox import Sandbox
 from service.settings import Settings
 
 

@@ -50,8 +50,8 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.batch import grade_files
     from service.grading.grade import UnknownExercise
     from service.grading.submission import BadSubmission
+    from service.sandbox.choose import WallsMissing
     from service.sandbox.seen import Fault
-    from service.sandbox.walls import WallsMissing
 
     seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
     try:

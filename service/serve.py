@@ -6,9 +6,10 @@ import sys
 import uvicorn
 
 from service.app import create_app
-from service.sandbox.walls import WallsMissing, choose
+from service.sandbox.choose import WallsMissing, choose
 from service.settings import Settings
-from service.store.postgres import DatabaseUnavailable, EmbeddedPostgres
+from service.store.account import DatabaseUnavailable
+from service.store.postgres import EmbeddedPostgres
 
 
 def serve(settings: Settings) -> int:

@@ -7,8 +7,9 @@ from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.guest.lockdown import die_with_parent
+from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
-from service.sandbox.walls import Sandbox, Walls
+from service.sandbox.walls import Walls
 
 _sandbox: Sandbox | None = None
 

@@ -13,7 +13,9 @@ from pathlib import Path
 import pytest
 
 from exercises.assignment import assignments
-from service.sandbox.walls import Sandbox, choose, process_walls
+from service.sandbox.choose import choose
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.walls import process_walls
 
 
 @pytest.fixture(scope="session")

@@ -16,8 +16,8 @@ from exercises.outcome import Diagnosis, Outcome
 from service.grading.report import ExerciseReport, Picture, Provenance, Report
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Played
+from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Ending, SceneEnding, Seen
-from service.sandbox.walls import Sandbox
 
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 

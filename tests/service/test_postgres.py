@@ -11,7 +11,8 @@ import psycopg
 import pytest
 
 from service.store import postgres
-from service.store.postgres import DatabaseUnavailable, EmbeddedPostgres
+from service.store.account import DatabaseUnavailable
+from service.store.postgres import EmbeddedPostgres
 
 
 @pytest.fixture(scope="module")

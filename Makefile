@@ -39,10 +39,10 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 test: lint  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
 
-lock:  ## renew both locks (needs uv); they name no registry
-	uv lock --upgrade
-	uv export --quiet --format requirements.txt --group build --no-emit-project --output-file requirements.lock
-	uv export --quiet --format requirements.txt --all-groups --no-emit-project --output-file requirements-test.lock
+lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
+	uv lock $(UPGRADE)
+	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
+	uv export --quiet --format requirements.txt --all-groups --no-emit-project --no-header --output-file requirements-test.lock
 	@! grep -nE 'https?://' requirements.lock requirements-test.lock
 
 clean:  ## remove what the other targets made

@@ -10,6 +10,7 @@ Conventions, stated once and meant everywhere in this package:
 """
 
 from reference.euler import attitude_rate, euler_rhs
+from reference.exact import Exact
 from reference.inertia import box_moments, box_tensor, check_moments, principal_moments
 from reference.motion import Motion, motion
 from reference.observables import (
@@ -21,9 +22,10 @@ from reference.observables import (
     space_momentum,
     transverse_growth,
 )
-from reference.stability import free_precession_rate, steady_spin_growth_rate
+from reference.stability import free_precession_rate, sensitivity, steady_spin_growth_rate
 
 __all__ = [
+    "Exact",
     "Motion",
     "angular_momentum",
     "attitude_rate",
@@ -38,6 +40,7 @@ __all__ = [
     "orthonormality_error",
     "precession_rate",
     "principal_moments",
+    "sensitivity",
     "space_momentum",
     "steady_spin_growth_rate",
     "transverse_growth",

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from reference import box_moments, free_precession_rate, motion, steady_spin_growth_rate
+from reference import Exact, box_moments, euler_rhs, free_precession_rate, motion, sensitivity, steady_spin_growth_rate
 
 BOOK = box_moments(1, 2, 1.4, 0.4)
 
@@ -26,3 +27,37 @@ def test_free_precession_of_the_notebook():
     assert free_precession_rate((1, 1, 1.6), 3.0) == pytest.approx(1.8, rel=1e-15)
     with pytest.raises(ValueError, match="I₁ = I₂"):
         free_precession_rate((1, 1.1, 1.6), 3.0)
+
+
+SCENES = [
+    ((1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 20.0),
+    ((0.4, 0.0, 3.0), (1.0, 1.0, 1.6), 8.0),
+    ((6.0, 0.12, 0.12), BOOK, 2.5),
+    ((0.12, 6.0, 0.12), BOOK, 2.5),
+    ((1e-4, 6.0, 0.7e-4), BOOK, 3.0),
+]
+
+
+@pytest.mark.parametrize(("w0", "I", "t_end"), SCENES)
+def test_sensitivity_bounds_what_a_slip_does_and_not_by_far(w0, I, t_end):
+    """Right-hand sides off by ε in one coefficient, integrated: the bound holds and the worst of them comes near it."""
+    epsilon, t = 1e-7, np.linspace(0, t_end, 200)
+    exact = motion(w0, I, t).w
+    worst = 0.0
+    for k in range(3):
+        slip = np.ones(3)
+        slip[k] += epsilon
+
+        def rhs(_, w, slip=slip):
+            return slip * euler_rhs(w, I)
+
+        run = solve_ivp(rhs, (0, t_end), w0, method="DOP853", t_eval=t, rtol=1e-13, atol=1e-15)
+        worst = max(worst, np.abs(run.y - exact).max() / epsilon / np.linalg.norm(w0))
+    bound = sensitivity(w0, I, t_end)
+    assert worst <= 1.05 * bound and bound <= 25 * worst
+
+
+def test_sensitivity_over_one_period_grows_as_the_separatrix_nears():
+    spins = [(6.0, 0.12, 0.12), (1e-2, 6.0, 0.7e-2), (1e-4, 6.0, 0.7e-4)]
+    quiet, near, nearer = (sensitivity(w0, BOOK, Exact(w0, BOOK).period) for w0 in spins)
+    assert quiet < 5 and near > 10 * quiet and nearer > 10 * near

@@ -1,0 +1,178 @@
+"""The closed-form motion of a torque-free body: ω(t), L(t), R(t) to the last bits at any time, for every body and every regime.
+
+Five models serve, each the least that meets a motion: **steady** (ω constant), **symmetric** (two equal moments: circles),
+**separatrix** (one passage, hyperbolic functions), **direct** and **dual** (theta series for k² ≤ ½ and above).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference import theta
+from reference.inertia import check_moments
+from reference.polhode import Polhode, Steady, polhode
+from reference.precise import turns
+
+Array = NDArray[np.float64]
+CHUNK = 1024  # samples worked on at a time: larger temporaries would be fresh pages from the system at every call
+
+SERIES: dict[str, type[theta.Series]] = {"symmetric": theta.Symmetric, "direct": theta.Direct, "dual": theta.Dual}
+# The ten products of a quaternion's parts s, x, y, z, and the nine entries of its matrix (times its square, the tenth row) in them.
+LEFT, RIGHT = [0, 1, 2, 3, 0, 0, 0, 1, 1, 2], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3]
+ENTRIES = np.array(
+    [
+        [1, 1, -1, -1, 0, 0, 0, 0, 0, 0],
+        [0, 0, 0, 0, 0, 0, -2, 2, 0, 0],
+        [0, 0, 0, 0, 0, 2, 0, 0, 2, 0],
+        [0, 0, 0, 0, 0, 0, 2, 2, 0, 0],
+        [1, -1, 1, -1, 0, 0, 0, 0, 0, 0],
+        [0, 0, 0, 0, -2, 0, 0, 0, 0, 2],
+        [0, 0, 0, 0, 0, -2, 0, 0, 2, 0],
+        [0, 0, 0, 0, 2, 0, 0, 0, 0, 2],
+        [1, -1, -1, 1, 0, 0, 0, 0, 0, 0],
+        [1, 1, 1, 1, 0, 0, 0, 0, 0, 0],
+    ],
+    dtype=float,
+)
+WHY = {
+    "steady": "ω is constant: a sphere, or a spin about a principal axis",
+    "symmetric": "two moments are equal: ω runs on a circle at a constant rate",
+    "separatrix": "exactly on the separatrix: one passage, by hyperbolic functions",
+    "direct": "k² ≤ ½: theta series in the nome",
+    "dual": "k² > ½: theta series in the complementary nome",
+}
+
+
+class Sampled(NamedTuple):
+    """``w`` (3, n) in rad/s, body axes; ``R`` (n, 3, 3) body → space, or None where nobody asked for it."""
+
+    w: Array
+    R: Array | None
+
+
+class Exact:
+    """The motion from ω(0) = ``w0`` (3,) rad/s and R(0) = ``R0`` (3, 3) (default 1) of a body with moments ``I`` (3,) kg m².
+
+    Errors against fifty-digit truth stay within 2e-15 |ω| and 3e-15 in R for any time up to 10⁸ periods. Raises ValueError for
+    moments no body has and for what is not finite.
+    """
+
+    def __init__(self, w0: ArrayLike, I: ArrayLike, R0: ArrayLike | None = None) -> None:
+        moments, spin = check_moments(I), np.asarray(w0, dtype=float)
+        if spin.shape != (3,) or not np.all(np.isfinite(spin)):
+            raise ValueError(f"w0 is (3,) finite numbers; got {spin.tolist()}")
+        self._start = None if R0 is None else np.asarray(R0, dtype=float)
+        self._moments, self._w0 = moments, spin
+        self.polhode = polhode(tuple(spin.tolist()), tuple(moments.tolist()))
+        self.model = _model(self.polhode)
+        self._series: theta.Series | theta.Separatrix | None = None
+        if isinstance(self.polhode, Polhode):
+            self._series = theta.Separatrix(self.polhode) if self.model == "separatrix" else SERIES[self.model](self.polhode)
+        self._turn: Array | None = None
+
+    @property
+    def why(self) -> str:
+        """Why this model serves."""
+        return WHY[self.model]
+
+    @property
+    def period(self) -> float:
+        """Time in s after which ω returns; 0 if it never leaves, infinite on the separatrix."""
+        return 0.0 if isinstance(self.polhode, Steady) else self.polhode.period
+
+    def omega(self, t: ArrayLike) -> Array:
+        """ω (3, n) at times ``t`` (n,), of either sign."""
+        return self.sample(t, orientation=False).w
+
+    def momentum(self, t: ArrayLike) -> Array:
+        """L (3, n) in body axes, kg m²/s."""
+        return self._moments[:, None] * self.omega(t)
+
+    def attitude(self, t: ArrayLike) -> Array:
+        """R (n, 3, 3), body → space."""
+        sampled = self.sample(t, orientation=True).R
+        assert sampled is not None
+        return sampled
+
+    def sample(self, t: ArrayLike, *, orientation: bool) -> Sampled:
+        """ω, and R where ``orientation`` is asked for, in one pass."""
+        times = np.ascontiguousarray(t, dtype=float)
+        w = np.empty((3, times.size))
+        R = np.empty((times.size, 3, 3)) if orientation else None
+        for first in range(0, times.size, CHUNK):
+            part = slice(first, first + CHUNK)
+            self._fill(times[part], w[:, part], None if R is None else R[part])
+        if R is not None and self._start is not None:
+            R = self._start @ R
+        return Sampled(w, R)
+
+    def _fill(self, t: Array, w: Array, R: Array | None) -> None:
+        p = self.polhode
+        if isinstance(p, Steady):
+            w[:] = self._w0[:, None]
+            if R is not None:
+                half = 2 * np.pi * turns(p.half_turns, t)[1]
+                _matrices(np.array([np.cos(half), *(axis * np.sin(half) for axis in p.axis)]), R)
+            return
+        if R is not None and self._turn is None:
+            start = self._quaternion(np.zeros(1), self._along(np.zeros(1)))[:, 0]
+            self._turn = _relative(start, p)
+        along = self._along(t)
+        for axis, sign, moment, component in zip(p.axes, p.signs, p.moments, along[:3], strict=True):
+            np.multiply(component, sign / moment, out=w[axis])
+        if R is not None:
+            assert self._turn is not None
+            _matrices(self._turn @ self._quaternion(t, along), R)
+
+    def _along(self, t: Array) -> theta.Along:
+        p, series = self.polhode, self._series
+        assert isinstance(p, Polhode)
+        if isinstance(series, theta.Separatrix):
+            side = -1.0 if p.far_side else 1.0
+            return series(side * p.phase.high * t + p.start.high)
+        assert series is not None
+        return series(*turns(p.phase, t, p.start))
+
+    def _quaternion(self, t: Array, along: theta.Along) -> Array:
+        """Turn about L by ψ after the shortest turn that brings L onto axis c: never singular, because m_c > 0; of any length."""
+        p = self.polhode
+        assert isinstance(p, Polhode)
+        half = 2 * np.pi * turns(p.swing, t)[1] + along.extra
+        c, s = np.cos(half), np.sin(half)
+        c, s = c * along.re - s * along.im, s * along.re + c * along.im
+        tall = p.momentum + along.c
+        q = np.empty((4, t.size))
+        np.multiply(c, tall, out=q[0])
+        np.add(c * along.b, s * along.a, out=q[1])
+        np.subtract(s * along.b, c * along.a, out=q[2])
+        np.multiply(s, tall, out=q[3])
+        return q
+
+
+def _model(p: Polhode | Steady) -> str:
+    if isinstance(p, Steady):
+        return "steady"
+    if p.period == np.inf:
+        return "separatrix"
+    if p.k2 == 0:
+        return "symmetric"
+    return "direct" if p.k2 <= p.kc2 else "dual"
+
+
+def _relative(start: Array, p: Polhode) -> Array:
+    """The matrix (4, 4) of q → start⁻¹ q, and from the triad a, b, c back to the body's axes."""
+    s, a, b, c = start
+    turn = np.array([[s, a, b, c], [-a, s, c, -b], [-b, -c, s, a], [-c, b, -a, s]])
+    back = np.zeros((4, 4))
+    back[0, 0] = 1.0
+    for row, (axis, sign) in enumerate(zip(p.axes, p.signs, strict=True), start=1):
+        back[1 + axis, row] = sign
+    return back @ turn
+
+
+def _matrices(quaternion: Array, R: Array) -> None:
+    """Rotation matrices of quaternions (4, n) of any length but zero, into ``R`` (n, 3, 3)."""
+    entries = ENTRIES @ (quaternion[LEFT] * quaternion[RIGHT])
+    np.divide(entries[:9], entries[9], out=entries[:9])
+    R[:] = entries[:9].T.reshape(-1, 3, 3)

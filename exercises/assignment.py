@@ -30,7 +30,8 @@ class InvalidAssignment(Exception):
 
 @dataclass(frozen=True)
 class Blank:
-    """An array a scene may bring back: exactly ``shape`` (at most, where ``up_to``), as ``float64`` or ``uint8``."""
+    """An array a scene may bring back, as ``float64`` or ``uint8``: of exactly ``shape``, or where ``up_to`` of at least one and at
+    most that many in every length but the last, which is exact."""
 
     shape: tuple[int, ...]
     dtype: str = "float64"
@@ -42,7 +43,8 @@ class Scene:
     """One reproducible situation: ``play`` (a function of the folder's plays.py) calls ``function`` with ``inputs``.
 
     ``inputs`` is fixed, or drawn from the attempt's generator where the student must not know it. ``truth`` maps the inputs to
-    the exact answer, on the host only. A scene is played only if the one it comes ``after`` was finished.
+    the exact answer, on the host only. A scene is played only if the one it comes ``after`` was finished. Arrays of the truth that
+    are ``known``, such as the times, are handed to checks and figures with what was seen: they are not asked of a stranger.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Scene:
     truth: Callable[[Inputs], Arrays]
     budget_s: float
     after: str | None = None
+    known: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,10 @@ class Animation:
 
 @dataclass(frozen=True)
 class Exercise:
-    """A numbered section. A submission that defines any of its ``functions`` has attempted it."""
+    """A numbered section. A submission that defines any of its ``functions``, or of those it can do without, has attempted it.
+
+    A check of a function in ``optional`` is left out where that function is not defined.
+    """
 
     number: str
     title: str
@@ -87,6 +93,7 @@ class Exercise:
     checks: tuple[Check, ...]
     figures: tuple[Figure, ...] = ()
     animations: tuple[Animation, ...] = ()
+    optional: tuple[str, ...] = ()
 
     def scenes(self) -> set[str]:
         """Names of the scenes its checks, figures and animations read."""
@@ -123,7 +130,7 @@ class Assignment:
 
     def functions(self) -> set[str]:
         """Every name a student may define to be played."""
-        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.functions}
+        return {s.function for s in self.scenes} | {f for e in self.exercises for f in (*e.functions, *e.optional)}
 
     def _errors(self) -> list[str]:
         names = [s.name for s in self.scenes]

@@ -1,33 +1,46 @@
 """Grading files without a server: the same core, the same walls."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from exercises.assignment import Assignment
 from service.grading import pictures
 from service.grading.grade import Graded, grade, select
 from service.grading.report import Report
-from service.grading.submission import Submission
+from service.grading.submission import BadSubmission, Submission
 from service.sandbox.choose import choose
 from service.sandbox.sandbox import Sandbox
 from service.settings import Settings
 
 
 def grade_files(
-    files: Iterable[Path], assignment: Assignment, exercises: list[str] | None, seed: int, out: Path | None
-) -> Iterator[tuple[Path, Report]]:
-    """Each file's report in turn. Raises before grading anything if a file cannot be a submission or an exercise is unknown."""
+    files: Sequence[Path], assignment: Assignment, exercises: list[str] | None, seed: int, out: Path | None
+) -> Iterator[tuple[Path, Report | BadSubmission]]:
+    """Each file's report in turn, or why it is no submission. Raises before grading anything if an exercise is unknown or a file
+    cannot be read."""
     select(assignment, exercises)
-    submissions = [(file, Submission.from_bytes(file.read_bytes(), file.name)) for file in files]
+    contents = [(file, file.read_bytes()) for file in files]
+    folders = _folders(files)
     sandbox = Sandbox(choose(Settings().walls))
     try:
-        for file, submission in submissions:
+        for file, data in contents:
+            try:
+                submission = Submission.from_bytes(data, file.name)
+            except BadSubmission as reason:
+                yield file, reason
+                continue
             graded = grade(submission, assignment, sandbox, seed, exercises)
             if out is not None:
-                _write(graded, assignment, out / file.stem)
+                _write(graded, assignment, out / folders[file])
             yield file, graded.report
     finally:
         sandbox.close()
+
+
+def _folders(files: Sequence[Path]) -> dict[Path, str]:
+    """A folder for each file: its stem, and where several share one its whole path."""
+    stems = [file.stem for file in files]
+    return {f: f.stem if stems.count(f.stem) == 1 else "_".join(p for p in f.parts if p not in ("/", "..")) for f in files}
 
 
 def _write(graded: Graded, assignment: Assignment, folder: Path) -> None:

@@ -4,7 +4,9 @@ import argparse
 import json
 import secrets
 import sys
+import traceback
 from pathlib import Path
+from typing import Any
 
 from exercises.assignment import assignments
 
@@ -54,19 +56,27 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.seen import Fault
 
     seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
+    reports: list[dict[str, Any]] = []
     try:
-        graded = grade_files(arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out)
-        reports = []
-        for file, report in graded:
-            reports.append({"file": str(file), "report": report.model_dump(mode="json")})
+        for file, result in grade_files(
+            arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out
+        ):
+            if isinstance(result, BadSubmission):
+                reports.append({"file": str(file), "report": None, "error": str(result)})
+                print(f"polhode: {file}: {result}", file=sys.stderr)
+                continue
+            reports.append({"file": str(file), "report": json.loads(result.model_dump_json())})
             if not arguments.json:
-                print(f"== {file}\n{report.text()}", flush=True)
-    except (BadSubmission, UnknownExercise, WallsMissing, Fault, OSError) as error:
+                print(f"== {file}\n{result.text()}", flush=True)
+    except (UnknownExercise, WallsMissing, Fault, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
+    except Exception:
+        traceback.print_exc()
+        return 2
     if arguments.json:
-        print(json.dumps({"reports": reports}, ensure_ascii=False))
-    return 0 if all(r["report"]["passed"] for r in reports) else 1  # type: ignore[index]
+        print(json.dumps({"reports": reports}, ensure_ascii=False, allow_nan=False))
+    return 0 if all(r["report"] and r["report"]["passed"] for r in reports) else 1
 
 
 if __name__ == "__main__":

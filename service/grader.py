@@ -9,10 +9,13 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 from uuid import UUID
 
+from sqlalchemy.exc import DataError
+
 from service import worker
 from service.grading.report import Report
 from service.sandbox.seen import Fault
 from service.sandbox.walls import Walls
+from service.sandbox.wire import text
 from service.store.store import Store, Stored
 
 log = logging.getLogger(__name__)
@@ -40,6 +43,8 @@ class Grader:
         for task in self._waiting.values():
             task.cancel()
         await asyncio.gather(*self._waiting.values(), return_exceptions=True)
+        for process in list((self._pool._processes or {}).values()):
+            process.kill()  # their guests die with them
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def take(self, id: UUID) -> None:
@@ -65,13 +70,20 @@ class Grader:
                 if stored is None or stored.finished:
                     return
                 report, artefacts, fault = await self._attempt(stored)
-                await self._store.finish(id, report, fault, artefacts)
+                await self._finish(id, report, artefacts, fault)
             except asyncio.CancelledError:
                 raise
             except Exception:
                 log.exception("submission %s could not be graded and stays unfinished", id)
             finally:
                 self.running.discard(id)
+
+    async def _finish(self, id: UUID, report: Report | None, artefacts: dict[str, bytes], fault: str | None) -> None:
+        try:
+            await self._store.finish(id, report, fault, artefacts)
+        except DataError:
+            log.exception("the result of submission %s cannot be stored", id)
+            await self._store.finish(id, None, "the result could not be stored", {})
 
     async def _attempt(self, stored: Stored) -> tuple[Report | None, dict[str, bytes], str | None]:
         fault = ""
@@ -83,7 +95,7 @@ class Grader:
                 return Report.model_validate_json(document), artefacts, None
             except Exception as error:
                 log.exception("grading submission %s failed", stored.id)
-                fault = str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}"
+                fault = text(str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}", 600)
         return None, {}, fault
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:

@@ -69,7 +69,7 @@ async def _from_form(request: Request) -> Received:
     upload = form.get("file")
     if not isinstance(upload, UploadFile):
         raise Problem(422, "invalid-request", 'the form has no file in its field "file"', "/file")
-    name = upload.filename or "submission.py"
+    name = "".join(c for c in upload.filename or "submission.py" if c.isprintable())
     if not name.endswith((".py", ".ipynb")):
         raise Problem(422, "bad-submission", f"{name[:80]} is neither a .py nor an .ipynb file", "/file")
     numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]

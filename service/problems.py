@@ -1,7 +1,5 @@
 """One shape for every error: problem+json (RFC 9457) with a stable type, and where in the request it lies."""
 
-from typing import Any
-
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
@@ -37,12 +35,17 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _crash)
 
 
-def answer(status: int, kind: str, detail: str, errors: list[dict[str, Any]] | None = None, **headers: str) -> JSONResponse:
+def answer(status: int, kind: str, detail: str, errors: list[dict[str, str]] | None = None, **headers: str) -> JSONResponse:
     """The problem document as a response."""
-    body = {"type": f"urn:polhode:problem:{kind}", "title": TITLES.get(kind, "Error"), "status": status, "detail": detail}
+    body = {"type": f"urn:polhode:problem:{kind}", "title": TITLES.get(kind, "Error"), "status": status, "detail": _plain(detail)}
     if errors:
-        body["errors"] = errors
+        body["errors"] = [{key: _plain(value) for key, value in error.items()} for error in errors]
     return JSONResponse(body, status, headers, media_type="application/problem+json")
+
+
+def _plain(words: str) -> str:
+    """What of a request is repeated in an answer can be encoded."""
+    return words.encode("utf-8", "replace").decode()
 
 
 async def _problem(request: Request, error: Exception) -> JSONResponse:

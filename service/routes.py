@@ -15,7 +15,7 @@ from service.grader import Grader
 from service.grading.pictures import FORMATS
 from service.grading.pictures import find as find_figure
 from service.problems import Problem
-from service.store.store import KeyReused, Store, Stored
+from service.store.store import KeyReused, Listed, Store, Stored
 
 router = APIRouter()
 LONGEST_WAIT_S = 60.0
@@ -80,7 +80,7 @@ async def submit(
         submitted_at=datetime.now(UTC),
     )
     try:
-        stored = await _store(request).add(new, idempotency_key)
+        stored = await _store(request).add(new, idempotency_key or None)
     except KeyReused:
         raise Problem(422, "key-reused", "the key came with another body before: use a new one") from None
     if not stored.finished:
@@ -88,7 +88,7 @@ async def submit(
         await _grader(request).wait(stored.id, _seconds(prefer))
         stored = await _store(request).get(stored.id) or stored
     location = f"/v1/submissions/{stored.id}"
-    if stored.finished and prefer:
+    if stored.finished and _seconds(prefer) > 0:
         return JSONResponse(_document(request, stored), 200, {"Location": location})
     return JSONResponse(_document(request, stored), 202, {"Location": location, "Retry-After": "1"})
 
@@ -120,7 +120,10 @@ async def figure(id: str, name: str, form: Literal["png", "svg"], request: Reque
         packed = await _store(request).artefact(stored.id, "arrays.npz")
         if packed is None:
             raise Problem(404, "not-found", "the arrays of this submission are gone")
-        content = await _grader(request).draw(stored, name, packed[0], form)
+        try:
+            content = await _grader(request).draw(stored, name, packed[0], form)
+        except (ArithmeticError, ValueError) as error:
+            raise Problem(404, "not-found", f"these numbers cannot be drawn: {error}") from error
         await _store(request).keep(stored.id, kept, content)
         found = await _store(request).artefact(stored.id, kept)
         assert found is not None
@@ -131,7 +134,8 @@ async def figure(id: str, name: str, form: Literal["png", "svg"], request: Reque
 async def animation(id: str, name: str, request: Request) -> Response:
     """The contact sheet of an animation."""
     stored = await find_submission(request, id)
-    found = await _store(request).artefact(stored.id, f"animations/{name}.png")
+    known = {a.name for a in stored.report.animations} if stored.report else set()
+    found = await _store(request).artefact(stored.id, f"animations/{name}.png") if name in known else None
     if found is None:
         raise Problem(404, "not-found", f"the report has no animation {name[:80]}")
     return _cached(request, found, FORMATS["png"])
@@ -155,10 +159,10 @@ async def find_submission(request: Request, id: str) -> Stored:
     return stored
 
 
-def status(request: Request, stored: Stored) -> str:
+def status(request: Request, stored: Stored | Listed) -> str:
     """queued, running, graded or faulted."""
     if stored.finished:
-        return "graded" if stored.report else "faulted"
+        return "graded" if stored.fault is None else "faulted"
     return "running" if stored.id in _grader(request).running else "queued"
 
 
@@ -171,13 +175,14 @@ def _document(request: Request, stored: Stored) -> dict[str, Any]:
 def _cached(request: Request, found: tuple[bytes, str], media_type: str) -> Response:
     content, digest = found
     headers = {"ETag": f'"{digest}"', "Cache-Control": "private, max-age=31536000, immutable"}
-    if request.headers.get("if-none-match") == headers["ETag"]:
+    wanted = {tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")}
+    if wanted & {headers["ETag"], "*"}:
         return Response(status_code=304, headers=headers)
     return Response(content, media_type=media_type, headers=headers)
 
 
 def _seconds(prefer: str | None) -> float:
-    wanted = re.search(r"\bwait=(\d{1,4})\b", prefer or "")
+    wanted = re.search(r"\bwait=(\d{1,9})\b", prefer or "")
     return min(float(wanted[1]), LONGEST_WAIT_S) if wanted else 0.0
 
 

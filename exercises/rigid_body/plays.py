@@ -67,9 +67,9 @@ def trajectory(student, inputs):
 
     start = np.asarray(inputs["w0"], dtype=float)
     if not inputs["orientation"]:
-        return {"t": times, "w": _integrate(spin_rate, start, times)}
+        return {"w": _integrate(spin_rate, start, times)}
     y = _integrate(both_rates, np.concatenate([start, np.eye(3).ravel()]), times)
-    return {"t": times, "w": y[:3], "R": y[3:].T.reshape(-1, 3, 3)}
+    return {"w": y[:3], "R": y[3:].T.reshape(-1, 3, 3)}
 
 
 def precession(student, inputs):
@@ -90,5 +90,5 @@ def animation(student, inputs):
 def _integrate(rhs, start, times):
     run = solve_ivp(rhs, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
     if not run.success:
-        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if run.t.size else 0:.3g} s: {run.message}")
+        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g} s: {run.message}")
     return run.y

@@ -29,8 +29,8 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
 
 def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
-    returns = {"t": Blank((n,)), "w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
-    return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=4.0, after="probes")
+    returns = {"w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
+    return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=4.0, after="probes", known=("t",))
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
@@ -93,11 +93,9 @@ def _shown_motion() -> Inputs:
     return {"t": times, "R": exact.R, "L": reference.angular_momentum(w0, I), "seconds": 12.0}
 
 
-ONE_BOX = {"boxes": [list(BOX)]}
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
 
 SCENES = (
-    Scene("box", "box", "box_moments", ONE_BOX, {"moments": Blank((1, 3))}, _exact_boxes, 1.0),
     Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0),
     Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
     Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0),

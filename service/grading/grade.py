@@ -47,7 +47,11 @@ def grade(
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
     seen = sandbox.play(_job(submission, assignment, inputs))
-    attempted = [e for e in asked if numbers is not None or seen.defined & set(e.functions)] or asked
+    for scene in assignment.scenes:
+        if scene.known and scene.name in seen.arrays:
+            exact = truth(scene, inputs[scene.name])
+            seen.arrays[scene.name] |= {name: exact[name] for name in scene.known}
+    attempted = [e for e in asked if numbers is not None or seen.defined & {*e.functions, *e.optional}] or asked
     sections = [_judge(e, assignment, seen, inputs) for e in attempted]
     told = _with_precursors(assignment, {s for e in attempted for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
@@ -67,7 +71,7 @@ def grade(
             for a in e.animations
             if a.scene in shown
         ],
-        endings=[e for e in seen.endings.values() if e.scene in told or e.scene.startswith("cell ")],
+        endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
         stdout=seen.stdout,
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls),
     )
@@ -127,8 +131,8 @@ def _judge(exercise: Exercise, assignment: Assignment, seen: Seen, inputs: Mappi
     outcomes = []
     for check in exercise.checks:
         scenes = [assignment.scene(name) for name in check.scenes]
-        if any(s.function not in seen.defined | set(exercise.functions) and seen.defined for s in scenes):
-            continue  # it judges a function that this exercise can do without
+        if any(s.function in exercise.optional and s.function not in seen.defined for s in scenes):
+            continue
         outcome = _outcome(check, scenes, seen, inputs)
         if outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _likely(scenes, assignment, seen, inputs)
@@ -140,7 +144,12 @@ def _outcome(check: Check, scenes: list[Scene], seen: Seen, inputs: Mapping[str,
     for scene in scenes:
         if not seen.finished(scene.name):
             return check.unmeasured(_cause(scene, seen))
-    return check.judge([seen.arrays[s.name] for s in scenes], [truth(s, inputs[s.name]) for s in scenes])
+    exact = [truth(s, inputs[s.name]) for s in scenes]
+    try:
+        return check.judge([seen.arrays[s.name] for s in scenes], exact)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        # The arrays have the right shape and are finite, but their size is beyond arithmetic: that says nothing either way.
+        return check.unmeasured(f"the numbers that came back are beyond what can be judged ({error})")
 
 
 def _cause(scene: Scene, seen: Seen) -> str:
@@ -150,13 +159,14 @@ def _cause(scene: Scene, seen: Seen) -> str:
         return "your code stopped before this was played"
     if ending.ending is Ending.NOT_PLAYED and scene.after in seen.endings:
         ending = seen.endings[scene.after]
-    if ending.ending is Ending.MISSING and (failed := _failed_cells(seen)):
-        return f"{ending.sentence}; {failed[0].scene.removeprefix('cell ')} stopped with {failed[0].sentence}"
+    if ending.ending is Ending.MISSING and (failed := _failed_cell(seen)):
+        return f"{ending.sentence}; {failed.scene} stopped with {failed.sentence}"
     return ending.sentence
 
 
-def _failed_cells(seen: Seen) -> list[SceneEnding]:
-    return [e for e in seen.endings.values() if e.scene.startswith("cell ")]
+def _failed_cell(seen: Seen) -> SceneEnding | None:
+    """The one cell that failed; with several, which of them was to define a function cannot be told."""
+    return next(iter(seen.cells.values())) if len(seen.cells) == 1 else None
 
 
 def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> list[Diagnosis]:
@@ -168,8 +178,8 @@ def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Map
     for scene in scenes:
         for name in (scene.after, scene.name):
             ending = seen.endings.get(name or "")
-            if ending is not None and ending.ending is Ending.MISSING and (failed := _failed_cells(seen)):
-                ending = failed[0]
+            if ending is not None and ending.ending is Ending.MISSING and (failed := _failed_cell(seen)):
+                ending = failed
             if ending is not None and ending.code is not None:
                 return [Diagnosis(code=ending.code, sentence=ending.sentence, confidence=1.0)]
     return []

@@ -7,6 +7,8 @@ from pathlib import PurePath
 from service.sandbox.job import Cell
 
 MOST_BYTES = 256 * 1024
+MOST_CELLS = 500
+MOST_NAME = 120
 
 
 class BadSubmission(ValueError):
@@ -31,7 +33,9 @@ class Submission:
             raise BadSubmission(f"{filename} is not a text file (UTF-8)") from None
         if "\x00" in source:
             raise BadSubmission(f"{filename} is not a text file (it holds zero bytes)")
-        submission = cls(source, PurePath(filename).name or "submission.py")
+        submission = cls(source, _name(filename))
+        if len(submission.cells()) > MOST_CELLS:
+            raise BadSubmission(f"{filename} has more than {MOST_CELLS} code cells")
         if not any(cell.source.strip() for cell in submission.cells()):
             raise BadSubmission(f"{filename} holds no code")
         return submission
@@ -41,6 +45,12 @@ class Submission:
         if not self.filename.endswith(".ipynb"):
             return (Cell("submission.py", self.source),)
         return _notebook_cells(self.source)
+
+
+def _name(filename: str) -> str:
+    """The last part of a file name, printable and bounded."""
+    name = "".join(c for c in PurePath(filename).name if c.isprintable())
+    return name[-MOST_NAME:] or "submission.py"
 
 
 def _notebook_cells(source: str) -> tuple[Cell, ...]:

@@ -38,14 +38,16 @@ def _namespaces() -> list[str]:
 def _files() -> list[str]:
     site, args = _site_packages(), []
     binds = [*_runtime(), *(site / name for name in _packages())]
-    for folder in sorted({parent for path in binds for parent in path.parents[:-1]}):
+    folders = {parent for path in binds for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME)}
+    for folder in sorted(folders):
         args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
     for path in binds:
         args += ["--ro-bind", os.path.realpath(path), str(path)]
     args += ["--ro-bind", str(Path(__file__).parent / "guest"), f"{GUEST_HOME}/guest"]
     args += ["--ro-bind", str(_kit()), f"{GUEST_HOME}/ecp"]
     args += ["--dev-bind", "/dev/null", "/dev/null", "--dev-bind", "/dev/urandom", "/dev/urandom"]
-    args += ["--size", str(4 << 20), "--tmpfs", SCRATCH, "--dir", f"{SCRATCH}/mpl"]
+    args += ["--perms", "0755", "--size", str(4 << 20), "--tmpfs", SCRATCH]
+    args += ["--perms", "0755", "--dir", f"{SCRATCH}/mpl"]
     for cached in _font_list():
         args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
     return args

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from service.sandbox.job import LOAD_BUDGET_S, Job
 from service.sandbox.seen import SENTENCES, Ending, Fault, SceneEnding, Seen
-from service.sandbox.wire import ProtocolError, Reader
+from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
 LOAD_S = 2 * LOAD_BUDGET_S
@@ -74,8 +74,9 @@ class Conversation:
 
     def conclude(self, seen: Seen) -> None:
         """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
-        if self.code == LOCKDOWN_FAILED:
-            raise Fault(f"the walls around a submission could not be put up: {self.output.decode(errors='replace')[-500:]}")
+        if self.code == LOCKDOWN_FAILED and not self.reader.inside:
+            words = text(self.output.decode(errors="replace")[-500:])
+            raise Fault(f"the walls around a submission could not be put up: {words}")
         ending = self.stopped or self._by_exit_code()
         if ending is None:
             return

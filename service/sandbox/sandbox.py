@@ -43,7 +43,7 @@ class Sandbox:
             assert self._zygote is not None
             try:
                 survived = self._zygote.play(left, seen)
-            except Fault:
+            except BaseException:
                 self.close()
                 raise
             if not survived:

@@ -39,6 +39,13 @@ SENTENCES = {
 }
 
 
+# What a guest may name as the cause of an ending; everything else is found out on the host.
+GUEST_CODES = frozenset(
+    ["missing-function", "timeout", "memory", "syntax-error", "raises", "returns-nothing", "wrong-shape", "mutates-input"]
+    + ["not-finite", "no-animation", "too-many-frames"]
+)
+
+
 class SceneEnding(BaseModel):
     """The ending of one scene or cell, with the public diagnosis code and the student's traceback where there is one."""
 
@@ -51,11 +58,12 @@ class SceneEnding(BaseModel):
 
 @dataclass
 class Seen:
-    """Everything one play brought back. ``arrays`` holds float64 or uint8 arrays by scene and name."""
+    """Everything one play brought back: ``arrays`` by scene and name, the ``endings`` of scenes, and those of failed ``cells``."""
 
     defined: set[str] = field(default_factory=set)
     arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
     endings: dict[str, SceneEnding] = field(default_factory=dict)
+    cells: dict[str, SceneEnding] = field(default_factory=dict)
     stdout: str = ""
 
     def finished(self, scene: str) -> bool:

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from exercises.assignment import Blank
 from service.sandbox.job import Job
-from service.sandbox.seen import Ending, SceneEnding, Seen
+from service.sandbox.seen import GUEST_CODES, Ending, SceneEnding, Seen
 
 MOST_JSON = 64 * 1024
 MOST_TEXT = 8 * 1024
+MOST_CELLS_TOLD = 20
 DTYPES: Mapping[str, np.dtype[Any]] = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
 HEAD = struct.Struct("<cI")
 
@@ -29,10 +30,13 @@ class ProtocolError(Exception):
 
 
 class Reader:
-    """Turns the byte stream of one play into ``seen``; ``started`` is the scene in progress, ``done`` the guest's last word."""
+    """Turns the byte stream of one play into ``seen``; ``started`` is the scene in progress.
+
+    ``inside`` tells that the child stood behind its walls before it read the submission, ``done`` that it said its last word.
+    """
 
     def __init__(self, job: Job, seen: Seen) -> None:
-        self.seen, self.done, self.started = seen, False, None
+        self.seen, self.inside, self.done, self.started = seen, False, False, None
         self._scenes = {s.name: s for s in job.scenes}
         self._functions = set(job.functions)
         self._cells = {c.name for c in job.cells}
@@ -65,29 +69,29 @@ class Reader:
 
     def _event(self, event: Mapping[str, Any]) -> None:
         match event.get("event"):
-            case "defined":
-                self.seen.defined = {n for n in event.get("names", []) if isinstance(n, str)} & self._functions
+            case "inside":
+                self.inside = True
+            case "defined" if isinstance(event.get("names"), list):
+                self.seen.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
             case "start":
                 self.started = self._known(event, self._scenes)
             case "scene":
                 name = self._known(event, self._scenes)
-                self.seen.endings[name] = _ending(name, event)
-                self.started = None
-                if not self.seen.finished(name) or set(self.seen.arrays.get(name, {})) != set(self._scenes[name].returns):
-                    self._incomplete(name)
+                ending = _ending(name, event)
+                whole = set(self.seen.arrays.get(name, {})) == set(self._scenes[name].returns)
+                if ending.ending is Ending.FINISHED and not whole:
+                    raise ProtocolError("a scene ended without its arrays")
+                if ending.ending is not Ending.FINISHED:
+                    self.seen.arrays.pop(name, None)
+                self.seen.endings[name], self.started = ending, None
             case "cell":
                 name = self._known(event, self._cells)
-                self.seen.endings[f"cell {name}"] = _ending(f"cell {name}", event)
+                if len(self.seen.cells) < MOST_CELLS_TOLD:
+                    self.seen.cells[name] = _ending(name, event)
             case "done":
                 self.done = True
             case _:
                 raise ProtocolError("unknown event")
-
-    def _incomplete(self, name: str) -> None:
-        """A scene that did not finish, or finished without its arrays, leaves no arrays behind."""
-        self.seen.arrays.pop(name, None)
-        if self.seen.finished(name):
-            raise ProtocolError("a scene ended without its arrays")
 
     def _known(self, event: Mapping[str, Any], names: Any) -> str:
         name = event.get("scene")
@@ -128,8 +132,8 @@ def _ending(name: str, event: Mapping[str, Any]) -> SceneEnding:
     return SceneEnding(
         scene=name,
         ending=ending,
-        sentence=text(event.get("sentence", ""), 600),
-        code=text(code, 40) if code else None,
+        sentence=" ".join(text(event.get("sentence", ""), 600).split()),
+        code=code if isinstance(code, str) and code in GUEST_CODES else None,
         traceback=text(trace) if trace else None,
     )
 
@@ -137,8 +141,10 @@ def _ending(name: str, event: Mapping[str, Any]) -> SceneEnding:
 def _shape(shape: Any, blank: Blank) -> tuple[int, ...]:
     if not isinstance(shape, list) or len(shape) != len(blank.shape) or not all(type(n) is int and n >= 0 for n in shape):
         raise ProtocolError("not a shape")
-    fits = all(n <= most for n, most in zip(shape, blank.shape, strict=True)) if blank.up_to else tuple(shape) == blank.shape
-    if not fits:
+    within = (
+        blank.up_to and shape[-1] == blank.shape[-1] and all(1 <= n <= most for n, most in zip(shape, blank.shape, strict=True))
+    )
+    if not within and tuple(shape) != blank.shape:
         raise ProtocolError("an array of another shape than asked for")
     return tuple(shape)
 

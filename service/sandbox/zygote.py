@@ -54,13 +54,18 @@ class Zygote:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
         talk = Conversation(job, Reader(job, seen), Pipes(self._control, job_w, result_r, output_r))
         try:
-            socket.send_fds(self._control, [b"j"], [job_r, result_w, output_w])
-            for fd in (job_r, result_w, output_w):
-                os.close(fd)
+            try:
+                socket.send_fds(self._control, [b"j"], [job_r, result_w, output_w])
+            finally:
+                for fd in (job_r, result_w, output_w):
+                    os.close(fd)
             talk.hold()
         except OSError as error:
             self.kill()
             raise Fault(f"the guest went away: {error}") from error
+        except BaseException:
+            self.kill()  # whatever went wrong, no child of this job may be alive when the next one comes
+            raise
         if talk.stopped is not None:
             self.kill()
         seen.stdout = (seen.stdout + text(talk.output.decode(errors="replace"), KEPT_OUTPUT))[:KEPT_OUTPUT]
@@ -71,6 +76,9 @@ class Zygote:
         """End the guest and everything in it, and wait until it is gone."""
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.wait(timeout=10)
         self._control.close()
         self._log.close()
+        try:
+            self._process.wait(timeout=10)
+        except subprocess.TimeoutExpired as error:
+            raise Fault("a guest could not be killed") from error

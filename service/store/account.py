@@ -24,7 +24,8 @@ def own(folder: Path) -> None:
 
 
 def as_server(programs: Path, *writable: Path) -> list[str]:
-    """What stands before a server program: it ends with us, and as root it runs as somebody else."""
+    """What stands before a server program. As an ordinary user it ends with us. As root it runs as somebody else, to whom a dying
+    bwrap may send no signal: there the next start on the folder ends a server that outlived its polhode."""
     if os.geteuid() != 0:
         return ["setpriv", "--pdeathsig", "QUIT", "--"] if shutil.which("setpriv") else []
     program = find_bubblewrap()
@@ -47,7 +48,7 @@ def as_server(programs: Path, *writable: Path) -> list[str]:
         view += ["--ro-bind", str(path), str(path)]
     for path in writable:
         view += ["--bind", str(path), str(path)]
-    ids = ["--reuid", str(uid), "--regid", str(gid), "--clear-groups", "--pdeathsig", "QUIT"]
+    ids = ["--reuid", str(uid), "--regid", str(gid), "--clear-groups"]
     return [*view, "--chdir", "/", "--", "setpriv", *ids, "--"]
 
 

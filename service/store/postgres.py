@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -16,6 +17,7 @@ from service.store.account import DatabaseUnavailable, as_server, own
 
 USER = DATABASE = "polhode"
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
+PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)  # a comma separates socket folders, and an address would have to escape the rest
 START_S, STOP_S = 30.0, 20.0
 
 
@@ -31,7 +33,7 @@ class EmbeddedPostgres:
         self._cluster = (data / "postgres").resolve()
         self._log = data.resolve() / "postgres.log"
         run = data.resolve() / "run"
-        self._short = len(str(run)) > LONGEST_SOCKET_PATH - 20
+        self._short = len(str(run)) > LONGEST_SOCKET_PATH - 20 or not PLAIN_PATH.fullmatch(str(run))
         self._run = Path(tempfile.mkdtemp(prefix="polhode-")) if self._short else run
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -77,10 +79,18 @@ class EmbeddedPostgres:
     def _signal(self, how: signal.Signals) -> None:
         """Signal the postmaster itself, which under bubblewrap is a child of the process we started."""
         assert self._process is not None
-        try:
-            os.kill(int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0]), how)
-        except (OSError, ValueError):
+        if (pid := self._postmaster()) is not None:
+            os.kill(pid, how)
+        else:
             self._process.send_signal(how)
+
+    def _postmaster(self) -> int | None:
+        """Number of the server that runs on our folder; None if there is none, or another process got the number."""
+        try:
+            pid = int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0])
+            return pid if b"postgres" in Path(f"/proc/{pid}/cmdline").read_bytes() else None
+        except (OSError, ValueError):
+            return None
 
     def _take_folder(self) -> None:
         self._lock = os.open(self._cluster.parent / "lock", os.O_RDWR | os.O_CREAT, 0o600)
@@ -92,15 +102,9 @@ class EmbeddedPostgres:
 
     def _end_orphan(self) -> None:
         """End a server that outlived a killed polhode. The folder is ours alone, so nobody else can be using it."""
-        pid_file, deadline = self._cluster / "postmaster.pid", time.monotonic() + STOP_S
-        while pid_file.exists() and time.monotonic() < deadline:
-            try:
-                pid = int(pid_file.read_text().split("\n", 1)[0])
-                if b"postgres" not in Path(f"/proc/{pid}/cmdline").read_bytes():
-                    return  # another process got the number: PostgreSQL removes the stale file by itself
-                os.kill(pid, signal.SIGINT)
-            except (OSError, ValueError):
-                return
+        deadline = time.monotonic() + STOP_S
+        while (pid := self._postmaster()) is not None and time.monotonic() < deadline:
+            os.kill(pid, signal.SIGINT)
             time.sleep(0.1)
 
     def _create(self) -> None:

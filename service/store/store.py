@@ -39,6 +39,19 @@ class Stored:
         return self.report is not None or self.fault is not None
 
 
+@dataclass(frozen=True)
+class Listed:
+    """A submission as a list shows it; ``score`` and ``max_score`` are None where there is no report."""
+
+    id: UUID
+    filename: str
+    submitted_at: datetime
+    finished: bool
+    fault: str | None
+    score: int | None
+    max_score: int | None
+
+
 class Store:
     """The database behind ``url``; its tables must be up to date."""
 
@@ -69,23 +82,24 @@ class Store:
         }
         async with self._engine.begin() as connection:
             statement = insert(submission).values(**values).on_conflict_do_nothing(index_elements=["idempotency_key"])
-            if (await connection.execute(statement.returning(submission.c.id))).first() is None:
-                known = await connection.execute(
-                    select(submission.c.id, submission.c.fingerprint).where(submission.c.idempotency_key == key)
-                )
-                row = known.one()
-                if row.fingerprint != mark:
-                    raise KeyReused
-                return await self._read(row.id) or new
-        return await self._read(new.id) or new
+            found = (await connection.execute(statement.returning(submission.c.id, submission.c.fingerprint))).first()
+            if found is None:
+                known = select(submission.c.id, submission.c.fingerprint).where(submission.c.idempotency_key == key)
+                found = (await connection.execute(known)).one()
+        if found.fingerprint != mark:
+            raise KeyReused
+        return await self._read(found.id) or new
 
     async def get(self, id: UUID) -> Stored | None:
         """The submission of that id, or None."""
         return await self._read(id)
 
-    async def recent(self, most: int) -> Sequence[Stored]:
-        """The latest submissions, newest first."""
-        return [_stored(row) for row in await self._rows(_JOINED.order_by(submission.c.submitted_at.desc()).limit(most))]
+    async def recent(self, most: int) -> Sequence[Listed]:
+        """The latest submissions, newest first, without their source and report."""
+        columns = [submission.c.id, submission.c.filename, submission.c.submitted_at, result.c.submission_id, result.c.fault]
+        numbers = [result.c.report[name].as_integer().label(name) for name in ("score", "max_score")]
+        query = select(*columns, *numbers).outerjoin_from(submission, result).order_by(submission.c.submitted_at.desc())
+        return [_listed(row) for row in await self._rows(query.limit(most))]
 
     async def unfinished(self) -> Sequence[UUID]:
         """Ids of submissions without a result, oldest first."""
@@ -133,6 +147,11 @@ def fingerprint(stored: Stored) -> str:
 
 def _artefact(id: UUID, name: str, content: bytes) -> dict[str, object]:
     return {"submission_id": id, "name": name, "sha256": hashlib.sha256(content).hexdigest(), "content": content}
+
+
+def _listed(row: Row[tuple[object, ...]]) -> Listed:
+    finished = row.submission_id is not None
+    return Listed(row.id, row.filename, row.submitted_at, finished, row.fault, row.score, row.max_score)
 
 
 def _stored(row: Row[tuple[object, ...]]) -> Stored:

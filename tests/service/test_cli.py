@@ -30,7 +30,7 @@ def test_assignments():
 def test_grade_prints_lines_and_exits_0_when_all_pass(folder, tmp_path):
     told = polhode("grade", folder / "right_all.py", "--exercise", "2", "--exercise", "6", "--out", tmp_path)
     assert told.returncode == 0, told.stderr
-    assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "8 of 8 checks ✓" in told.stdout
+    assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "9 of 9 checks ✓" in told.stdout
     written = {p.name for p in (tmp_path / "right_all").iterdir()}
     assert written == {"report.txt", "report.json", "omega.svg", "omega-residual.svg", "cone.svg", "precession.png"}
 
@@ -57,6 +57,24 @@ def test_grade_exits_2_when_it_cannot_grade(folder, tmp_path, arguments, environ
         environment = environment | {"PYTHONPATH": str(tmp_path)}
     told = polhode("grade", folder / arguments[0], *arguments[1:], **environment)
     assert told.returncode == 2 and why in told.stderr and told.stdout == ""
+
+
+def test_one_unreadable_submission_does_not_cost_the_others_theirs(folder, tmp_path):
+    bad = tmp_path / "bad.py"
+    bad.write_bytes(b"\xff\xfe")
+    told = polhode("grade", bad, folder / "right_terms.py", "--exercise", "2", "--json")
+    reports = json.loads(told.stdout)["reports"]
+    assert told.returncode == 1 and "not a text file" in told.stderr
+    assert reports[0]["report"] is None and reports[1]["report"]["passed"]
+
+
+def test_reports_of_files_with_one_name_do_not_overwrite_each_other(folder, tmp_path):
+    for student in ("alice", "bob"):
+        (tmp_path / student).mkdir()
+        (tmp_path / student / "ex.py").write_text((folder / "wrong_zeros.py").read_text())
+    files = [tmp_path / s / "ex.py" for s in ("alice", "bob")]
+    assert polhode("grade", *files, "--exercise", "2", "--out", tmp_path / "out").returncode == 1
+    assert len(list((tmp_path / "out").iterdir())) == 2
 
 
 def test_grade_needs_neither_web_nor_database(folder):

@@ -148,6 +148,8 @@ BAD = [
     (b"--bound\r\nnonsense", "multipart/form-data; boundary=bound", 422, "invalid-request"),
     (b"--bound--\r\n", "multipart/form-data; boundary=bound", 422, "invalid-request"),
     (b"x", "multipart/form-data", 400, "invalid-request"),
+    (b'{"source": "x = 1", "exercises": ["\\ud800"]}', "application/json", 422, "unknown-exercise"),
+    (b'{"source": "x = 1", "\\ud800": 1}', "application/json", 422, "invalid-request"),
 ]
 
 
@@ -186,6 +188,40 @@ def test_idempotency_key(server):
     assert first["id"] == again["id"] and again["status"] == "graded"
     status, _, answer = post(server, {"source": ZEROS, "exercises": ["3"]}, Idempotency_Key=key)
     assert status == 422 and json.loads(answer)["type"].endswith("key-reused")
+
+
+def test_many_at_once_with_one_key_are_one_submission(server):
+    from concurrent.futures import ThreadPoolExecutor
+
+    key = uuid.uuid4().hex
+    with ThreadPoolExecutor(40) as pool:
+        answers = list(pool.map(lambda _: post(server, {"source": ZEROS, "exercises": ["2"]}, Idempotency_Key=key), range(40)))
+    assert {status for status, _, _ in answers} == {202}
+    assert len({json.loads(body)["id"] for _, _, body in answers}) == 1
+
+
+@pytest.mark.parametrize("name", ["a\0b.py", "\u202egnp.py", "x" * 500 + ".py"])
+def test_odd_file_names_are_made_harmless(server, name):
+    body, kind = form(name, ZEROS.encode(), exercises="2")
+    status, _, answer = call(server, SLUG, body, Content_Type=kind, Prefer="wait=60")
+    assert status == 200 and json.loads(answer)["status"] == "graded"
+
+
+def test_numbers_too_large_to_draw_are_a_404_and_not_a_crash(server):
+    source = "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0] if t != 7.0 else w\n"
+    document = json.loads(post(server, {"source": source, "exercises": ["2"]}, Prefer="wait=60")[2])
+    assert call(server, f"/v1/submissions/{document['id']}/figures/omega.svg")[0] == 200
+    assert call(server, f"/v1/submissions/{document['id']}/animations/%00.png")[0] == 404
+
+
+def test_stopping_does_not_wait_for_a_running_submission(new_server, tmp_path):
+    import time
+
+    server = new_server(tmp_path / "da ta,+", POLHODE_WORKERS="1")
+    post(server, {"source": "import time\ntime.sleep(9)\n" + ZEROS})
+    time.sleep(0.5)
+    began = time.monotonic()
+    assert server.stop() == 0 and time.monotonic() - began < 5
 
 
 def test_what_was_accepted_survives_a_kill_and_is_graded_later(new_server, tmp_path):

@@ -5,6 +5,7 @@ import signal
 import stat
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import psycopg
@@ -51,7 +52,12 @@ os.kill(os.getpid(), 9)
 
 
 def test_a_killed_owner_loses_nothing(data):
+    pid = data / "postgres" / "postmaster.pid"
     assert subprocess.run([sys.executable, "-c", OWNER, str(data)], check=False).returncode == -signal.SIGKILL
+    deadline = time.monotonic() + 5
+    while os.geteuid() != 0 and pid.exists() and Path(f"/proc/{pid.read_text().split(chr(10))[0]}").exists():
+        assert time.monotonic() < deadline, "PostgreSQL outlived its owner"
+        time.sleep(0.05)
     database = EmbeddedPostgres(data)
     database.start()
     assert query(database, "SELECT answer FROM kept") == 43
@@ -66,6 +72,14 @@ def test_a_long_path_gets_its_socket_elsewhere(tmp_path):
     socket_folder = Path(database.url.split("host=")[1])
     database.stop()
     assert not socket_folder.exists()
+
+
+@pytest.mark.parametrize("name", ["a b", "c++", "a%20b", "x,y", "ü"])
+def test_any_folder_name_will_do(tmp_path, name):
+    database = EmbeddedPostgres(tmp_path / name)
+    database.start()
+    assert query(database, "SELECT 1") == 1
+    database.stop()
 
 
 def test_another_major_version_is_refused_with_a_reason(tmp_path):

@@ -100,7 +100,7 @@ def test_a_failing_cell_is_told_and_the_others_run(sandbox):
     cells = (Cell("cell 1", "%matplotlib inline\n!ls\nx = 1"), Cell("cell 2", "1 / 0"), Cell("cell 3", "%%time\n" + GOOD))
     seen = sandbox.play(Job("", PLAYS, cells, ("f",), (scene("one"),)))
     assert seen.finished("one")
-    trace = seen.endings["cell cell 2"].traceback
+    trace = seen.cells["cell 2"].traceback
     assert "ZeroDivisionError" in trace and "cell 2" in trace and "play.py" not in trace
 
 
@@ -221,7 +221,7 @@ print(json.dumps({"children": children, "reached": len(reached), "me": os.getpid
 """
     before = _guests()
     (told,) = attempt(sandbox, body)
-    assert told["me"] == 1 and told["children"] < 20 and told["reached"] == told["children"]
+    assert told["me"] == 1 and told["children"] == 0 and told["reached"] == 0
     time.sleep(0.3)
     assert _guests() == before
     assert sandbox.play(job(GOOD)).finished("one")

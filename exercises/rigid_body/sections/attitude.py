@@ -9,7 +9,7 @@ from exercises.checks import Arrays, below, close, holds
 from exercises.rigid_body import figures
 from exercises.rigid_body.mistakes import STILL
 from exercises.rigid_body.scenes import SYMMETRIC as TOP
-from exercises.rigid_body.sections.wording import DRIVE, NOTEBOOK
+from exercises.rigid_body.sections.wording import DRIVE, NOTEBOOK, pointwise
 
 
 def _moves(seen: Arrays) -> tuple[bool, str]:
@@ -22,6 +22,7 @@ ATTITUDE = Exercise(
     "Animating the free precession",
     ("animate_precession",),
     (
+        pointwise("6-pointwise"),
         close(
             "6-orthonormal",
             "R stays orthonormal (max |RᵀR − 1| over the run)",

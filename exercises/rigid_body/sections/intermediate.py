@@ -8,7 +8,7 @@ from exercises.assignment import Exercise
 from exercises.checks import Arrays, close, holds
 from exercises.rigid_body import figures
 from exercises.rigid_body.scenes import NUDGE, SPIN
-from exercises.rigid_body.sections.wording import omega
+from exercises.rigid_body.sections.wording import omega, pointwise
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,7 @@ INTERMEDIATE = Exercise(
     "The intermediate axis",
     ("euler_eqs",),
     (
+        pointwise("5-pointwise"),
         holds(
             "5-notebook",
             "spin is stable about the extreme axes, unstable about the intermediate axis",

@@ -7,13 +7,14 @@ from exercises.assignment import Exercise
 from exercises.checks import close
 from exercises.rigid_body import figures
 from exercises.rigid_body.scenes import BODY
-from exercises.rigid_body.sections.wording import NOTEBOOK, at_time, omega
+from exercises.rigid_body.sections.wording import NOTEBOOK, at_time, omega, pointwise
 
 POLHODE = Exercise(
     "3",
     "Polhodes",
     ("euler_eqs",),
     (
+        pointwise("3-pointwise"),
         close(
             "3-energy",
             "polhode lies on the energy ellipsoid",

@@ -7,13 +7,14 @@ from exercises.assignment import Exercise
 from exercises.checks import close
 from exercises.rigid_body import figures
 from exercises.rigid_body.scenes import SYMMETRIC as TOP
-from exercises.rigid_body.sections.wording import NOTEBOOK, omega
+from exercises.rigid_body.sections.wording import NOTEBOOK, omega, pointwise
 
 SYMMETRIC = Exercise(
     "4",
     "Free precession of a symmetric top",
     ("euler_eqs",),
     (
+        pointwise("4-pointwise"),
         close(
             "4-constant",
             "ω₃ is constant for the symmetric top",
@@ -47,4 +48,5 @@ SYMMETRIC = Exercise(
         ),
     ),
     figures=(figures.PRECESSION,),
+    optional=("precession_rate",),
 )

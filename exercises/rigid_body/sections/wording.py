@@ -35,3 +35,23 @@ def omega(id: str, label: str, scene: str, atol: float = 1e-8, reason: str = DRI
         reason=reason,
         locate=at_component,
     )
+
+
+def pointwise(id: str) -> Check:
+    """``euler_eqs`` is right at secret (t, ω, I). Every exercise it drives makes this check: its own scene alone, with one body
+    known to everybody, would accept equations that are right for that body only."""
+    return close(
+        id,
+        "euler_eqs agrees with Euler's equations point by point",
+        "probes",
+        measured=lambda seen: seen["wdot"],
+        expected=lambda truth: truth["wdot"],
+        rtol=1e-12,
+        atol=1e-12,
+        reason=ROUNDING,
+        locate=_at_probe,
+    )
+
+
+def _at_probe(index: tuple[int, ...], seen: Arrays) -> str:
+    return f"ω̇{'₁₂₃'[index[1]]}, probe {index[0] + 1} of {len(seen['wdot'])}"

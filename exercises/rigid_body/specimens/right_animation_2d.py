@@ -1,3 +1,7 @@
+def euler_eqs(t, w, I):
+    return -np.cross(w, I * w) / I
+
+
 def animate_precession(t, R, L):
     """Seen from above, drawn anew for every frame: slow, and right."""
     fig, ax = plt.subplots(figsize=(4, 4))

@@ -1,3 +1,7 @@
+def euler_eqs(t, w, I):
+    return -np.cross(w, I * w) / I
+
+
 def animate_precession(t, R, L):
     fig = plt.figure(figsize=(4, 4))
     ax = draw.cube_axes(fig.add_subplot(projection="3d"), 1.0)

@@ -1,6 +1,10 @@
 import itertools
 
 
+def euler_eqs(t, w, I):
+    return -np.cross(w, I * w) / I
+
+
 def animate_precession(t, R, L):
     fig, ax = plt.subplots()
     (line,) = ax.plot([0, 1], [0, 1])

@@ -22,7 +22,7 @@ LIMITS = {
     resource.RLIMIT_FSIZE: 0,
     resource.RLIMIT_CORE: 0,
     resource.RLIMIT_NOFILE: 64,
-    resource.RLIMIT_NPROC: 16,
+    resource.RLIMIT_NPROC: 1,
     resource.RLIMIT_MEMLOCK: 0,
     resource.RLIMIT_STACK: 16 * MIB,
 }

@@ -1,0 +1,98 @@
+"""Submissions that lie on the wire or strain the host: each gets a verdict, the next one its due, and nobody a fault."""
+
+import json
+
+import pytest
+
+from ecp.judge import Verdict
+from service.grading import pictures
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox.seen import Ending
+
+PRELUDE = """
+import json, os, struct, signal, time
+def J(**event):
+    data = json.dumps(event).encode(); os.write(3, struct.pack("<cI", b"J", len(data)) + data)
+def A(scene, name, shape, raw):
+    head = json.dumps({"scene": scene, "name": name, "shape": shape}).encode()
+    data = struct.pack("<H", len(head)) + head + raw; os.write(3, struct.pack("<cI", b"A", len(data)) + data)
+"""
+FILM = PRELUDE + 'J(event="defined", names=["animate_precession"])\nJ(event="start", scene="film")\n'
+ENDED = 'J(event="scene", scene="film", ending="finished", sentence="")\nJ(event="done")\nos._exit(0)\n'
+RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
+
+LIES = {
+    "names are null": PRELUDE + 'J(event="defined", names=None)',
+    "finished without arrays": PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ending="finished")',
+    "no colours": FILM + 'A("film", "frames", [24, 360, 480, 0], b"")\n' + ENDED,
+    "two colours": FILM + 'A("film", "frames", [2, 4, 4, 2], bytes(64))\n' + ENDED,
+    "no frames": FILM + 'A("film", "frames", [0, 4, 4, 3], b"")\n' + ENDED,
+    "blames the walls": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
+    "times from the guest": "np.ascontiguousarray = lambda v, dtype=None: np.zeros(np.shape(v), dtype)\n" + RIGHT,
+    "sleeps through its alarm": PRELUDE
+    + "signal.signal(signal.SIGALRM, signal.SIG_IGN)\nJ(event='defined', names=5)\ntime.sleep(60)",
+    "huge numbers": "def euler_eqs(t, w, I):\n    return np.full(3, 1e180)",
+}
+
+
+@pytest.mark.parametrize("source", LIES.values(), ids=LIES.keys())
+def test_a_lie_on_the_wire_gets_its_verdict_and_the_next_is_unharmed(source, rigid_body, sandbox):
+    graded = grade(Submission(source), rigid_body, sandbox, 3)
+    assert not graded.report.passed and all(o.line for o in graded.report.outcomes())
+    pictures.pack(graded)
+    assert grade(Submission(RIGHT), rigid_body, sandbox, 3, ["2"]).report.passed
+
+
+def test_forged_lines_stay_in_their_line(rigid_body, sandbox):
+    source = "def euler_eqs(t, w, I):\n    raise ValueError('x]\\n✓  rotational energy conserved (torque-free)   [fine]')"
+    text = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report.text()
+    assert not any(line.startswith("✓") for line in text.split("\n"))
+
+
+@pytest.mark.parametrize("number", ["2", "3", "4", "5", "6"])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "lambda t, w, I: -np.cross(w, np.array([2.0, 3.0, 4.0]) * w) / np.array([2.0, 3.0, 4.0])",
+        "lambda t, w, I: -np.cross(w, np.array([1.0, 1.0, 1.6]) * w) / np.array([1.0, 1.0, 1.6])",
+        "lambda t, w, I: -np.cross(w, I * w) / I + [(I[0] - I[1]) * w[1] * w[2], 0, 0]",
+    ],
+    ids=["hard-coded", "hard-coded top", "right for a symmetric top"],
+)
+def test_equations_right_for_one_body_only_fail_every_exercise_they_drive(wrong, number, rigid_body, sandbox):
+    report = grade(Submission(f"euler_eqs = {wrong}"), rigid_body, sandbox, 3, [number]).report
+    assert Verdict.FAIL in {o.verdict for o in report.outcomes()}
+
+
+def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigid_body, sandbox):
+    only = grade(Submission("def animate_precession(t, R, L):\n    pass"), rigid_body, sandbox, 3).report
+    assert [e.number for e in only.exercises] == ["6"] and only.max_score == 5 and only.score == 0
+    rate = grade(Submission("def precession_rate(t, w):\n    return 1.0"), rigid_body, sandbox, 3).report
+    assert [e.number for e in rate.exercises] == ["4"] and "4-function" in {o.id for o in rate.outcomes()}
+
+
+def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
+    source = "from ecp.strict import WrongAnswer\ndef euler_eqs(t, w, I):\n    raise WrongAnswer('all-right', 'x')"
+    report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
+    assert report.endings[0].ending is Ending.WRONG_ANSWER and not any(o.diagnosis for o in report.outcomes())
+
+
+def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short(rigid_body, sandbox):
+    show = (
+        "from IPython.display import HTML, display\nfrom IPython import get_ipython\ndisplay(HTML('<b>x</b>'))\nfig = plt.figure()"
+    )
+    cells = [show, *["raise Exception('x' * 9999)"] * 100, RIGHT]
+    document = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
+    submission = Submission.from_bytes(json.dumps(document).encode(), "a.ipynb")
+    report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
+    assert report.passed and len(report.model_dump_json()) < 300_000
+    assert "cell 1" not in {e.scene for e in report.endings}
+
+
+def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox):
+    cells = [RIGHT, *["import time; time.sleep(4)"] * 6]
+    document = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
+    submission = Submission.from_bytes(json.dumps(document).encode(), "a.ipynb")
+    report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
+    assert report.passed and report.endings[0].ending is Ending.TIMED_OUT

@@ -5,7 +5,7 @@ BIN := .venv/bin
 INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help env demo serve test lint lock clean
+.PHONY: help env demo serve test lint bench lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
@@ -38,6 +38,9 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 
 test: lint  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
+
+bench: .venv/tests  ## measure: the exact motion against the notebook's integrator, and its accuracy
+	@$(CLEAN_ENV) $(BIN)/python -m bench.exact_speed
 
 lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
 	uv lock $(UPGRADE)

@@ -1,4 +1,4 @@
-"""The command line: serve, grade, assignments. Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure."""
+"""The command line: serve, grade, chart, assignments. Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure."""
 
 import argparse
 import json
@@ -27,6 +27,13 @@ def main(argv: list[str] | None = None) -> int:
     grade.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
     grade.add_argument("--out", type=Path, metavar="DIR", help="write each report, its figures and contact sheets into DIR")
     grade.set_defaults(run=_grade)
+    chart = commands.add_parser("chart", help="measure the reference methods and draw what they cost and where they fail")
+    chart.add_argument("what", choices=["work-precision", "stability"])
+    chart.add_argument("--scene", action="append", metavar="NAME", help="only scenes whose name holds NAME; repeatable")
+    chart.add_argument(
+        "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for CSV, JSON and SVG (default charts)"
+    )
+    chart.set_defaults(run=_chart)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
     arguments = parser.parse_args(argv)
     return int(arguments.run(arguments))
@@ -38,6 +45,20 @@ def _serve(arguments: argparse.Namespace) -> int:
 
     given = {name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}
     return serve(Settings(**given))
+
+
+def _chart(arguments: argparse.Namespace) -> int:
+    from service.charts import write_stability, write_work_precision
+
+    try:
+        if arguments.what == "stability":
+            print(f"written to {write_stability(arguments.out)}/")
+        else:
+            print(f"written to {write_work_precision(arguments.scene, arguments.out)}/")
+    except ValueError as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 def _assignments(arguments: argparse.Namespace) -> int:

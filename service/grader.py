@@ -30,6 +30,7 @@ class Grader:
         self._pool = self._new_pool()
         self._waiting: dict[UUID, asyncio.Task[None]] = {}
         self.running: set[UUID] = set()
+        self._charts: dict[tuple[str, int], bytes] = {}
         self._slots = asyncio.Semaphore(workers)
 
     async def start(self) -> None:
@@ -61,6 +62,12 @@ class Grader:
     async def draw(self, stored: Stored, figure: str, packed: bytes, form: str) -> bytes:
         """Draw a figure in a worker."""
         return bytes(await self._call(worker.draw_one, stored.assignment, figure, packed, stored.seed, form))
+
+    async def draw_chart(self, kind: str, number: int) -> bytes:
+        """Draw a chart of the reference methods in a worker, once."""
+        if (kind, number) not in self._charts:
+            self._charts[kind, number] = bytes(await self._call(worker.draw_chart, kind, number))
+        return self._charts[kind, number]
 
     async def _grade(self, id: UUID) -> None:
         async with self._slots:

@@ -1,13 +1,16 @@
-"""Two pages to look at: the latest submissions, and one report with its figures."""
+"""Pages to look at: the latest submissions, one report with its figures, the charts of the reference methods."""
 
 from pathlib import Path
+from typing import Literal
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 
 from exercises.assignment import assignments
+from service import charts
+from service.problems import Problem
 from service.routes import find_submission, status
 
 router = APIRouter()
@@ -28,6 +31,23 @@ async def index(request: Request) -> HTMLResponse:
     rows = [(s, status(request, s)) for s in stored]
     context = {"rows": rows, "assignments": list(assignments().values()), "walls": request.app.state.walls.name}
     return _templates.TemplateResponse(request, "index.html", context)
+
+
+@router.get("/reference", response_class=HTMLResponse)
+async def reference(request: Request) -> HTMLResponse:
+    """What the reference methods cost, how accurate they are and where they fail, with date and versions of the measurement."""
+    document, atlas = charts.load_work_precision(), charts.load_stability()
+    context = {"document": document, "atlas": atlas, "scenes": charts.scenes(document), "exceptions": charts.exceptions(document)}
+    return _templates.TemplateResponse(request, "reference.html", context)
+
+
+@router.get("/reference/{kind}/{number}.svg")
+async def chart(kind: Literal["work-precision", "stability"], number: int, request: Request) -> Response:
+    """A chart of that page."""
+    known = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
+    if not 0 <= number < known:
+        raise Problem(404, "not-found", f"there is no chart {number}")
+    return Response(await request.app.state.grader.draw_chart(kind, number), media_type="image/svg+xml")
 
 
 @router.get("/submissions/{id}", response_class=HTMLResponse)

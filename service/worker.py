@@ -1,8 +1,10 @@
 """What runs in a worker process: one warm sandbox, grading and drawing. Everything here is called from the grader's pool."""
 
 import atexit
+import time
 
 from exercises.assignment import assignments
+from service import charts
 from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -31,8 +33,12 @@ def ready() -> None:
 
 def grade_one(submission: Submission, slug: str, exercises: list[str] | None, seed: int) -> tuple[str, dict[str, bytes]]:
     """The report as JSON and the artefacts to keep."""
+    began = time.perf_counter()
     graded = grade(submission, assignments()[slug], _own(), seed, exercises)
-    return graded.report.model_dump_json(), pictures.pack(graded)
+    judged = time.perf_counter()
+    packed = pictures.pack(graded)
+    graded.report.provenance.phases_ms = {"grade": 1e3 * (judged - began), "pack": 1e3 * (time.perf_counter() - judged)}
+    return graded.report.model_dump_json(), packed
 
 
 def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
@@ -42,6 +48,14 @@ def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> byt
     if declared is None:
         raise KeyError(figure)
     return pictures.draw(assignment, declared, pictures.unpack(packed), seed, form)
+
+
+def draw_chart(kind: str, number: int) -> bytes:
+    """A chart by its number, of kind "work-precision" or "stability", from the measurement that comes with this version."""
+    if kind == "stability":
+        return charts.draw_stability(charts.load_stability(), number)
+    document = charts.load_work_precision()
+    return charts.draw_work_precision(document, charts.scenes(document)[number])
 
 
 def _own() -> Sandbox:

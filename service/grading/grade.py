@@ -47,30 +47,18 @@ def grade(
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
     seen = sandbox.play(_job(submission, assignment, inputs))
-    for scene in assignment.scenes:
-        if scene.known and scene.name in seen.arrays:
-            exact = truth(scene, inputs[scene.name])
-            seen.arrays[scene.name] |= {name: exact[name] for name in scene.known}
+    _add_what_is_known(assignment, seen, inputs)
     attempted = [e for e in asked if numbers is not None or seen.defined & {*e.functions, *e.optional}] or asked
     sections = [_judge(e, assignment, seen, inputs) for e in attempted]
     told = _with_precursors(assignment, {s for e in attempted for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
+    figures, animations = _pictures(attempted, shown)
     report = Report(
         assignment=assignment.slug,
         version=assignment.version,
         exercises=sections,
-        figures=[
-            Picture(name=f.name, exercise=e.number, title=f.title, alt=f.alt)
-            for e in attempted
-            for f in e.figures
-            if set(f.scenes) <= set(shown)
-        ],
-        animations=[
-            Picture(name=a.name, exercise=e.number, title=a.title, alt=a.alt)
-            for e in attempted
-            for a in e.animations
-            if a.scene in shown
-        ],
+        figures=figures,
+        animations=animations,
         endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
         stdout=seen.stdout,
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls),
@@ -115,6 +103,23 @@ def _fixed_truth(scene: Scene) -> Arrays:
 def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:
     """The wanted scenes and those they come after, which tell the likelier cause of a failure first."""
     return wanted | {after for s in assignment.scenes if s.name in wanted and (after := s.after) is not None}
+
+
+def _add_what_is_known(assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> None:
+    for scene in assignment.scenes:
+        if scene.known and scene.name in seen.arrays:
+            exact = truth(scene, inputs[scene.name])
+            seen.arrays[scene.name] |= {name: exact[name] for name in scene.known}
+
+
+def _pictures(attempted: list[Exercise], shown: Mapping[str, Arrays]) -> tuple[list[Picture], list[Picture]]:
+    """Figures and animations whose scenes brought something to show."""
+    figures = [(e, f) for e in attempted for f in e.figures if set(f.scenes) <= set(shown)]
+    animations = [(e, a) for e in attempted for a in e.animations if a.scene in shown]
+    return (
+        [Picture(name=f.name, exercise=e.number, title=f.title, alt=f.alt) for e, f in figures],
+        [Picture(name=a.name, exercise=e.number, title=a.title, alt=a.alt) for e, a in animations],
+    )
 
 
 def _job(submission: Submission, assignment: Assignment, inputs: Mapping[str, Inputs]) -> Job:

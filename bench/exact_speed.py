@@ -1,0 +1,92 @@
+"""Whole calls of the exact motion against the notebook's integrate_body, interleaved: medians of the paired ratios.
+
+Also the accuracy of all of truth.npz, of which the tests take a random part. Run by ``make bench``.
+"""
+
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from reference import Exact, box_moments, motion
+from reference.compiled import compiled_motion
+
+ROOT = Path(__file__).parents[1]
+BOOK = tuple(box_moments(1, 2, 1.4, 0.4))
+SCENES = {
+    "exercise 2": ((1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 20.0, 2000),
+    "exercise 5, about e1": ((6.0, 0.12, 0.12), BOOK, 2.5, 400),
+    "exercise 5, about e2": ((0.12, 6.0, 0.12), BOOK, 2.5, 400),
+    "exercise 5, about e3": ((0.12, 0.12, 6.0), BOOK, 2.5, 400),
+    "exercise 6": ((0.2, 0.3, 3.0), (1.0, 1.0, 1.6), 8.0, 400),
+}
+
+
+def notebook() -> Callable[..., object]:
+    """integrate_body of the Setup cell."""
+    names: dict[str, Callable[..., object]] = {}
+    exec((ROOT / "exercises" / "rigid_body" / "setup.py").read_text(), names)
+    return names["integrate_body"]
+
+
+def euler_eqs(t, w, I):
+    """As the notebook writes it."""
+    I1, I2, I3 = I
+    return np.array([(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3])
+
+
+def seconds(run: Callable[[], object]) -> float:
+    """CPU time of one call."""
+    began = time.process_time_ns()
+    run()
+    return (time.process_time_ns() - began) / 1e9
+
+
+def speed(rounds: int = 21) -> None:
+    """Print the table of ratios."""
+    integrate = notebook()
+    print(f"{'scene':22} {'model':10} {'notebook':>9} {'numpy':>9} {'ratio':>7} {'compiled':>9} {'ratio':>7}")
+    for name, (w0, I, t_end, n) in SCENES.items():
+        t = np.linspace(0, t_end, n)
+        runs = (
+            lambda w0=w0, I=I, t=t: integrate(euler_eqs, w0, I, t),
+            lambda w0=w0, I=I, t=t: motion(w0, I, t, need="orientation"),
+            lambda w0=w0, I=I, t=t: compiled_motion(w0, I, t),
+        )
+        for run in runs:
+            run()
+        rows = [[seconds(run) for run in runs] for _ in range(rounds)]
+        slow, plain, compiled = (statistics.median(row[k] for row in rows) for k in range(3))
+        by_numpy, by_numba = (statistics.median(row[0] / row[k] for row in rows) for k in (1, 2))
+        print(
+            f"{name:22} {Exact(w0, I).model:10} {slow * 1e3:7.1f}ms {plain * 1e6:7.0f}us {by_numpy:6.0f}x"
+            f" {compiled * 1e6:7.0f}us {by_numba:6.0f}x"
+        )
+
+
+def accuracy() -> None:
+    """Print the largest errors against the sixty-digit truth, family by family."""
+    truth = np.load(ROOT / "tests" / "reference" / "truth.npz")
+    names = ("generic", "separatrix", "tennis", "near-symmetric", "rod", "near-steady")
+    print(f"\n{'family':16} {'bodies':>6} {'omega':>9} {'R':>9} {'omega, compiled':>16} {'R, compiled':>12}")
+    for family, name in enumerate(names):
+        chosen = np.flatnonzero(truth["family"] == family)
+        worst = np.zeros(4)
+        for i in chosen:
+            spin = np.linalg.norm(truth["w0"][i])
+            for k, (w, R) in enumerate(
+                (
+                    Exact(truth["w0"][i], truth["I"][i]).sample(truth["t"][i], orientation=True),
+                    compiled_motion(truth["w0"][i], truth["I"][i], truth["t"][i]),
+                )
+            ):
+                errors = [np.abs(w.T - truth["w"][i]).max() / spin, np.abs(R - truth["R"][i]).max()]
+                worst[2 * k : 2 * k + 2] = np.maximum(worst[2 * k : 2 * k + 2], errors)
+        print(f"{name:16} {len(chosen):6} {worst[0]:9.1e} {worst[1]:9.1e} {worst[2]:16.1e} {worst[3]:12.1e}")
+
+
+if __name__ == "__main__":
+    speed()
+    accuracy()

@@ -1,0 +1,18 @@
+"""Numerical methods for the torque-free body, to chart what they cost and where they fail. The exact solution is the judge.
+
+One file per family: a table of coefficients, the algorithm once. Fixed-step kernels are compiled with numba, because otherwise a
+chart of CPU time would show the interpreter; this package is not imported by ``import reference``.
+"""
+
+from reference.methods.adaptive import ADAPTIVE
+from reference.methods.closed import CLOSED
+from reference.methods.explicit import EXPLICIT
+from reference.methods.gauss import GAUSS
+from reference.methods.liegroup import LIEGROUP
+from reference.methods.method import Method, Run, Scene
+from reference.methods.moser_veselov import MOSER_VESELOV
+from reference.methods.splitting import SPLITTING
+
+METHODS: tuple[Method, ...] = (*EXPLICIT, *GAUSS, *SPLITTING, *LIEGROUP, *MOSER_VESELOV, *ADAPTIVE, *CLOSED)
+
+__all__ = ["METHODS", "Method", "Run", "Scene"]

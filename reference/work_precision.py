@@ -1,0 +1,114 @@
+"""Speed against accuracy: every method at every setting on every scene, its error over the whole run, its calls and CPU time.
+
+Errors are maxima over the time grid against the exact solution: the error at one final time flatters. CPU time is told as a
+ratio to DOP853 at rtol 1e-11, measured right beside it, because absolute times of a shared machine mean little.
+"""
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass
+from functools import partial
+
+import numpy as np
+
+from reference.exact import Exact
+from reference.inertia import box_moments
+from reference.methods import METHODS, Method, Run, Scene
+from reference.observables import kinetic_energy, momentum_norm, orthonormality_error
+
+_BOOK: tuple[float, float, float] = tuple(float(x) for x in box_moments(1.0, 2.0, 1.4, 0.4))  # type: ignore[assignment]
+_NEAR = (1e-8 * 6, 6.0, 0.7e-8 * 6)
+_ROD = 1e-4
+
+SCENES = (
+    Scene("exercise 2", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 20.0),
+    Scene("exercise 5, about ê₁", (6.0, 0.12, 0.12), _BOOK, 2.5),
+    Scene("exercise 5, about ê₂", (0.12, 6.0, 0.12), _BOOK, 2.5),
+    Scene("exercise 5, about ê₃", (0.12, 0.12, 6.0), _BOOK, 2.5),
+    Scene("exercise 6", (0.2, 0.3, 3.0), (1.0, 1.0, 1.6), 8.0),
+    Scene("separatrix, nudge 1e-8", _NEAR, _BOOK, 2.1 * Exact(_NEAR, _BOOK).period),
+    Scene("rod, I₁ = 1e-4", (1 / _ROD, 0.3, 0.2), (_ROD, 1.0, 1.0 + _ROD / 2), 0.02),
+)
+YARDSTICK, YARDSTICK_RTOL = "DOP853", 1e-11
+REPEATS = 3
+LONG_S = 0.5  # a run longer than this is timed once
+SHORTEST_S = 2e-3  # a run shorter than this is timed several at a time
+
+
+@dataclass(frozen=True)
+class Point:
+    """One method at one setting on one scene. ``error_w`` is relative to |ω₀|; a blow-up has infinite errors; ``ratio`` is CPU time
+    over the yardstick's in the same minute."""
+
+    scene: str
+    method: str
+    line: str
+    setting: float
+    error_w: float
+    error_R: float
+    energy: float
+    momentum: float
+    orthonormality: float
+    calls: int
+    seconds: float
+    ratio: float
+
+
+def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] = METHODS, repeats: int = REPEATS) -> Iterator[Point]:
+    """All points, scene by scene."""
+    yardstick = next(m for m in METHODS if m.name == YARDSTICK)
+    for scene in scenes:
+        exact = Exact(scene.w0, scene.I).sample(scene.t, orientation=True)
+        assert exact.R is not None
+        for method in methods:
+            for setting in method.settings:
+                with np.errstate(all="ignore"):
+                    run = method.run(scene, setting)  # compiles what is not compiled yet
+                    cost = _paired(partial(method.run, scene, setting), partial(yardstick.run, scene, YARDSTICK_RTOL), repeats)
+                    point = _point(scene, method, setting, (run, Run(exact.w, exact.R, 1)), cost)
+                yield point
+
+
+def rows(points: Iterable[Point]) -> list[dict[str, str | float | int]]:
+    """The points as plain rows for CSV and JSON."""
+    return [asdict(p) for p in points]
+
+
+def _point(scene: Scene, method: Method, setting: float, runs: tuple[Run, Run], cost: tuple[float, float]) -> Point:
+    (run, exact), I, w0 = runs, scene.I, scene.w0
+    return Point(
+        scene=scene.name,
+        method=method.name,
+        line=method.line,
+        setting=setting,
+        error_w=_largest(run.w - exact.w) / math.hypot(*w0),
+        error_R=_largest(run.R - exact.R),
+        energy=_largest(kinetic_energy(run.w, I) / kinetic_energy(w0, I) - 1),
+        momentum=_largest(momentum_norm(run.w, I) / momentum_norm(w0, I) - 1),
+        orthonormality=_largest(orthonormality_error(run.R)),
+        calls=run.calls,
+        seconds=cost[0],
+        ratio=cost[1],
+    )
+
+
+def _largest(values: np.ndarray) -> float:
+    worst = float(np.max(np.abs(values)))
+    return worst if math.isfinite(worst) else math.inf
+
+
+def _paired(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
+    """Median CPU seconds of ``one``, and the median of its ratio to ``other``, run in turn."""
+    once = _seconds(one, 1)
+    many = max(1, min(200, round(SHORTEST_S / max(once, 1e-6))))
+    pairs = [(_seconds(one, many), _seconds(other, 1)) for _ in range(repeats if once < LONG_S else 1)]
+    return statistics.median(a for a, _ in pairs), statistics.median(a / b for a, b in pairs)
+
+
+def _seconds(run: Callable[[], object], many: int) -> float:
+    began = time.process_time()
+    for _ in range(many):
+        run()
+    return (time.process_time() - began) / many

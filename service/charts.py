@@ -1,0 +1,209 @@
+"""Charts of the reference methods: measured, written as CSV, JSON and SVG, and drawn again for the page from what was written."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from service.grading.grade import versions
+
+MEASURED = Path(__file__).parent / "measured"
+LINES = {
+    "explicit": "#d55e00",
+    "implicit": "#0072b2",
+    "splitting": "#009e73",
+    "Lie group": "#cc79a7",
+    "Moser-Veselov": "#56b4e9",
+    "adaptive": "#666666",
+    "closed form": "#000000",
+}
+MARKS = "osv^D<>"
+AXES = {
+    "periods": "periods of ω",
+    "nudge": "nudge / spin",
+    "angle": "turn per step / rad",
+    "tilt": "tilt from the vertical / rad",
+    "ratio": "I₁",
+}
+SHOWN = {"error": "error of ω"}
+STYLES = ("-", "--", ":", "-.")
+EXACT_ERROR = 1.5e-15  # the largest in R over the 2100 bodies of tests/reference/truth.npz
+LEAST = 1e-17  # where a log axis shows an exact zero
+
+
+def write_work_precision(names: list[str] | None, out: Path) -> Path:
+    """Measure the scenes whose names hold one of ``names`` (None: all) and write work-precision.{csv,json} and an SVG per scene."""
+    from reference.work_precision import SCENES, measure, rows
+
+    chosen = [s for s in SCENES if names is None or any(n in s.name for n in names)]
+    if not chosen:
+        raise ValueError(f"no scene is called {names}; there are {', '.join(s.name for s in SCENES)}")
+    found = []
+    for scene in chosen:
+        print(f"measuring {scene.name} …", flush=True)
+        found += rows(measure([scene]))
+    document = {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), "points": found}
+    out.mkdir(parents=True, exist_ok=True)
+    with (out / "work-precision.csv").open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, found[0].keys())
+        writer.writeheader()
+        writer.writerows(found)
+    (out / "work-precision.json").write_text(json.dumps(_finite(document), ensure_ascii=False, indent=0))
+    for number, name in enumerate(scenes(document)):
+        (out / f"work-precision-{number}.svg").write_bytes(draw_work_precision(document, name))
+    return out
+
+
+def load_work_precision() -> dict[str, Any]:
+    """The measurement that comes with this version."""
+    document: dict[str, Any] = json.loads((MEASURED / "work-precision.json").read_text())
+    return document
+
+
+def scenes(document: dict[str, Any]) -> list[str]:
+    """Names of the scenes measured, in order."""
+    return list(dict.fromkeys(p["scene"] for p in document["points"]))
+
+
+def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """Points with an error of at most 1e-8 that cost less CPU time than the exact solution on their scene."""
+    price = {p["scene"]: p["ratio"] for p in document["points"] if p["method"] == "exact"}
+    return [
+        p
+        for p in document["points"]
+        if p["line"] != "closed form" and _error(p) is not None and (_error(p) or 0.0) <= 1e-8 and p["ratio"] < price[p["scene"]]
+    ]
+
+
+def draw_work_precision(document: dict[str, Any], scene: str) -> bytes:
+    """Error against calls and against CPU time for one scene, log-log, as SVG."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    canvas = Figure(figsize=(12, 5.2))
+    FigureCanvasAgg(canvas)
+    by_calls, by_time = canvas.subplots(1, 2, sharey=True)
+    points = [p for p in document["points"] if p["scene"] == scene]
+    seen: dict[str, int] = {}
+    for method in dict.fromkeys(p["method"] for p in points):
+        drawn = [p for p in points if p["method"] == method and _error(p) is not None]
+        if not drawn:
+            continue
+        line = drawn[0]["line"]
+        mark = MARKS[seen.setdefault(line, 0) % len(MARKS)]
+        seen[line] += 1
+        style: dict[str, Any] = {"color": LINES[line], "marker": mark, "ms": 4, "lw": 1, "label": method}
+        errors = [max(_error(p) or 0.0, LEAST) for p in drawn]
+        if line == "closed form":  # it judges the others; its own error is that against sixty digits
+            style |= {"marker": "*" if method == "exact" else "P", "ms": 12, "ls": ""}
+            errors = [EXACT_ERROR]
+        by_calls.loglog([p["calls"] for p in drawn], errors, **style)
+        by_time.loglog([p["ratio"] for p in drawn], errors, **style)
+    by_calls.set(xlabel="evaluations of the right-hand side", ylabel="largest error over the run, ω relative or R", title=scene)
+    by_time.set(xlabel="CPU time / that of DOP853 at rtol 1e-11", ylim=(3e-16, 1e2))
+    by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
+    for axes in (by_calls, by_time):
+        axes.grid(alpha=0.3)
+    canvas.subplots_adjust(left=0.07, right=0.83, bottom=0.12, top=0.92, wspace=0.06)
+    return _svg(canvas, scene)
+
+
+def _error(point: dict[str, Any]) -> float | None:
+    """The larger of the two errors; None where the method blew up."""
+    both = [point["error_w"], point["error_R"]]
+    return None if None in both else float(max(both))
+
+
+def _finite(value: Any) -> Any:
+    """What JSON can hold: infinities become null."""
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def write_stability(out: Path) -> Path:
+    """Measure every entry of the atlas and write stability.json, a CSV and an SVG per entry."""
+    from reference.stability_atlas import ATLAS
+
+    entries = []
+    for entry in ATLAS:
+        print(f"measuring: {entry.name} …", flush=True)
+        rows = entry.measure()
+        entries.append({"name": entry.name, "claim": entry.claim, "holds": entry.holds(rows), "rows": rows})
+    document = {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), "entries": entries}
+    out.mkdir(parents=True, exist_ok=True)
+    document = _finite(document)
+    (out / "stability.json").write_text(json.dumps(document, ensure_ascii=False, indent=0))
+    for number, entry in enumerate(document["entries"]):
+        with (out / f"stability-{number}.csv").open("w", newline="") as stream:
+            writer = csv.DictWriter(stream, list(dict.fromkeys(k for row in entry["rows"] for k in row)))
+            writer.writeheader()
+            writer.writerows(entry["rows"])
+        (out / f"stability-{number}.svg").write_bytes(draw_stability(document, number))
+    return out
+
+
+def load_stability() -> dict[str, Any]:
+    """The atlas that comes with this version."""
+    document: dict[str, Any] = json.loads((MEASURED / "stability.json").read_text())
+    return document
+
+
+def draw_stability(document: dict[str, Any], number: int) -> bytes:
+    """One entry of the atlas as SVG: its numbers against what is varied, or the map of growth rates."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    entry = document["entries"][number]
+    rows = entry["rows"]
+    canvas = Figure(figsize=(9, 4.2))
+    FigureCanvasAgg(canvas)
+    if "predicted" in rows[0]:
+        _draw_growth_map(canvas, rows)
+    else:
+        _draw_against(canvas.subplots(), rows)
+    return _svg(canvas, entry["name"])
+
+
+def _draw_against(axes: Any, rows: list[dict[str, Any]]) -> None:
+    varied = next(name for name in AXES if name in rows[0])
+    shown = ["calls", "matrix calls"] if "calls" in rows[0] else ["error", "energy", "orthonormality", "momentum"]
+    series = list(dict.fromkeys((r.get("method", "Euler's angles"), r.get("setting")) for r in rows))
+    for index, (method, setting) in enumerate(series):
+        own = [r for r in rows if (r.get("method", "Euler's angles"), r.get("setting")) == (method, setting)]
+        for style, name in zip(STYLES, [n for n in shown if n in own[0]], strict=False):
+            points = [(r[varied], max(r[name], LEAST)) for r in own if r[name] is not None]
+            label = f"{method}{f' {setting:g}' if setting else ''}: {SHOWN.get(name, name)}"
+            axes.loglog([x for x, _ in points], [y for _, y in points], style, marker=".", color=f"C{index}", lw=1, label=label)
+    axes.set(xlabel=AXES[varied])
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
+    axes.figure.subplots_adjust(right=0.68, bottom=0.13)
+
+
+def _draw_growth_map(canvas: Any, rows: list[dict[str, Any]]) -> None:
+    where, against = canvas.subplots(1, 2)
+    predicted, measured = ([r[name] for r in rows] for name in ("predicted", "measured"))
+    dots = where.scatter([r["I1"] for r in rows], [r["I2"] for r in rows], c=predicted, s=60)
+    canvas.colorbar(dots, ax=where, label="σ / Ω predicted")
+    where.set(xlabel="I₁ / I₃", ylabel="I₂ / I₃")
+    against.plot([0, max(predicted)], [0, max(predicted)], color="0.7")
+    against.plot(predicted, measured, ".")
+    against.set(xlabel="σ / Ω predicted", ylabel="σ / Ω measured")
+    canvas.subplots_adjust(wspace=0.35, bottom=0.13)
+
+
+def _svg(canvas: Any, title: str) -> bytes:
+    import matplotlib as mpl
+
+    stream = io.BytesIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
+        canvas.savefig(stream, format="svg", metadata={"Title": title, "Date": None})
+    return stream.getvalue()

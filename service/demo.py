@@ -25,6 +25,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="polhode demo", description=__doc__)
     parser.add_argument("--once", action="store_true", help="stop the server after the last specimen")
     once = parser.parse_args().once
+    for stop in (signal.SIGINT, signal.SIGTERM):  # also where a shell started us with interrupts ignored
+        signal.signal(stop, signal.default_int_handler)
     began, address = time.monotonic(), f"http://127.0.0.1:{(port := _free_port())}"
     environment = os.environ | {"POLHODE_DATA": os.environ.get("POLHODE_DATA", ".demo")}
     server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)

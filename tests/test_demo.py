@@ -16,17 +16,21 @@ def demo(tmp_path, *arguments):
 
 def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_path):
     process = demo(tmp_path)
-    told = ""
-    while "Press Ctrl-C" not in told:
-        line = process.stdout.readline()
-        assert line, told[-2000:]
-        told += line
-    assert "every specimen got the report it should" in told
-    assert told.count("rotational energy conserved (torque-free)   [") > 20
-    address = re.search(r"open (http://127\.0\.0\.1:\d+/)", told)[1]
-    assert b"Submissions" in urllib.request.urlopen(address, timeout=10).read()
-    process.send_signal(signal.SIGINT)
-    process.stdout.close()
-    assert process.wait(30) == 0
-    time.sleep(0.2)
-    assert not (tmp_path / "demo" / "postgres" / "postmaster.pid").exists()
+    try:
+        told = ""
+        while "Press Ctrl-C" not in told:
+            line = process.stdout.readline()
+            assert line, told[-2000:]
+            told += line
+        assert "every specimen got the report it should" in told
+        assert told.count("rotational energy conserved (torque-free)   [") > 20
+        address = re.search(r"open (http://127\.0\.0\.1:\d+/)", told)[1]
+        assert b"Submissions" in urllib.request.urlopen(address, timeout=10).read()
+        process.send_signal(signal.SIGINT)
+        process.stdout.close()
+        assert process.wait(30) == 0
+        time.sleep(0.2)
+        assert not (tmp_path / "demo" / "postgres" / "postmaster.pid").exists()
+    finally:
+        process.terminate()  # it stops its server, however the test went
+        process.wait(60)

@@ -80,12 +80,11 @@ def _polhode(spin: list[Real], moments: list[Real]) -> Steady | Polhode:
         swing = pair((momentum / ic + sense * dc / (ic * momentum)) / (4 * gmpy2.const_pi()))
         phase, start, nome, offset, period = _separatrix(shape, sense * rate)
     else:
-        n = -ic * iab / (ia * icb)
-        mean = (complete_pi(n, gmpy2.sqrt(kc2)) - size_c / momentum * gmpy2.const_pi() / (2 * gmpy2.sqrt(1 - n))) / complete_k(
-            gmpy2.sqrt(kc2)
-        )
+        n, kc = -ic * iab / (ia * icb), gmpy2.sqrt(kc2)
+        quarter = complete_k(kc)
+        mean = (complete_pi(n, kc) - size_c / momentum * gmpy2.const_pi() / (2 * gmpy2.sqrt(1 - n))) / quarter
         swing = pair((momentum / ic + sense * momentum * i31 / (ia * ic) * mean) / (4 * gmpy2.const_pi()))
-        phase, start, nome, offset, period = _periodic(shape, rate, sense)
+        phase, start, nome, offset, period = _periodic(shape, quarter, sense * rate)
     return Polhode(
         axes=axes,
         signs=(sign_a, 1, sign_c),
@@ -128,19 +127,19 @@ def _start(shape: _Shape) -> Real:
     return u0 if shape.sn >= 0 else -u0
 
 
-def _periodic(shape: _Shape, rate: Real, sense: int) -> tuple[Pair, Pair, float, float, float]:
-    quarter = complete_k(gmpy2.sqrt(shape.kc2))
+def _periodic(shape: _Shape, quarter: Real, rate: Real) -> tuple[Pair, Pair, float, float, float]:
+    period = float(abs(4 * quarter / rate))
     u0 = _start(shape) if shape.cn >= 0 else 2 * quarter - _start(shape)
-    phase, start = pair(sense * rate / (2 * quarter)), pair(u0 / (2 * quarter))
+    phase, start = pair(rate / (2 * quarter)), pair(u0 / (2 * quarter))
     if shape.k2 == 0:
-        return phase, start, float("inf"), 0.0, float(4 * quarter / rate)
+        return phase, start, float("inf"), 0.0, period
     dual_quarter = complete_k(gmpy2.sqrt(shape.k2))
     y0 = gmpy2.sqrt(shape.sn2_offset) * carlson_rf(shape.cn2_offset, 1 - shape.kc2 * shape.sn2_offset, gmpy2.mpfr(1))
     if shape.k2 <= shape.kc2:
         nome, offset = gmpy2.const_pi() * dual_quarter / quarter, gmpy2.const_pi() * y0 / quarter
     else:
         nome, offset = gmpy2.const_pi() * quarter / dual_quarter, gmpy2.const_pi() * y0 / (2 * dual_quarter)
-    return phase, start, float(nome), float(offset), float(4 * quarter / rate)
+    return phase, start, float(nome), float(offset), period
 
 
 def _separatrix(shape: _Shape, rate: Real) -> tuple[Pair, Pair, float, float, float]:

@@ -1,6 +1,7 @@
 """Charts of the reference methods: measured, written as CSV, JSON and SVG, and drawn again for the page from what was written."""
 
 import csv
+import functools
 import io
 import json
 from collections.abc import Iterable
@@ -59,6 +60,7 @@ def write_work_precision(names: list[str] | None, out: Path) -> Path:
     return out
 
 
+@functools.cache
 def load_work_precision() -> dict[str, Any]:
     """The measurement that comes with this version."""
     document: dict[str, Any] = json.loads((MEASURED / "work-precision.json").read_text())
@@ -150,6 +152,7 @@ def write_stability(out: Path) -> Path:
     return out
 
 
+@functools.cache
 def load_stability() -> dict[str, Any]:
     """The atlas that comes with this version."""
     document: dict[str, Any] = json.loads((MEASURED / "stability.json").read_text())

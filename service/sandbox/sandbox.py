@@ -35,9 +35,7 @@ class Sandbox:
     def play(self, job: Job) -> Seen:
         """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us."""
         seen = Seen()
-        while left := job.without(set(seen.endings)):
-            if not left.scenes:
-                break
+        while (left := job.without(set(seen.endings))).scenes:
             before = len(seen.endings)
             self.start()
             assert self._zygote is not None

@@ -37,33 +37,33 @@ def euler_eqs(t, w, I):
     return np.array([(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3])
 
 
-def seconds(run: Callable[[], object]) -> float:
-    """CPU time of one call."""
+def seconds(run: Callable[[], object], times: int = 1) -> float:
+    """CPU time of one call out of ``times`` in a row."""
     began = time.process_time_ns()
-    run()
-    return (time.process_time_ns() - began) / 1e9
+    for _ in range(times):
+        run()
+    return (time.process_time_ns() - began) / 1e9 / times
 
 
-def speed(rounds: int = 21) -> None:
-    """Print the table of ratios."""
+def speed(rounds: int = 21, row: int = 20) -> None:
+    """Print the ratios: of single calls right after the notebook's, with the caches it leaves, and of calls in a row."""
     integrate = notebook()
-    print(f"{'scene':22} {'model':10} {'notebook':>9} {'numpy':>9} {'ratio':>7} {'compiled':>9} {'ratio':>7}")
+    heads = ("numpy, single", "in a row", "compiled, single", "in a row")
+    print(f"{'scene':22} {'model':10} {'notebook':>9} ", *(f"{head:>16}" for head in heads))
     for name, (w0, I, t_end, n) in SCENES.items():
         t = np.linspace(0, t_end, n)
-        runs = (
-            lambda w0=w0, I=I, t=t: integrate(euler_eqs, w0, I, t),
+        slow = lambda w0=w0, I=I, t=t: integrate(euler_eqs, w0, I, t)  # noqa: E731
+        cells = []
+        for quick in (
             lambda w0=w0, I=I, t=t: motion(w0, I, t, need="orientation"),
             lambda w0=w0, I=I, t=t: compiled_motion(w0, I, t),
-        )
-        for run in runs:
-            run()
-        rows = [[seconds(run) for run in runs] for _ in range(rounds)]
-        slow, plain, compiled = (statistics.median(row[k] for row in rows) for k in range(3))
-        by_numpy, by_numba = (statistics.median(row[0] / row[k] for row in rows) for k in (1, 2))
-        print(
-            f"{name:22} {Exact(w0, I).model:10} {slow * 1e3:7.1f}ms {plain * 1e6:7.0f}us {by_numpy:6.0f}x"
-            f" {compiled * 1e6:7.0f}us {by_numba:6.0f}x"
-        )
+        ):
+            quick()
+            rows = [(seconds(slow), seconds(quick), seconds(quick, row)) for _ in range(rounds)]
+            times = [statistics.median(r[k] for r in rows) for k in range(3)]
+            ratios = [statistics.median(r[0] / r[k] for r in rows) for k in (1, 2)]
+            cells += [f"{times[k] * 1e6:7.0f}us {ratios[k - 1]:5.0f}x" for k in (1, 2)]
+        print(f"{name:22} {Exact(w0, I).model:10} {times[0] * 1e3:7.1f}ms ", *(f"{cell:>16}" for cell in cells))
 
 
 def accuracy() -> None:

@@ -4,6 +4,7 @@ Five models serve, each the least that meets a motion: **steady** (ω constant),
 **separatrix** (one passage, hyperbolic functions), **direct** and **dual** (theta series for k² ≤ ½ and above).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 from reference import theta
 from reference.inertia import check_moments
 from reference.polhode import Polhode, Steady, polhode
-from reference.precise import turns
+from reference.precise import NOTHING, turns
 
 Array = NDArray[np.float64]
 CHUNK = 1024  # samples worked on at a time: larger temporaries would be fresh pages from the system at every call
 
-SERIES: dict[str, type[theta.Series]] = {"symmetric": theta.Symmetric, "direct": theta.Direct, "dual": theta.Dual}
+BEGINNING = np.zeros(1)
+
+SERIES: dict[str, type[theta.Series]] = {
+    "symmetric": theta.Symmetric,
+    "separatrix": theta.Separatrix,
+    "direct": theta.Direct,
+    "dual": theta.Dual,
+}
 # The ten products of a quaternion's parts s, x, y, z, and the nine entries of its matrix (times its square, the tenth row) in them.
 LEFT, RIGHT = [0, 1, 2, 3, 0, 0, 0, 1, 1, 2], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3]
 ENTRIES = np.array(
@@ -60,16 +68,13 @@ class Exact:
 
     def __init__(self, w0: ArrayLike, I: ArrayLike, R0: ArrayLike | None = None) -> None:
         moments, spin = check_moments(I), np.asarray(w0, dtype=float)
-        if spin.shape != (3,) or not np.all(np.isfinite(spin)):
+        if spin.shape != (3,) or not all(map(math.isfinite, spin.tolist())):
             raise ValueError(f"w0 is (3,) finite numbers; got {spin.tolist()}")
         self._start = None if R0 is None else np.asarray(R0, dtype=float)
         self._moments, self._w0 = moments, spin
         self.polhode = polhode(tuple(spin.tolist()), tuple(moments.tolist()))
         self.model = _model(self.polhode)
-        self._series: theta.Series | theta.Separatrix | None = None
-        if isinstance(self.polhode, Polhode):
-            self._series = theta.Separatrix(self.polhode) if self.model == "separatrix" else SERIES[self.model](self.polhode)
-        self._turn: Array | None = None
+        self._series = SERIES[self.model](self.polhode) if isinstance(self.polhode, Polhode) else None
 
     @property
     def why(self) -> str:
@@ -108,67 +113,57 @@ class Exact:
         return Sampled(w, R)
 
     def _fill(self, t: Array, w: Array, R: Array | None) -> None:
-        p = self.polhode
+        p, series = self.polhode, self._series
         if isinstance(p, Steady):
             w[:] = self._w0[:, None]
             if R is not None:
-                half = 2 * np.pi * turns(p.half_turns, t)[1]
+                half = np.pi * turns([p.rate], [NOTHING], t)[1][0]
                 _matrices(np.array([np.cos(half), *(axis * np.sin(half) for axis in p.axis)]), R)
             return
-        if R is not None and self._turn is None:
-            start = self._quaternion(np.zeros(1), self._along(np.zeros(1)))[:, 0]
-            self._turn = _relative(start, p)
-        along = self._along(t)
-        for axis, sign, moment, component in zip(p.axes, p.signs, p.moments, along[:3], strict=True):
-            np.multiply(component, sign / moment, out=w[axis])
-        if R is not None:
-            assert self._turn is not None
-            _matrices(self._turn @ self._quaternion(t, along), R)
-
-    def _along(self, t: Array) -> theta.Along:
-        p, series = self.polhode, self._series
-        assert isinstance(p, Polhode)
-        if isinstance(series, theta.Separatrix):
-            side = -1.0 if p.far_side else 1.0
-            return series(side * p.phase.high * t + p.start.high)
         assert series is not None
-        return series(*turns(p.phase, t, p.start))
-
-    def _quaternion(self, t: Array, along: theta.Along) -> Array:
-        """Turn about L by ψ after the shortest turn that brings L onto axis c: never singular, because m_c > 0; of any length."""
-        p = self.polhode
-        assert isinstance(p, Polhode)
-        half = 2 * np.pi * turns(p.swing, t)[1] + along.extra
-        c, s = np.cos(half), np.sin(half)
-        c, s = c * along.re - s * along.im, s * along.re + c * along.im
-        tall = p.momentum + along.c
-        q = np.empty((4, t.size))
-        np.multiply(c, tall, out=q[0])
-        np.add(c * along.b, s * along.a, out=q[1])
-        np.subtract(s * along.b, c * along.a, out=q[2])
-        np.multiply(s, tall, out=q[3])
-        return q
+        if R is None:
+            whole, rest = turns([p.phase], [p.start], t)
+            along = series(whole[0], rest[0])
+        else:
+            whole, rest = turns([p.phase, p.swing], [p.start, NOTHING], np.concatenate((t, BEGINNING)))
+            along = series(whole[0], rest[0])
+            q = _quaternion(p.momentum, along, np.pi * rest[1] + along.extra)
+            _matrices(_relative(q[:, -1], p) @ q[:, :-1], R)
+        for axis, sign, moment, component in zip(p.axes, p.signs, p.moments, along[:3], strict=True):
+            np.multiply(component[: t.size], sign / moment, out=w[axis])
 
 
 def _model(p: Polhode | Steady) -> str:
     if isinstance(p, Steady):
         return "steady"
-    if p.period == np.inf:
+    if p.period == math.inf:
         return "separatrix"
     if p.k2 == 0:
         return "symmetric"
     return "direct" if p.k2 <= p.kc2 else "dual"
 
 
+def _quaternion(momentum: float, along: theta.Along, half: Array) -> Array:
+    """Turn about L by ψ after the shortest turn that brings L onto axis c: never singular, because m_c > 0; of any length."""
+    c, s = np.cos(half), np.sin(half)
+    c, s = c * along.re - s * along.im, s * along.re + c * along.im
+    tall = momentum + along.c
+    q = np.empty((4, half.size))
+    np.multiply(c, tall, out=q[0])
+    np.add(c * along.b, s * along.a, out=q[1])
+    np.subtract(s * along.b, c * along.a, out=q[2])
+    np.multiply(s, tall, out=q[3])
+    return q
+
+
 def _relative(start: Array, p: Polhode) -> Array:
     """The matrix (4, 4) of q → start⁻¹ q, and from the triad a, b, c back to the body's axes."""
-    s, a, b, c = start
-    turn = np.array([[s, a, b, c], [-a, s, c, -b], [-b, -c, s, a], [-c, b, -a, s]])
-    back = np.zeros((4, 4))
-    back[0, 0] = 1.0
-    for row, (axis, sign) in enumerate(zip(p.axes, p.signs, strict=True), start=1):
-        back[1 + axis, row] = sign
-    return back @ turn
+    s, a, b, c = start.tolist()
+    turn = ((-a, s, c, -b), (-b, -c, s, a), (-c, b, -a, s))
+    back = [(s, a, b, c)] * 4
+    for axis, sign, row in zip(p.axes, p.signs, turn, strict=True):
+        back[1 + axis] = row if sign > 0 else tuple(-x for x in row)
+    return np.array(back)
 
 
 def _matrices(quaternion: Array, R: Array) -> None:

@@ -5,6 +5,8 @@ there is one exact product, so that the error of a phase does not grow with the 
 called inside ``with precision():``.
 """
 
+import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import gmpy2
@@ -16,6 +18,7 @@ Real = Any  # gmpy2.mpfr, which has no type hints
 
 BITS = 170
 _ENOUGH = 1e-26  # quadratic convergence: one more step squares it
+_NEARLY_NOTHING = 1e-60
 _SPLIT = 134217729.0  # 2²⁷ + 1 cuts a double into two halves whose product is exact (Dekker, 1971)
 
 
@@ -31,68 +34,77 @@ def precision() -> Any:
     return gmpy2.context(precision=BITS)
 
 
+NOTHING = Pair(0.0, 0.0)
+
+
 def pair(x: Real) -> Pair:
     """The nearest double and what is left of ``x``."""
     high = float(x)
     return Pair(high, float(x - high))
 
 
-def complete_k(kc: Real) -> Real:
-    """Complete elliptic integral K for the complementary modulus kc = k' > 0, by the arithmetic-geometric mean."""
-    a, b = max(kc, gmpy2.mpfr(1)), min(kc, gmpy2.mpfr(1))
-    while a - b > a * _ENOUGH:
-        a, b = (a + b) / 2, gmpy2.sqrt(a * b)
-    return gmpy2.const_pi() / (a + b)
+class Integrals(NamedTuple):
+    """``k`` and ``pi`` are the complete K and Π(n, k), ``part`` is F(φ, k)/2K for φ in [0, π/2]."""
+
+    k: Real
+    pi: Real
+    part: Real
 
 
-def complete_pi(n: Real, kc: Real) -> Real:
-    """Complete elliptic integral Π(n, k) for n ≤ 0 and k' = kc > 0 (Bulirsch's cel, Numer. Math. 13, 1969)."""
-    p = gmpy2.sqrt(1 - n)
-    a, b, e, em, qc = gmpy2.mpfr(1), 1 / p, kc, gmpy2.mpfr(1), kc
+def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
+    """K, Π and F of one body in one arithmetic-geometric mean, for k' = ``kc`` > 0, √(1 − n) = ``root_n`` ≥ 1 and cos²φ, sin²φ.
+
+    Bulirsch's cel and el1 (Numer. Math. 7, 1965 and 13, 1969), which run on the same two sequences.
+    """
+    p, a, b, mean, e, gap = root_n, gmpy2.mpfr(1), 1 / root_n, gmpy2.mpfr(1), kc, kc
+    cot = gmpy2.sqrt(cos2 / sin2) if sin2 else gmpy2.inf()
+    halves, doublings = 0, 1
     while True:
-        f, g = a, e / p
-        a, b, p = a + b / p, 2 * (b + f * g), g + p
-        g, em = em, em + qc
-        if abs(g - qc) <= g * _ENOUGH:
-            return gmpy2.const_pi() / 2 * (b + a * em) / (em * (em + p))
-        qc = 2 * gmpy2.sqrt(e)
-        e = qc * em
+        a, b = a + b / p, 2 * (b + a * (e / p))
+        p = p + e / p
+        cot = cot - e / (cot or gmpy2.sqrt(e) * _NEARLY_NOTHING)
+        before, mean = mean, mean + gap
+        doublings *= 2
+        if abs(before - gap) <= before * _ENOUGH:
+            break
+        halves = 2 * halves + (cot < 0)
+        gap = 2 * gmpy2.sqrt(e)
+        e = gap * mean
+    quarter = gmpy2.const_pi() / 2
+    last = gmpy2.mpfr(math.atan(mean / cot) / math.pi) + (cot < 0)  # to a double's rounding: the doublings divide its error
+    return Integrals(quarter * doublings / mean, quarter * (b + a * mean) / (mean * (mean + p)), (halves + last) / doublings)
 
 
-def carlson_rf(x: Real, y: Real, z: Real) -> Real:
-    """Carlson's R_F, at most one argument zero (Carlson, Numer. Algorithms 10, 1995: duplication, then a seventh-order series)."""
-    start_x, start_y, start_mean = x, y, (x + y + z) / 3
-    mean, scale = start_mean, 1.0
-    spread = 500 * max(abs(mean - x), abs(mean - y), abs(mean - z))
-    while spread * scale > mean:
-        root_x, root_y, root_z = gmpy2.sqrt(x), gmpy2.sqrt(y), gmpy2.sqrt(z)
-        shift = root_x * (root_y + root_z) + root_y * root_z
-        x, y, z, mean, scale = (x + shift) / 4, (y + shift) / 4, (z + shift) / 4, (mean + shift) / 4, scale / 4
-    dx, dy = (start_mean - start_x) * scale / mean, (start_mean - start_y) * scale / mean
-    dz = -dx - dy
-    e2, e3 = dx * dy - dz * dz, dx * dy * dz
-    series = 1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44 - 5 * e2**3 / 208 + 3 * e3 * e3 / 104 + e2 * e2 * e3 / 16
-    return series / gmpy2.sqrt(mean)
+def complete_k(kc: float) -> float:
+    """K for the complementary modulus kc > 0, to a double's rounding."""
+    a, b = max(kc, 1.0), min(kc, 1.0)
+    while a - b > 1e-8 * a:
+        a, b = (a + b) / 2, math.sqrt(a * b)
+    return math.pi / (a + b)
 
 
-NOTHING = Pair(0.0, 0.0)
-
-
-def turns(rate: Pair, t: Array, start: Pair = NOTHING) -> tuple[Array, Array]:
-    """``rate·t + start`` as the nearest whole number and the rest, in [−½, ½]; the product is exact before it is reduced."""
-    product = rate.high * t
-    cut = _SPLIT * rate.high
-    rate_top = cut - (cut - rate.high)
-    rate_bottom = rate.high - rate_top
+def turns(rates: Sequence[Pair], starts: Sequence[Pair], t: Array) -> tuple[Array, Array]:
+    """``rate·t + start`` (k, n) as the nearest whole number and the rest, in [−½, ½]; the product is exact before it is reduced."""
+    rate, low, top, start, start_low = np.array(
+        [(rate.high, rate.low, _top(rate.high), *start) for rate, start in zip(rates, starts, strict=True)]
+    ).T[:, :, None]
+    bottom = rate - top
     t_top = _SPLIT * t
     t_top = t_top - (t_top - t)
     t_bottom = t - t_top
-    error = ((rate_top * t_top - product) + rate_top * t_bottom + rate_bottom * t_top) + rate_bottom * t_bottom
-    error += rate.low * t
-    error += start.low
-    whole = np.rint(product + start.high)
+    product = rate * t
+    error = ((top * t_top - product) + top * t_bottom + bottom * t_top) + bottom * t_bottom
+    error += low * t
+    error += start_low
+    whole = np.rint(product + start)
     rest = product - whole
-    total = rest + start.high
+    total = rest + start
     shift = total - rest
-    error += (rest - (total - shift)) + (start.high - shift)
-    return whole, total + error
+    error += (rest - (total - shift)) + (start - shift)
+    total += error
+    return whole, total
+
+
+def _top(x: float) -> float:
+    cut = _SPLIT * x
+    return cut - (cut - x)

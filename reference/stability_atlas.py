@@ -10,11 +10,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from reference.errors import errors, exact_run
 from reference.exact import Exact
 from reference.inertia import box_moments
 from reference.methods import METHODS, Run, Scene
 from reference.methods.adaptive import euler_angles
-from reference.observables import kinetic_energy, momentum_norm, orthonormality_error, transverse_growth
+from reference.observables import transverse_growth
 from reference.stability import steady_spin_growth_rate
 
 Row = Mapping[str, float | str]
@@ -111,16 +112,8 @@ def growth_map(resolution: int = 12, spin: float = 1.0, nudge: float = 1e-9) -> 
 
 
 def _errors(scene: Scene, run: Run) -> Row:
-    exact = Exact(scene.w0, scene.I).sample(scene.t, orientation=True)
-    assert exact.R is not None
-    with np.errstate(all="ignore"):
-        return {
-            "error": float(np.abs(run.w - exact.w).max() / np.linalg.norm(scene.w0)),
-            "error R": float(np.abs(run.R - exact.R).max()),
-            "energy": float(np.abs(kinetic_energy(run.w, scene.I) / kinetic_energy(scene.w0, scene.I) - 1).max()),
-            "momentum": float(np.abs(momentum_norm(run.w, scene.I) / momentum_norm(scene.w0, scene.I) - 1).max()),
-            "orthonormality": float(orthonormality_error(run.R).max()),
-        }
+    found = errors(scene, run, exact_run(scene))
+    return {"error": found.w, "error R": found.R, **{k: v for k, v in found._asdict().items() if k not in "wR"}}
 
 
 def _column(rows: list[Row], name: str, **wanted: float | str) -> list[float]:

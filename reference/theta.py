@@ -7,6 +7,8 @@ the nome q = exp(−πK'/K) serve k² ≤ ½, their imaginary transforms in exp(
 (DLMF §20.2, §20.7(viii), §22.2; for the attitude van Zon & Schofield 2007, Celledoni et al. 2008, in our own form).
 """
 
+import math
+from operator import add, mul, sub
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -16,8 +18,6 @@ from reference.polhode import Polhode
 
 Array = NDArray[np.float64]
 TERMS = 5
-# cos 2jv, j = 0..3, in powers of cos 2v: Chebyshev's polynomials.
-CHEBYSHEV = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-1, 0, 2, 0], [0, -3, 0, 4]], dtype=float)
 
 
 class Along(NamedTuple):
@@ -32,7 +32,7 @@ class Along(NamedTuple):
 
 
 class Series(Protocol):
-    """A periodic model, made for a polhode and called with the whole and the rest of u/2K."""
+    """A model, made for a polhode and called with the whole and the rest of u/2K."""
 
     def __init__(self, p: Polhode) -> None: ...
 
@@ -57,23 +57,23 @@ class Direct:
     """k² ≤ ½: Fourier series in v = πu/2K, each a polynomial in cos 2v."""
 
     def __init__(self, p: Polhode) -> None:
-        q = float(np.exp(-p.nome_ratio))
+        q = math.exp(-p.nome_ratio)
         q2, q4, q6, q9, q12 = q**2, q**4, q**6, q**9, q**12
         theta2, theta3, theta4 = 1 + q2 + q6 + q12, 1 + 2 * (q + q4 + q9), 1 - 2 * (q - q4 + q9)
-        plus = [float(np.exp(-2 * j * j * p.nome_ratio + j * p.offset)) for j in (1, 2, 3)]
-        minus = [float(np.exp(-2 * j * j * p.nome_ratio - j * p.offset)) for j in (1, 2, 3)]
-        total, gap = np.add(plus, minus), np.subtract(plus, minus)
-        base = 1 - q2 + q6 - q12
-        rows = [
-            [base, 2 * (q2 - q6 + q12), 2 * (q6 - q12), 2 * q12],  # cn / cos v
-            [base, -2 * (q2 - q6 + q12), 2 * (q6 - q12), -2 * q12],  # sn / sin v
-            [1, 2 * q, 2 * q4, 2 * q9],  # dn
-            [1, -2 * q, 2 * q4, -2 * q9],  # their denominator
-            [1, -total[0], total[1], -total[2]],  # re
-            [-gap[0] - gap[2], 2 * gap[1], -2 * gap[2], 0],  # im / sin 2v
-        ]
-        sizes = [p.sizes[0] * theta4 / theta2, p.sizes[1] * theta3 / theta2, p.sizes[2] * theta4 / theta3, 1, 1, 1]
-        self._table = np.array(sizes)[:, None] * (np.array(rows) @ CHEBYSHEV)
+        plus = [math.exp(-2 * j * j * p.nome_ratio + j * p.offset) for j in (1, 2, 3)]
+        minus = [math.exp(-2 * j * j * p.nome_ratio - j * p.offset) for j in (1, 2, 3)]
+        (t1, t2, t3), (g1, g2, g3) = (map(add, plus, minus), map(sub, plus, minus))
+        base, twice, four = 1 - q2 + q6 - q12, 2 * (q2 - q6 + q12), 2 * (q6 - q12)
+        a, b, c = p.sizes[0] * theta4 / theta2, p.sizes[1] * theta3 / theta2, p.sizes[2] * theta4 / theta3
+        table = (
+            _in_powers(a * base, a * twice, a * four, a * 2 * q12),  # cn / cos v
+            _in_powers(b * base, -b * twice, b * four, -b * 2 * q12),  # sn / sin v
+            _in_powers(c, c * 2 * q, c * 2 * q4, c * 2 * q9),  # dn
+            _in_powers(1, -2 * q, 2 * q4, -2 * q9),  # their denominator
+            _in_powers(1, -t1, t2, -t3),  # re
+            _in_powers(-g1 - g3, 2 * g2, -2 * g3, 0),  # im / sin 2v
+        )
+        self._table = np.array(table)
 
     def __call__(self, whole: Array, rest: Array) -> Along:
         """See the module."""
@@ -94,25 +94,22 @@ class Dual:
     """k² > ½: series in e = exp(−π|u|/2K') and y = exp(π(|u| − K)/2K'), both at most 1, however near the separatrix."""
 
     def __init__(self, p: Polhode) -> None:
-        self._ratio, self._offset = p.nome_ratio, p.offset
-        q, self._root = float(np.exp(-p.nome_ratio)), float(np.exp(-p.nome_ratio / 2))
-        table = np.zeros((6, 13))  # columns: 1, e, e², e³, e⁴, e⁵, e⁶, e⁸, y, y², y³, y⁴, y⁶
-        even, w = [0, 2, 4, 6, 7], [9, 11, 12]
-        for row, sign in ((1, -1.0), (3, 1.0)):  # sn's numerator and the denominator, both over (1 ± e²)
-            table[row, even] = [1, sign, q**2, sign * q**6, q**12]
-            table[row, w] = [sign * q, q**4, sign * q**9]
-        for row, sign in ((0, -1.0), (2, 1.0)):  # cn and dn, over e
-            table[row, even[:4]] = [1, sign * q, q**4, sign * q**9]
-            table[row, w] = [sign, q**2, sign * q**6]
-        for j in range(TERMS):
-            angle, near, far = (2 * j + 1) * p.offset / 2, self._root ** (j * j), self._root ** (j * j + j)
-            power = 0 if j == 0 else 7 + j
-            table[4, power] += near * np.cos(angle)
-            table[4, 1 + j] += far * np.cos(angle)
-            table[5, power] -= near * np.sin(angle)
-            table[5, 1 + j] += far * np.sin(angle)
-        table[:3] *= np.array(_dual_sizes(p, q))[:, None]
-        self._table = table
+        self._ratio, self._offset, self._root = p.nome_ratio, p.offset, math.exp(-p.nome_ratio / 2)
+        q = self._root**2
+        q2, q4, q6, q9, q12, (a, b, c) = q**2, q**4, q**6, q**9, q**12, _dual_sizes(p, q)
+        x = [self._root ** (j * j) * math.cos((j + 0.5) * p.offset) for j in range(TERMS)]
+        y = [self._root ** (j * j) * math.sin((j + 0.5) * p.offset) for j in range(TERMS)]
+        far = [self._root**j for j in range(TERMS)]
+        xf, yf = list(map(mul, x, far)), list(map(mul, y, far))
+        table = (  # columns: 1, e, e², e³, e⁴, e⁵, e⁶, e⁸, y, y², y³, y⁴, y⁶
+            (a, 0, -a * q, 0, a * q4, 0, -a * q9, 0, 0, -a, 0, a * q2, -a * q6),  # cn / e
+            (b, 0, -b, 0, b * q2, 0, -b * q6, b * q12, 0, -b * q, 0, b * q4, -b * q9),  # sn
+            (c, 0, c * q, 0, c * q4, 0, c * q9, 0, 0, c, 0, c * q2, c * q6),  # dn / e
+            (1, 0, 1, 0, q2, 0, q6, q12, 0, q, 0, q4, q9),  # their denominator
+            (x[0], xf[0], xf[1], xf[2], xf[3], xf[4], 0, 0, x[1], x[2], x[3], x[4], 0),  # re
+            (-y[0], yf[0], yf[1], yf[2], yf[3], yf[4], 0, 0, -y[1], -y[2], -y[3], -y[4], 0),  # im
+        )
+        self._table = np.array(table)
 
     def __call__(self, whole: Array, rest: Array) -> Along:
         """See the module."""
@@ -148,13 +145,18 @@ class Separatrix:
     def __init__(self, p: Polhode) -> None:
         self._sizes, self._half, self._side = p.sizes, p.offset / 2, -1.0 if p.far_side else 1.0
 
-    def __call__(self, u: Array) -> Along:
-        """The same for u (n,)."""
-        (a, b, c), side = self._sizes, self._side
+    def __call__(self, whole: Array, rest: Array) -> Along:
+        """See the module; u itself stands for u/2K."""
+        (a, b, c), side, u = self._sizes, self._side, whole + rest
         e, sign = np.exp(-np.abs(u)), np.copysign(1.0, u)
         scale = 1 / (1 + e * e)
-        re, im = np.cos(self._half) * (1 + e), -side * np.sin(self._half) * (1 - e) * sign
+        re, im = math.cos(self._half) * (1 + e), -side * math.sin(self._half) * (1 - e) * sign
         return Along(side * a * 2 * e * scale, b * sign * (1 - e * e) * scale, c * 2 * e * scale, re, im, 0.0)
+
+
+def _in_powers(c0: float, c1: float, c2: float, c3: float) -> tuple[float, float, float, float]:
+    """Of c₀ + c₁ cos 2v + c₂ cos 4v + c₃ cos 6v, the coefficients of the powers of cos 2v (Chebyshev)."""
+    return c0 - c2, c1 - 3 * c3, 2 * c2, 4 * c3
 
 
 def _dual_sizes(p: Polhode, q: float) -> tuple[float, float, float]:

@@ -4,7 +4,6 @@ Errors are maxima over the time grid against the exact solution: the error at on
 ratio to DOP853 at rtol 1e-11, measured right beside it, because absolute times of a shared machine mean little.
 """
 
-import math
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -13,10 +12,10 @@ from functools import partial
 
 import numpy as np
 
+from reference.errors import errors, exact_run
 from reference.exact import Exact
 from reference.inertia import box_moments
-from reference.methods import METHODS, Method, Run, Scene
-from reference.observables import kinetic_energy, momentum_norm, orthonormality_error
+from reference.methods import METHODS, Method, Scene
 
 _BOOK: tuple[float, float, float] = tuple(float(x) for x in box_moments(1.0, 2.0, 1.4, 0.4))  # type: ignore[assignment]
 _NEAR = (1e-8 * 6, 6.0, 0.7e-8 * 6)
@@ -60,43 +59,18 @@ def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] = METHOD
     """All points, scene by scene."""
     yardstick = next(m for m in METHODS if m.name == YARDSTICK)
     for scene in scenes:
-        exact = Exact(scene.w0, scene.I).sample(scene.t, orientation=True)
-        assert exact.R is not None
+        exact = exact_run(scene)
         for method in methods:
             for setting in method.settings:
                 with np.errstate(all="ignore"):
                     run = method.run(scene, setting)  # compiles what is not compiled yet
                     cost = _paired(partial(method.run, scene, setting), partial(yardstick.run, scene, YARDSTICK_RTOL), repeats)
-                    point = _point(scene, method, setting, (run, Run(exact.w, exact.R, 1)), cost)
-                yield point
+                yield Point(scene.name, method.name, method.line, setting, *errors(scene, run, exact), run.calls, *cost)
 
 
 def rows(points: Iterable[Point]) -> list[dict[str, str | float | int]]:
     """The points as plain rows for CSV and JSON."""
     return [asdict(p) for p in points]
-
-
-def _point(scene: Scene, method: Method, setting: float, runs: tuple[Run, Run], cost: tuple[float, float]) -> Point:
-    (run, exact), I, w0 = runs, scene.I, scene.w0
-    return Point(
-        scene=scene.name,
-        method=method.name,
-        line=method.line,
-        setting=setting,
-        error_w=_largest(run.w - exact.w) / math.hypot(*w0),
-        error_R=_largest(run.R - exact.R),
-        energy=_largest(kinetic_energy(run.w, I) / kinetic_energy(w0, I) - 1),
-        momentum=_largest(momentum_norm(run.w, I) / momentum_norm(w0, I) - 1),
-        orthonormality=_largest(orthonormality_error(run.R)),
-        calls=run.calls,
-        seconds=cost[0],
-        ratio=cost[1],
-    )
-
-
-def _largest(values: np.ndarray) -> float:
-    worst = float(np.max(np.abs(values)))
-    return worst if math.isfinite(worst) else math.inf
 
 
 def _paired(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:

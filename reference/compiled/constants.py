@@ -116,7 +116,7 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     twice = times(quarter, 2.0)
     out[0], out[1] = times(div(rate, twice), sense)
     out[2], out[3] = div(u0, twice)
-    out[4], out[5] = div(swing, times(HALF_PI, 8.0))
+    out[4], out[5] = div(swing, times(HALF_PI, 4.0))
     out[6], out[7], out[8], out[9] = size_a[0], size_b[0], size_c[0], momentum[0]
     out[10], out[11], out[12] = ia[0], ib[0], ic[0]
     out[13], out[14], out[15] = sign_a, 1.0, sign_c

@@ -27,6 +27,16 @@ def rates(y: Array, I: Array, out: Array) -> None:
 
 
 @njit(cache=True)
+def advance(y: Array, h: float, weights: Array, k: Array, out: Array) -> None:
+    """``out`` = y + h Σ weights·k, the sum over as many stages as there are weights."""
+    for i in range(12):
+        total = 0.0
+        for s in range(weights.size):
+            total += weights[s] * k[s, i]
+        out[i] = y[i] + h * total
+
+
+@njit(cache=True)
 def keep(y: Array, at: int, w: Array, R: Array) -> None:
     """Copy a state into the output."""
     for i in range(3):
@@ -52,17 +62,9 @@ def _explicit(A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int,
     for at in range(1, intervals + 1):
         for _ in range(steps):
             for s in range(stages):
-                for i in range(12):
-                    total = 0.0
-                    for r in range(s):
-                        total += A[s, r] * k[r, i]
-                    point[i] = y[i] + h * total
+                advance(y, h, A[s, :s], k, point)
                 rates(point, I, k[s])
-            for i in range(12):
-                total = 0.0
-                for s in range(stages):
-                    total += b[s] * k[s, i]
-                y[i] += h * total
+            advance(y, h, b, k, y)
         keep(y, at, w, R)
     return int(intervals * steps * stages)
 

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-from reference.methods.explicit import keep, rates, start
+from reference.methods.explicit import advance, keep, rates, start
 from reference.methods.method import Array, fixed
 
 MOST_ITERATIONS = 60
@@ -32,11 +32,7 @@ def _gauss(A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int, st
             for _ in range(MOST_ITERATIONS):
                 change = 0.0
                 for s in range(stages):
-                    for i in range(12):
-                        total = 0.0
-                        for r in range(stages):
-                            total += A[s, r] * k[r, i]
-                        point[i] = y[i] + h * total
+                    advance(y, h, A[s], k, point)
                     rates(point, I, fresh[s])
                 calls += stages
                 for s in range(stages):
@@ -46,11 +42,7 @@ def _gauss(A: Array, b: Array, w0: Array, I: Array, h: float, intervals: int, st
                 if change == 0.0 or (change < 1e-12 and change >= last):
                     break
                 last = change
-            for i in range(12):
-                total = 0.0
-                for s in range(stages):
-                    total += b[s] * k[s, i]
-                y[i] += h * total
+            advance(y, h, b, k, y)
         keep(y, at, w, R)
     return calls
 

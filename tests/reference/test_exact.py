@@ -130,10 +130,8 @@ def test_crossing_from_direct_to_dual_changes_no_digit():
         p = polhode((w1, w2, float(np.sqrt(q3 / I[2]))), tuple(I))
         assert abs(p.k2 - 0.5) < 1e-12
         t = rng.uniform(-5, 5, 100) * p.period
-        other = _other_side(p)
-        for one, two in zip(
-            theta.Direct(p)(*turns(p.phase, t, p.start))[:3], theta.Dual(other)(*turns(p.phase, t, p.start))[:3], strict=True
-        ):
+        other, (whole, rest) = _other_side(p), turns([p.phase], [p.start], t)
+        for one, two in zip(theta.Direct(p)(whole[0], rest[0])[:3], theta.Dual(other)(whole[0], rest[0])[:3], strict=True):
             assert np.abs(one - two).max() <= 2e-15 * p.momentum
 
 

@@ -1,0 +1,103 @@
+"""The theta series of ``reference.theta`` for one sample at a time, and the sine and cosine they need."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+# Taylor coefficients of cos πx and sin πx; the first one left out is below 5e-17 for |x| ≤ ¼.
+C2, C4, C6, C8, C10, C12, C14, C16 = ((-1) ** k * math.pi ** (2 * k) / math.factorial(2 * k) for k in range(1, 9))
+S1, S3, S5, S7, S9, S11, S13, S15 = ((-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(8))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def circle(half_turns: float) -> tuple[float, float]:
+    """cos πx and sin πx for |x| ≤ ½, by the series at x/2: three times as fast as the library's two calls."""
+    h = 0.5 * half_turns
+    x = h * h
+    x2 = x * x
+    x4 = x2 * x2
+    s = h * (((S1 + S3 * x) + (S5 + S7 * x) * x2) + ((S9 + S11 * x) + (S13 + S15 * x) * x2) * x4)
+    c = 1.0 + x * (((C2 + C4 * x) + (C6 + C8 * x) * x2) + ((C10 + C12 * x) + (C14 + C16 * x) * x2) * x4)
+    return 1.0 - 2.0 * s * s, 2.0 * s * c
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def direct_table(c: Array) -> Array:
+    """q, q², …, the sizes over the series' values at their maxima, and the coefficients of re and im."""
+    ratio, offset = c[16], c[17]
+    q = math.exp(-ratio)
+    k = np.zeros(24)
+    k[0], k[1], k[2], k[3], k[4], k[5] = q, q**2, q**4, q**6, q**9, q**12
+    theta2, theta3, theta4 = 1 + k[1] + k[3] + k[5], 1 + 2 * (q + k[2] + k[4]), 1 - 2 * (q - k[2] + k[4])
+    k[6], k[7], k[8] = c[6] * theta4 / theta2, c[7] * theta3 / theta2, c[8] * theta4 / theta3
+    for j in range(1, 4):
+        if ratio < math.inf:
+            plus, minus = math.exp(-2 * j * j * ratio + j * offset), math.exp(-2 * j * j * ratio - j * offset)
+            sign = -1.0 if j % 2 else 1.0
+            k[8 + j], k[11 + j] = sign * (plus + minus), sign * (plus - minus)
+    return k
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def direct(k: Array, rest: float) -> tuple[float, float, float, float, float]:
+    """m_a, m_b, m_c before the sign of the half period, and re, im."""
+    q, q2, q4, q6, q9, q12 = k[0], k[1], k[2], k[3], k[4], k[5]
+    o, s = circle(rest)
+    c2, s2 = (o - s) * (o + s), 2 * s * o
+    c4 = 2 * c2 * c2 - 1
+    c6 = c2 * (2 * c4 - 1)
+    even, odd = 1 + 2 * q4 * c4, 2 * (q * c2 + q9 * c6)
+    scale = 1 / (even - odd)
+    a = o * (1 + q2 * (2 * c2 - 1) + q6 * (2 * c4 - 2 * c2 + 1) + q12 * (2 * c6 - 2 * c4 + 2 * c2 - 1))
+    b = s * (1 - q2 * (2 * c2 + 1) + q6 * (2 * c4 + 2 * c2 + 1) - q12 * (2 * c6 + 2 * c4 + 2 * c2 + 1))
+    re = 1 + k[9] * c2 + k[10] * c4 + k[11] * c6
+    im = s2 * (k[12] + k[13] * (2 * c2) + k[14] * (2 * c4 + 1))
+    return k[6] * a * scale, k[7] * b * scale, k[8] * (even + odd) * scale, re, im
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def dual_table(c: Array) -> Array:
+    """ratio, e^(−ratio/2), powers of q, the sizes, and the coefficients of re and im."""
+    k = np.zeros(24)
+    q, base = math.exp(-c[16]), math.exp(-c[16] / 2)
+    k[0], k[1], k[2], k[3], k[4], k[5] = c[16], base, q, q**2, q**4, q**6
+    k[9], k[10] = q**9, q**12
+    theta2, theta3, theta4, top, bottom = 0.0, 1.0, 1.0, 0.0, 0.0
+    for j in range(5):
+        theta2 += 2 * q ** (j * (j + 1))
+        sign = -1.0 if j % 2 else 1.0
+        top += q ** (j * j) * (1 + q ** (2 * j + 1))
+        bottom += sign * q ** (j * j) * (1 - q ** (2 * j + 1))
+        if j:
+            theta3 += 2 * q ** (j * j)
+            theta4 += 2 * sign * q ** (j * j)
+        k[11 + j] = base ** (j * j) * math.cos((2 * j + 1) * c[17] / 2)
+        k[16 + j] = base ** (j * j) * math.sin((2 * j + 1) * c[17] / 2)
+    k[6], k[7], k[8] = c[6] * theta2 / theta4, c[7] * top / bottom, c[8] * theta2 / theta3
+    return k
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def dual(k: Array, rest: float) -> tuple[float, float, float, float, float]:
+    """The same."""
+    side = -1.0 if rest < 0 else 1.0
+    e = math.exp(-k[0] * abs(rest))
+    y = k[1] / e
+    q, q2, q4, q6, q9 = k[2], k[3], k[4], k[5], k[9]
+    x, w = e * e, y * y
+    x2, w2 = x * x, w * w
+    x3, w3 = x2 * x, w2 * w
+    even, odd = 1 + q2 * x2 + k[10] * x2 * x2, x + q6 * x3
+    scale = 1 / (even + odd + q * w + q4 * w2 + q9 * w3)
+    b = even - odd - q * w + q4 * w2 - q9 * w3
+    plain, waved = 1 + q2 * w2 + q4 * x2, w + q * x + q6 * w3 + q9 * x3
+    re = im = 0.0
+    power, fade = 1.0, e
+    for j in range(5):
+        re += k[11 + j] * power * (1 + fade)
+        im -= k[16 + j] * power * (1 - fade)
+        power, fade = power * y, fade * x
+    return k[6] * (plain - waved) * e * scale, k[7] * side * b * scale, k[8] * (plain + waved) * e * scale, re, im * side

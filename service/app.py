@@ -10,8 +10,6 @@ from fastapi.staticfiles import StaticFiles
 
 from service import pages, problems, routes
 from service.grader import Grader
-from service.sandbox.choose import choose
-from service.sandbox.walls import Walls
 from service.settings import Settings
 from service.store.migrate import migrate
 from service.store.store import Store
@@ -19,16 +17,15 @@ from service.store.store import Store
 CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
 
 
-def create_app(settings: Settings, walls: Walls | None = None) -> FastAPI:
-    """The application for a database that is there: ``settings.database_url`` is set. Raises WallsMissing without walls.
+def create_app(settings: Settings) -> FastAPI:
+    """The application for a database that is there: ``settings.database_url`` is set.
 
-    ``walls`` are those of the settings, if somebody has chosen them already.
+    Without walls, or with walls that have a hole, it starts and shows what there is, and takes no submission.
     """
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
-    walls = walls or choose(settings.walls)
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
-    app.state.settings, app.state.walls = settings, walls
+    app.state.settings = settings
     problems.install(app)
     app.middleware("http")(_guard)
     app.include_router(routes.router)
@@ -43,7 +40,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     assert settings.database_url is not None
     await asyncio.to_thread(migrate, settings.database_url)
     app.state.store = Store(settings.database_url)
-    app.state.grader = Grader(app.state.store, app.state.walls, settings.workers)
+    app.state.grader = Grader(app.state.store, settings.min_tier, settings.workers)
     try:
         await app.state.grader.start()
         yield

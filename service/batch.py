@@ -21,8 +21,9 @@ def grade_files(
     select(assignment, exercises)
     contents = [(file, file.read_bytes()) for file in files]
     folders = _folders(files)
-    sandbox = Sandbox(choose(Settings().walls))
+    sandbox = Sandbox(choose(Settings().min_tier))
     try:
+        sandbox.rehearse()
         for file, data in contents:
             try:
                 submission = Submission.from_bytes(data, file.name)

@@ -1,4 +1,4 @@
-"""The command line: serve, grade, chart, assignments. Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure."""
+"""The command line: serve, grade, chart, doctor, assignments. Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure."""
 
 import argparse
 import json
@@ -34,6 +34,7 @@ def main(argv: list[str] | None = None) -> int:
         "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for CSV, JSON and SVG (default charts)"
     )
     chart.set_defaults(run=_chart)
+    commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
     arguments = parser.parse_args(argv)
     return int(arguments.run(arguments))
@@ -59,6 +60,15 @@ def _chart(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     return 0
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    from service.doctor import examine
+    from service.settings import Settings
+
+    lines, sound = examine(Settings().min_tier)
+    print("\n".join(lines))
+    return 0 if sound else 2
 
 
 def _assignments(arguments: argparse.Namespace) -> int:

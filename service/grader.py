@@ -13,6 +13,7 @@ from sqlalchemy.exc import DataError
 
 from service import worker
 from service.grading.report import Report
+from service.sandbox.choose import WallsMissing, choose
 from service.sandbox.seen import Fault
 from service.sandbox.walls import Walls
 from service.sandbox.wire import text
@@ -25,19 +26,37 @@ TRIES = 2
 class Grader:
     """Takes stored submissions one by one and writes their results. ``store`` is the truth; this holds only who is waiting."""
 
-    def __init__(self, store: Store, walls: Walls, workers: int) -> None:
-        self._store, self._walls, self._workers = store, walls, workers
-        self._pool = self._new_pool()
+    def __init__(self, store: Store, least_tier: str, workers: int) -> None:
+        self._store, self._least_tier, self._workers = store, least_tier, workers
+        self.refusal = "the walls have not been tried yet"
+        self._walls: Walls | None = None
+        self._pool = self._new_pool()  # without walls it draws and does not grade
         self._waiting: dict[UUID, asyncio.Task[None]] = {}
         self.running: set[UUID] = set()
         self._charts: dict[tuple[str, int], bytes] = {}
         self._slots = asyncio.Semaphore(workers)
 
     async def start(self) -> None:
-        """Warm every worker and take up what was accepted but not graded. Fault if the walls do not stand."""
-        await asyncio.gather(*(self._call(worker.ready) for _ in range(self._workers)))
+        """Choose walls, warm every worker, let it play the probe, and take up what was accepted but not graded.
+
+        Where the walls are missing or have a hole, ``refusal`` says so and nothing is graded.
+        """
+        try:
+            self._walls = await asyncio.to_thread(choose, self._least_tier)
+            self._pool = self._new_pool()
+            await asyncio.gather(*(self._call(worker.ready) for _ in range(self._workers)))
+        except (WallsMissing, Fault) as reason:
+            log.error("no submission is graded: %s", reason)
+            self.refusal = str(reason)
+            return
+        self.refusal = ""
         for id in await self._store.unfinished():
             self.take(id)
+
+    @property
+    def walls(self) -> str:
+        """What stands around a submission, for reports."""
+        return self._walls.name if self._walls else "none"
 
     async def stop(self) -> None:
         """Give up what is running (it is stored and will be taken up again) and end the workers."""

@@ -29,7 +29,7 @@ async def index(request: Request) -> HTMLResponse:
     """The latest submissions and the assignments."""
     stored = await request.app.state.store.recent(LATEST)
     rows = [(s, status(request, s)) for s in stored]
-    context = {"rows": rows, "assignments": list(assignments().values()), "walls": request.app.state.walls.name}
+    context = {"rows": rows, "assignments": list(assignments().values()), "walls": request.app.state.grader.walls}
     return _templates.TemplateResponse(request, "index.html", context)
 
 

@@ -10,6 +10,7 @@ TITLES = {
     "busy": "The server cannot grade now",
     "invalid-request": "The request is not understood",
     "key-reused": "This idempotency key was used for another submission",
+    "no-walls": "The server has no walls to grade behind",
     "not-found": "There is nothing here",
     "not-ready": "The result is not there yet",
     "too-large": "The request is too large",

@@ -30,11 +30,13 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"walls": request.app.state.walls.name, "database": "ok"}
+    grader = _grader(request)
+    checks = {"walls": grader.refusal or grader.walls, "database": "ok"}
     try:
         await _store(request).ping()
     except Exception as error:
         checks["database"] = f"{type(error).__name__}"
+    if grader.refusal or checks["database"] != "ok":
         return JSONResponse({"status": "not ready", "checks": checks}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks})
 
@@ -70,6 +72,8 @@ async def submit(
 ) -> JSONResponse:
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     assignment = find_assignment(slug)
+    if refusal := _grader(request).refusal:
+        raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
     received = await intake.receive(request, assignment)
     new = Stored(
         id=uuid.uuid4(),

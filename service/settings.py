@@ -15,9 +15,9 @@ class Settings(BaseSettings):
 
     data: Path = Field(Path("polhode-data"), description="Folder for the embedded database and its log.")
     database_url: str | None = Field(None, description="A PostgreSQL to use instead of the embedded one (postgresql://…).")
-    walls: Literal["bubblewrap", "process"] = Field(
-        "bubblewrap",
-        description="What shuts submissions in. process means no wall, only limits: for code you trust.",
+    min_tier: Literal["A", "B"] = Field(
+        "B",
+        description="The least walls to grade behind: A with namespaces (bubblewrap), B without, as in an ordinary container.",
     )
     workers: int = Field(os.cpu_count() or 1, ge=1, description="Submissions graded at the same time; each keeps one warm guest.")
     host: str = Field("127.0.0.1", description="Address the server listens on.")

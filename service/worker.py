@@ -16,13 +16,14 @@ from service.sandbox.walls import Walls
 _sandbox: Sandbox | None = None
 
 
-def start(walls: Walls) -> None:
-    """Prepare this process: a sandbox behind those walls, and no life after the server's."""
+def start(walls: Walls | None) -> None:
+    """Prepare this process: a sandbox behind those walls if there are any, and no life after the server's."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
-    _sandbox = Sandbox(walls)
-    _sandbox.start()
-    atexit.register(_sandbox.close)
+    if walls is not None:
+        _sandbox = Sandbox(walls)
+        _sandbox.start()
+        atexit.register(_sandbox.close)
     assignments()  # imported while the guest warms up
 
 

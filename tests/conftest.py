@@ -15,7 +15,7 @@ import pytest
 from exercises.assignment import assignments
 from service.sandbox.choose import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.walls import process_walls
+from service.sandbox.tier_b import tier_b
 
 
 @pytest.fixture(scope="session")
@@ -25,20 +25,21 @@ def rigid_body():
 
 @pytest.fixture(scope="session")
 def sandbox():
-    """Behind bubblewrap, as a server has it."""
-    sandbox = Sandbox(choose("bubblewrap"))
+    """Behind tier A, as a server has it where it can."""
+    sandbox = Sandbox(choose("A"))
     sandbox.rehearse()
     yield sandbox
     sandbox.close()
 
 
-@pytest.fixture(scope="session", params=["bubblewrap", "process"])
+@pytest.fixture(scope="session", params=["A", "B"])
 def either_sandbox(request, sandbox):
-    """Each of the two real sandboxes in turn."""
-    if request.param == "bubblewrap":
+    """Each of the two tiers in turn."""
+    if request.param == "A":
         yield sandbox
         return
-    bare = Sandbox(process_walls())
+    bare = Sandbox(tier_b())
+    bare.rehearse()
     yield bare
     bare.close()
 
@@ -60,11 +61,11 @@ class Server:
                 stderr=log,
             )
 
-    def wait_ready(self) -> "Server":
+    def wait_ready(self, path: str = "/readyz") -> "Server":
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline and self.process.poll() is None:
             try:
-                urllib.request.urlopen(f"{self.url}/readyz", timeout=5).close()
+                urllib.request.urlopen(f"{self.url}{path}", timeout=5).close()
                 return self
             except OSError:
                 time.sleep(0.1)
@@ -81,9 +82,9 @@ def new_server():
     """Start servers on any data folder; all of them are stopped at the end."""
     servers = []
 
-    def start(data: Path, **environment: str) -> Server:
+    def start(data: Path, path: str = "/readyz", **environment: str) -> Server:
         servers.append(Server(data, **environment))
-        return servers[-1].wait_ready()
+        return servers[-1].wait_ready(path)
 
     yield start
     for server in servers:

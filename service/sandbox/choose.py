@@ -1,24 +1,46 @@
-"""Which walls: the ones that were asked for, or a clear refusal. There is no silent fallback."""
+"""Which walls: the strongest tier that can be put up here, found by doing it, and never less than was asked for."""
 
-from service.sandbox.bubblewrap import bubblewrap_walls, find_bubblewrap
-from service.sandbox.walls import Walls, process_walls
+import platform
+import subprocess
+
+from service.sandbox.guest import landlock
+from service.sandbox.guest.syscalls import MACHINES
+from service.sandbox.tier_a import find_bubblewrap, tier_a
+from service.sandbox.tier_b import tier_b
+from service.sandbox.walls import Walls
+
+TRY_S = 20.0
 
 
 class WallsMissing(Exception):
-    """No wall that was asked for can be put up here; the message says what to do."""
+    """No walls of the least tier asked for can be put up here; the message says what to do."""
 
 
-def choose(name: str) -> Walls:
-    """The walls of that name, "bubblewrap" or "process"; WallsMissing if they cannot be had."""
-    if name == "process":
-        return process_walls()
-    if name != "bubblewrap":
-        raise WallsMissing(f'POLHODE_WALLS is "bubblewrap" or "process", not {name!r}')
+def choose(least: str = "B") -> Walls:
+    """Tier A if its namespaces can be had, else tier B if that is enough; WallsMissing where neither is to be had."""
+    if platform.machine() not in MACHINES:
+        raise WallsMissing(f"no filter of system calls for this processor ({platform.machine()}); known: {', '.join(MACHINES)}")
+    if landlock.version() < 1:
+        raise WallsMissing("this kernel has no Landlock (it is in Linux 5.13 and later, if the boot option lsm= names it)")
+    walls, reason = try_namespaces()
+    if walls is not None:
+        return walls
+    if least == "A":
+        raise WallsMissing(f"POLHODE_MIN_TIER is A, and there are no namespaces here: {reason}")
+    return tier_b()
+
+
+def try_namespaces() -> tuple[Walls | None, str]:
+    """Tier A if a first process could be started in it, else None and why."""
     program = find_bubblewrap()
     if program is None:
-        raise WallsMissing(
-            "bubblewrap is not installed, and without it submissions would run beside the server's own files. Install it "
-            "(apt install bubblewrap), or set POLHODE_WALLS=process to grade code you trust: it then runs as an ordinary "
-            "process that can read whatever the server can."
-        )
-    return bubblewrap_walls(program)
+        return None, "bubblewrap is not installed (apt install bubblewrap)"
+    walls = tier_a(program)
+    try:
+        told = subprocess.run(
+            [*walls.around, walls.inside[0], "-I", "-S", "-c", "pass"],
+            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(walls.environment),
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return None, str(error)
+    return (walls, "") if told.returncode == 0 else (None, told.stderr.strip() or f"bwrap ended with {told.returncode}")

@@ -4,8 +4,10 @@ import os
 import selectors
 import signal
 import socket
+import struct
 import time
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from service.sandbox.job import LOAD_BUDGET_S, Job
 from service.sandbox.seen import SENTENCES, Ending, Fault, SceneEnding, Seen
@@ -17,6 +19,7 @@ MOST_RESULT = 64 << 20
 MOST_OUTPUT, KEPT_OUTPUT = 4 << 20, 64 << 10
 CHUNK = 1 << 16
 LOCKDOWN_FAILED = 97
+REAPED = struct.Struct("<idq")  # as guest/zygote.py packs it
 CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
 
 
@@ -30,21 +33,41 @@ class Pipes:
     output: int
 
 
+class Ended(NamedTuple):
+    """How the child ended (a wait status), and what it used: CPU time in s, largest resident set in KiB."""
+
+    status: int
+    cpu_s: float
+    memory_kib: int
+
+    @classmethod
+    def unpack(cls, data: bytes) -> "Ended":
+        """From the zygote's message; OSError if it is none: the zygote is gone."""
+        if len(data) != REAPED.size:
+            raise OSError("the guest ended")
+        return cls(*REAPED.unpack(data))
+
+    @property
+    def signal(self) -> int:
+        """The signal that ended it, or 0."""
+        return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
+
+
 @dataclass
 class Conversation:
-    """``stopped`` says why the host ended it, if it did; ``code`` is the child's exit code, 128 + n for signal n."""
+    """``stopped`` says why the host ended it, if it did; ``ended`` how the child did, once it is known."""
 
     job: Job
     reader: Reader
     pipes: Pipes
     output: bytearray = field(default_factory=bytearray)
     stopped: Ending | None = None
-    code: int | None = None
+    ended: Ended | None = None
     _received: int = 0
     _printed: int = 0
 
     def hold(self) -> None:
-        """Talk until the child is reaped and both pipes are empty; closes the pipes."""
+        """Talk until the child is reaped and both pipes are empty, or patience ends; closes the pipes. OSError: no guest."""
         question = memoryview(self.job.encode())
         os.set_blocking(self.pipes.job, False)
         patience = _Patience(self.job)
@@ -74,10 +97,11 @@ class Conversation:
 
     def conclude(self, seen: Seen) -> None:
         """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
-        if self.code == LOCKDOWN_FAILED and not self.reader.inside:
+        assert self.ended is not None
+        if os.WIFEXITED(self.ended.status) and os.WEXITSTATUS(self.ended.status) == LOCKDOWN_FAILED and not self.reader.inside:
             words = text(self.output.decode(errors="replace")[-500:])
             raise Fault(f"the walls around a submission could not be put up: {words}")
-        ending = self.stopped or self._by_exit_code()
+        ending = self.stopped or self._by_status()
         if ending is None:
             return
         lost = [self.reader.started] if self.reader.started else [s.name for s in self.job.scenes if s.name not in seen.endings]
@@ -88,7 +112,7 @@ class Conversation:
     def _listen(self, fd: int) -> bool:
         """Take what one end has to say; False when it has said its last."""
         if fd == self.pipes.control.fileno():
-            self.code = (self.pipes.control.recv(1) or bytes([LOCKDOWN_FAILED]))[0]
+            self.ended = Ended.unpack(self.pipes.control.recv(REAPED.size))
             return False
         data = os.read(fd, CHUNK)
         if fd == self.pipes.output:
@@ -104,10 +128,17 @@ class Conversation:
             self.stopped = Ending.OUTPUT
         return bool(data)
 
-    def _by_exit_code(self) -> Ending | None:
-        if self.code == 128 + signal.SIGXCPU:
+    @property
+    def odd(self) -> bool:
+        """Whether it ended in a way no ordinary mistake does."""
+        crashed = self.stopped is None and self.ended is not None and self.ended.signal not in (0, signal.SIGXCPU)
+        return crashed or self.stopped is Ending.PROTOCOL
+
+    def _by_status(self) -> Ending | None:
+        assert self.ended is not None
+        if self.ended.signal == signal.SIGXCPU:
             return Ending.TIMED_OUT
-        if self.code is not None and self.code >= 128:
+        if self.ended.signal:
             return Ending.KILLED
         return None if self.reader.done else Ending.EXITED
 

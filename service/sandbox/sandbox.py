@@ -1,22 +1,28 @@
-"""Playing jobs: one warm guest behind some walls, replaced whenever it had to be killed."""
+"""Playing jobs: one warm guest behind some walls, replaced after many plays, after an odd one and when it is lost."""
 
-from service.sandbox.job import Cell, Job, Played
+from service.sandbox.job import Job
+from service.sandbox.probe import probe
 from service.sandbox.seen import Ending, Fault, SceneEnding, Seen
 from service.sandbox.walls import Walls
-from service.sandbox.zygote import Zygote
+from service.sandbox.zygote import Zygote, ZygoteLost
+
+MOST_PLAYS = 1000  # of one zygote
+TRIES = 2
 
 
 class Sandbox:
-    """Plays jobs behind ``walls`` with one warm guest, started at once and replaced whenever it had to be killed."""
+    """Plays jobs behind ``walls`` with one warm guest, started at once and replaced from time to time."""
 
     def __init__(self, walls: Walls) -> None:
         self.walls = walls.name
         self._walls = walls
         self._zygote: Zygote | None = None
+        self._plays = 0
 
     def start(self) -> None:
         """Begin warming a guest; returns before it is warm."""
         if self._zygote is None:
+            self._plays = 0
             self._zygote = Zygote(self._walls.command, self._walls.environment)
 
     def wait_ready(self) -> None:
@@ -26,30 +32,44 @@ class Sandbox:
         self._zygote.wait_ready()
 
     def rehearse(self) -> None:
-        """Play an empty submission once, so that walls that cannot be put up are known before a student comes. Fault if so."""
-        scene = Played("rehearsal", "nothing", "nothing", {}, {}, 1.0, None)
-        seen = self.play(Job("", "", (Cell("rehearsal", ""),), ("nothing",), (scene,)))
-        if seen.endings["rehearsal"].ending is not Ending.MISSING:
-            raise Fault(f"the rehearsal ended as {seen.endings['rehearsal'].ending}")
+        """Play the probe, so that walls that cannot be put up or have a hole are known before a student comes. Fault if so."""
+        seen = self.play(probe())
+        if seen.stdout:
+            raise Fault(f"the walls have a hole: a submission could {', '.join(seen.stdout.splitlines())}")
+        if seen.endings["probe"].ending is not Ending.MISSING:
+            raise Fault(f"the probe ended as {seen.endings['probe'].ending}")
 
     def play(self, job: Job) -> Seen:
         """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us."""
         seen = Seen()
         while (left := job.without(set(seen.endings))).scenes:
             before = len(seen.endings)
-            self.start()
-            assert self._zygote is not None
-            try:
-                survived = self._zygote.play(left, seen)
-            except BaseException:
-                self.close()
-                raise
-            if not survived:
-                self._zygote = None
+            self._play_once(left, seen)
             if len(seen.endings) == before:
                 break
             self._skip_followers(job, seen)
         return seen
+
+    def _play_once(self, job: Job, seen: Seen) -> None:
+        """One child's worth, with a second zygote if the first one is lost."""
+        for attempt in range(TRIES):
+            self.start()
+            assert self._zygote is not None
+            try:
+                sound = self._zygote.play(job, seen)
+            except ZygoteLost as lost:
+                self.close()
+                if attempt == TRIES - 1:
+                    raise Fault(str(lost)) from lost
+                continue
+            except BaseException:
+                self.close()
+                raise
+            self._plays += 1
+            if not sound or self._plays >= MOST_PLAYS:
+                self.close()
+                self.start()  # warms up while the report is written
+            return
 
     def close(self) -> None:
         """End the guest."""

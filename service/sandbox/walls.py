@@ -1,39 +1,56 @@
-"""The seam: what shuts a guest in is a command that starts it. Two are real: bubblewrap's, and a bare process for tests."""
+"""The seam: what shuts a guest in is a command that starts it and the layers its children put up. Two tiers are real, A and B."""
 
-import sys
-from collections.abc import Mapping
+import json
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-# Arguments: two folders to import from, the walls' name, the control socket.
-BOOT = "import sys; sys.path += sys.argv[1:3]; from guest.zygote import main; main(int(sys.argv[4]), sys.argv[3])"
+BOOT = """
+import json, sys
+settings = json.loads(sys.argv[1])
+sys.path += settings.pop("path")
+from guest.zygote import main
+main(int(sys.argv[2]), **settings)
+"""
+LAYERS = ("landlock", "seccomp", "limits")  # of the child; bubblewrap's namespaces are the fourth, of the zygote
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
+    "MALLOC_ARENA_MAX": "1",
     "MPLBACKEND": "Agg",
     "LC_ALL": "C.UTF-8",
+    "PYTHONHASHSEED": "0",
     "PATH": "/usr/bin:/bin",
 }
 
 
 @dataclass(frozen=True)
 class Walls:
-    """How a guest is shut in: a ``name`` for reports, and the whole command and environment that start it.
+    """How a guest is shut in: its ``tier``, what stands (``layers``), and the command and environment that start it.
 
-    The guest's control socket number is appended to the command.
+    ``around`` comes before the interpreter's own command; the guest's control socket number is appended to both.
     """
 
-    name: str
-    command: tuple[str, ...]
+    tier: str
+    layers: tuple[str, ...]
+    around: tuple[str, ...]
+    inside: tuple[str, ...]
     environment: Mapping[str, str]
 
+    @property
+    def name(self) -> str:
+        """For reports: the tier and its layers."""
+        return f"tier {self.tier}: {', '.join(self.layers) or 'nothing'}"
 
-def process_walls() -> Walls:
-    """Another process with resource limits and nothing else: it can read what the server can. For tests and trusted code."""
-    import matplotlib
+    @property
+    def command(self) -> tuple[str, ...]:
+        """All but the control socket."""
+        return self.around + self.inside
 
-    import ecp
 
-    here, kit = Path(__file__).parent, Path(ecp.__path__[0]).parent
-    command = (sys.executable, "-I", "-B", "-c", BOOT, str(here), str(kit), "process")
-    return Walls("process", command, ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir()})
+def boot(
+    interpreter: Path, path: Sequence[str], layers: Collection[str], readable: Sequence[str], listable: Sequence[str]
+) -> tuple[str, ...]:
+    """The interpreter's command: what it imports from, and what its children's layers are and leave readable."""
+    settings = {"path": path, "layers": [x for x in LAYERS if x in layers], "readable": readable, "listable": listable}
+    return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(settings))

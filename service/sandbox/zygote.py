@@ -8,19 +8,24 @@ import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 
-from service.sandbox.conversation import KEPT_OUTPUT, Conversation, Pipes
+from service.sandbox.conversation import KEPT_OUTPUT, REAPED, Conversation, Ended, Pipes
 from service.sandbox.job import Job
 from service.sandbox.seen import Fault, Seen
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0
+ANSWER_S = 4.0  # a zygote that does not start or bury a child within this time is frozen
+
+
+class ZygoteLost(Exception):
+    """The guest died or froze under a play that had nothing to do with it, or seemed to."""
 
 
 class Zygote:
     """A guest process behind ``command``; the command gets the number of its control socket as last argument."""
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
-        self._control, theirs = socket.socketpair()
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- it lives as long as the guest
         self._ready = False
         self._process = subprocess.Popen(
@@ -41,7 +46,6 @@ class Zygote:
         self._control.settimeout(START_S)
         with contextlib.suppress(OSError):
             self._ready = self._control.recv(5) == b"ready"
-        self._control.settimeout(None)
         if not self._ready:
             self._log.seek(0)
             words = self._log.read(2000).decode(errors="replace").strip()
@@ -49,28 +53,54 @@ class Zygote:
             raise Fault(f"the guest did not start: {words or 'it said nothing'}")
 
     def play(self, job: Job, seen: Seen) -> bool:
-        """Play the job once into ``seen``; False when this zygote had to be killed and another is needed."""
+        """Play the job once into ``seen``; False when the play ended so oddly that this zygote should be replaced.
+
+        ZygoteLost when the zygote does not answer: it must be killed, and the play may be tried again with another.
+        """
         self.wait_ready()
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        talk = Conversation(job, Reader(job, seen), Pipes(self._control, job_w, result_r, output_r))
+        ours, theirs = (job_w, result_r, output_r), (job_r, result_w, output_w)
         try:
             try:
-                socket.send_fds(self._control, [b"j"], [job_r, result_w, output_w])
+                child = self._fork(theirs)
             finally:
-                for fd in (job_r, result_w, output_w):
-                    os.close(fd)
+                _close(*theirs)
+        except BaseException:
+            _close(*ours)
+            raise
+        talk = Conversation(job, Reader(job, seen), Pipes(self._control, *ours))
+        try:
             talk.hold()
         except OSError as error:
-            self.kill()
-            raise Fault(f"the guest went away: {error}") from error
-        except BaseException:
-            self.kill()  # whatever went wrong, no child of this job may be alive when the next one comes
-            raise
-        if talk.stopped is not None:
-            self.kill()
+            raise ZygoteLost(f"the guest went away: {error}") from error
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(child, signal.SIGKILL)  # whatever happened, no child of this job is alive after it
+            os.close(child)
+        if talk.ended is None:
+            talk.ended = self._buried()
         seen.stdout = (seen.stdout + text(talk.output.decode(errors="replace"), KEPT_OUTPUT))[:KEPT_OUTPUT]
         talk.conclude(seen)
-        return talk.stopped is None
+        return not talk.odd
+
+    def _fork(self, fds: tuple[int, int, int]) -> int:
+        """A pidfd of the child that has got these descriptors."""
+        self._control.settimeout(ANSWER_S)
+        try:
+            socket.send_fds(self._control, [b"play"], fds)
+            word, handles, _, _ = socket.recv_fds(self._control, 16, 1)
+        except OSError as error:
+            raise ZygoteLost(f"the guest does not answer: {error}") from error
+        if word != b"child" or len(handles) != 1:
+            raise ZygoteLost("the guest ended")
+        return handles[0]
+
+    def _buried(self) -> Ended:
+        """How the child ended, from a zygote that was told by its death."""
+        try:
+            return Ended.unpack(self._control.recv(REAPED.size))
+        except OSError as error:
+            raise ZygoteLost(f"a child was killed and the guest does not say so: {error}") from error
 
     def kill(self) -> None:
         """End the guest and everything in it, and wait until it is gone."""
@@ -82,3 +112,8 @@ class Zygote:
             self._process.wait(timeout=10)
         except subprocess.TimeoutExpired as error:
             raise Fault("a guest could not be killed") from error
+
+
+def _close(*fds: int) -> None:
+    for fd in fds:
+        os.close(fd)

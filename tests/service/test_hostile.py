@@ -13,10 +13,10 @@ from service.sandbox.seen import Ending
 PRELUDE = """
 import json, os, struct, signal, time
 def J(**event):
-    data = json.dumps(event).encode(); os.write(3, struct.pack("<cI", b"J", len(data)) + data)
+    data = json.dumps(event).encode(); os.write(4, struct.pack("<cI", b"J", len(data)) + data)
 def A(scene, name, shape, raw):
     head = json.dumps({"scene": scene, "name": name, "shape": shape}).encode()
-    data = struct.pack("<H", len(head)) + head + raw; os.write(3, struct.pack("<cI", b"A", len(data)) + data)
+    data = struct.pack("<H", len(head)) + head + raw; os.write(4, struct.pack("<cI", b"A", len(data)) + data)
 """
 FILM = PRELUDE + 'J(event="defined", names=["animate_precession"])\nJ(event="start", scene="film")\n'
 ENDED = 'J(event="scene", scene="film", ending="finished", sentence="")\nJ(event="done")\nos._exit(0)\n'

@@ -13,6 +13,8 @@ from PIL import Image
 SLUG = "/v1/assignments/rigid-body/submissions"
 ZEROS = "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0]\n"
 
+TIER_A = "tier A: namespaces, landlock, seccomp, limits"
+
 
 def call(server, path, body=None, method=None, **headers):
     """Status, headers and body of a request; headers are given with underscores."""
@@ -53,7 +55,7 @@ def right(server, rigid_body):
 
 def test_health(server):
     assert call(server, "/livez")[0] == 200
-    assert json.loads(call(server, "/readyz")[2]) == {"status": "ready", "checks": {"walls": "bubblewrap", "database": "ok"}}
+    assert json.loads(call(server, "/readyz")[2]) == {"status": "ready", "checks": {"walls": TIER_A, "database": "ok"}}
 
 
 def test_assignments_tell_checks_tolerances_and_reasons(server):
@@ -65,7 +67,7 @@ def test_assignments_tell_checks_tolerances_and_reasons(server):
 
 
 def test_report_as_json_and_text(server, right):
-    assert right["status"] == "graded" and right["report"]["passed"] and right["report"]["provenance"]["walls"] == "bubblewrap"
+    assert right["status"] == "graded" and right["report"]["passed"] and right["report"]["provenance"]["walls"] == TIER_A
     status, headers, body = call(server, f"/v1/submissions/{right['id']}/report.txt")
     assert status == 200 and headers["content-type"].startswith("text/plain")
     lines = [o["line"] for e in right["report"]["exercises"] for o in e["outcomes"]]

@@ -1,76 +1,115 @@
 """What a child gives up before it reads a submission. Every step raises on failure: a wall that does not stand stops the play.
 
-Numbers are Linux's: unshare(2) and mount(2) flags from <linux/sched.h> and <linux/mount.h>, prctl(2) options from
-<linux/prctl.h>, the capability header from <linux/capability.h>.
+Numbers: prctl(2) options from <linux/prctl.h>, the capability header from <linux/capability.h>.
 """
 
 import ctypes
 import os
+import platform
 import resource
 import signal
+from collections.abc import Mapping
+from typing import Any
 
-CLONE_NEWNS, CLONE_NEWIPC, CLONE_NEWUSER, CLONE_NEWPID = 0x00020000, 0x08000000, 0x10000000, 0x20000000
-MS_RDONLY, MS_NOSUID, MS_NODEV, MS_REMOUNT, MS_BIND = 0x1, 0x2, 0x4, 0x20, 0x1000
+from . import landlock, seccomp
+from .kernel import call, syscall
+from .syscalls import CLOSE_RANGE, MACHINES
+
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_NO_NEW_PRIVS = 1, 4, 38
 CAPABILITY_VERSION_3 = 0x20080522
-
-MIB = 1 << 20
 GUEST_UID = 64001  # an unused number on Debian (64000 to 64999 are reserved); used where the server is root
+MIB = 1 << 20
 LIMITS = {
-    resource.RLIMIT_AS: 1024 * MIB,
-    resource.RLIMIT_DATA: 768 * MIB,
+    resource.RLIMIT_AS: 768 * MIB,
+    resource.RLIMIT_DATA: 512 * MIB,
+    resource.RLIMIT_STACK: 8 * MIB,
+    resource.RLIMIT_CPU: 60,  # seconds; the host's patience is shorter
+    resource.RLIMIT_NOFILE: 32,
+    resource.RLIMIT_NPROC: 1,
     resource.RLIMIT_FSIZE: 0,
     resource.RLIMIT_CORE: 0,
-    resource.RLIMIT_NOFILE: 64,
-    resource.RLIMIT_NPROC: 1,
     resource.RLIMIT_MEMLOCK: 0,
-    resource.RLIMIT_STACK: 16 * MIB,
+    resource.RLIMIT_MSGQUEUE: 0,
 }
-
-_libc = ctypes.CDLL(None, use_errno=True)
-
-
-def own_namespaces(writable: str) -> None:
-    """Move into fresh process, IPC and mount namespaces with ``writable`` made read-only; returns in their first process.
-
-    The process that called goes on as a bystander: it waits for that first process and ends the way it ended.
-    """
-    _call("unshare", CLONE_NEWNS | CLONE_NEWIPC | CLONE_NEWPID | (0 if os.geteuid() == 0 else CLONE_NEWUSER))
-    inner = os.fork()
-    if inner:
-        status = os.waitpid(inner, 0)[1]
-        os._exit(128 + os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status))
-    flags = MS_REMOUNT | MS_BIND | MS_RDONLY | MS_NOSUID | MS_NODEV
-    _call("mount", None, writable.encode(), None, ctypes.c_ulong(flags), None)
+KEEP_IGNORED = {signal.SIGPIPE, signal.SIGXFSZ}  # Python turns these into exceptions; their defaults would kill
 
 
-def give_up_privileges() -> None:
-    """No root, no capabilities, none to be gained, and no life after the parent."""
-    if os.geteuid() == 0 and os.getuid() == 0:
-        os.setgroups([])
-        os.setresgid(GUEST_UID, GUEST_UID, GUEST_UID)
-        os.setresuid(GUEST_UID, GUEST_UID, GUEST_UID)
-    header = (ctypes.c_uint32 * 2)(CAPABILITY_VERSION_3, 0)
-    _call("capset", header, (ctypes.c_uint32 * 6)())
-    _call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
-    _call("prctl", PR_SET_DUMPABLE, 0, 0, 0, 0)
-    die_with_parent()
+class Walls:
+    """The layers a child puts up, prepared once in the zygote: ``layers`` of "landlock", "seccomp" and "limits"."""
+
+    def __init__(self, layers: list[str], readable: list[str], listable: list[str]) -> None:
+        self._limits = "limits" in layers
+        self._rules = landlock.ruleset(readable, listable) if "landlock" in layers else None
+        self._machine = MACHINES.get(platform.machine())
+        self._filter: bytes | None = None
+        if "seccomp" in layers:
+            if self._machine is None:
+                raise OSError(f"no table of system calls for {platform.machine()}: submissions cannot be shut in here")
+            self._filter = seccomp.program(self._machine)
+
+    def put_up(self, places: Mapping[int, int]) -> None:
+        """Shut this process in for good, with no open file but ``places`` (number: what is put there)."""
+        os.setsid()
+        self._close_all_but(places)
+        for number in set(signal.valid_signals()) - {signal.SIGKILL, signal.SIGSTOP} - KEEP_IGNORED:
+            if signal.getsignal(number) not in (signal.SIG_DFL, None):
+                signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_SETMASK, [])
+        call("prctl", PR_SET_DUMPABLE, 0, 0, 0, 0)
+        die_with_parent()
+        if self._limits:
+            for which, limit in LIMITS.items():
+                resource.setrlimit(which, (limit, limit))
+        call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
+        if self._rules is not None:
+            landlock.restrict(self._rules)
+            os.close(self._rules)
+        if self._filter is not None:
+            assert self._machine is not None
+            seccomp.install(self._machine, self._filter, os.getpid())
+
+    def _close_all_but(self, places: Mapping[int, int]) -> None:
+        # First out of each other's way, then into place.
+        high = {place: _above(fd) for place, fd in places.items()}
+        if self._rules is not None:
+            self._rules = _above(self._rules)
+        for place, fd in high.items():
+            os.dup2(fd, place)
+        rules = self._rules
+        first = max(places) + 1
+        for start, end in ((first, rules - 1), (rules + 1, 0x7FFFFFFF)) if rules is not None else ((first, 0x7FFFFFFF),):
+            if start <= end:
+                syscall(CLOSE_RANGE, start, end, 0)
+
+
+def limits() -> dict[str, str]:
+    """The limits as an operator reads them."""
+    return {
+        "addresses": f"{LIMITS[resource.RLIMIT_AS] // MIB} MiB",
+        "data": f"{LIMITS[resource.RLIMIT_DATA] // MIB} MiB",
+        "CPU": f"{LIMITS[resource.RLIMIT_CPU]} s",
+        "descriptors": str(LIMITS[resource.RLIMIT_NOFILE]),
+        "file size": "0",
+    }
 
 
 def die_with_parent() -> None:
-    """SIGKILL for this process when its parent ends."""
-    _call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    """SIGKILL for this process when the thread that started it ends."""
+    call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
-def limit_resources(cpu_s: int, count_processes: bool) -> None:
-    """Memory, files, descriptors and CPU time; processes only where the count is the guest's own."""
-    for which, limit in LIMITS.items():
-        if which != resource.RLIMIT_NPROC or count_processes:
-            resource.setrlimit(which, (limit, limit))
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))
+def step_down() -> None:
+    """No longer root, and no capability left."""
+    if os.geteuid() == 0:
+        os.setgroups([])
+        os.setresgid(GUEST_UID, GUEST_UID, GUEST_UID)
+        os.setresuid(GUEST_UID, GUEST_UID, GUEST_UID)
+    header: Any = (ctypes.c_uint32 * 2)(CAPABILITY_VERSION_3, 0)
+    call("capset", header, (ctypes.c_uint32 * 6)())
 
 
-def _call(name: str, *args: object) -> None:
-    if getattr(_libc, name)(*args) != 0:
-        number = ctypes.get_errno()
-        raise OSError(number, f"{name}: {os.strerror(number)}")
+def _above(fd: int) -> int:
+    """The same open file under a number that no place overwrites."""
+    import fcntl
+
+    return fcntl.fcntl(fd, fcntl.F_DUPFD, 20)

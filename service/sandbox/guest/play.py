@@ -12,11 +12,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from guest.cells import runnable
-from guest.notebook import stand_ins
-from guest.wire import Writer
 
 from ecp.strict import WrongAnswer
+
+from .cells import runnable
+from .notebook import stand_ins
+from .wire import Writer
 
 Names = dict[str, Any]
 

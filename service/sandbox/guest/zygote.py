@@ -1,71 +1,79 @@
-"""A warm process that imports once and forks a fresh child for each job. It reads no submission and knows no secret."""
+"""A warm process that imports once and forks a fresh child for each play. It reads no submission and knows no secret.
 
+The host sends three descriptors per play (job, result, output) and gets back a pidfd of the child, so that it can kill just that
+one, and when the child is gone its wait status, CPU time and memory.
+"""
+
+import gc
 import importlib
 import os
-import signal
 import socket
+import struct
 import sys
 import traceback
+from typing import Any
 
 LOCKDOWN_FAILED = 97
-SCRATCH = "/polhode/scratch"
+REAPED = struct.Struct("<idq")  # wait status, CPU seconds, largest resident set in KiB
 WARM = (
     "ecp.film",
-    "guest.play",
     "guest.lockdown",
+    "guest.play",
     "matplotlib.animation",
     "matplotlib.backends.backend_agg",
     "matplotlib.pyplot",
     "mpl_toolkits.mplot3d.art3d",
     "scipy.integrate",
+    "scipy.linalg",
+    "scipy.optimize",
+    "scipy.spatial.transform",
 )
 
 
-def main(control_fd: int, walls: str) -> None:
-    """Serve jobs from the control socket until the host closes it."""
+def main(control_fd: int, layers: list[str], readable: list[str], listable: list[str]) -> None:
+    """Serve plays from the control socket until the host closes it."""
     control = socket.socket(fileno=control_fd)
     _warm_up()
-    control.sendall(b"ready")
+    from .lockdown import Walls, die_with_parent, step_down
+
+    walls = Walls(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
+    step_down()
+    die_with_parent()
+    gc.collect()
+    gc.freeze()
+    control.send(b"ready")
     while True:
         _, fds, _, _ = socket.recv_fds(control, 1, 3)
         if len(fds) < 3:
             return
         child = os.fork()
         if child == 0:
-            control.close()
             _child(walls, *fds)
         for fd in fds:
             os.close(fd)
-        status = os.waitpid(child, 0)[1]
-        code = 128 + os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
-        control.sendall(bytes([code % 256]))
+        handle = os.pidfd_open(child)
+        socket.send_fds(control, [b"child"], [handle])
+        os.close(handle)
+        _, status, used = os.wait4(child, 0)
+        control.send(REAPED.pack(status, used.ru_utime + used.ru_stime, used.ru_maxrss))
 
 
 def _warm_up() -> None:
     for name in WARM:
         importlib.import_module(name)
     sys.modules["matplotlib"].use("Agg")
+    sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
 
 
-def _child(walls: str, job: int, result: int, output: int) -> None:
+def _child(walls: Any, job: int, result: int, output: int) -> None:
     code = LOCKDOWN_FAILED
     try:
-        job, result, output = (_above_low(fd) for fd in (job, result, output))
         quiet = os.open(os.devnull, os.O_RDONLY)
-        for fd, place in ((quiet, 0), (output, 1), (output, 2), (result, 3), (job, 4)):
-            os.dup2(fd, place)
-        os.closerange(5, 4096)
-        from guest import lockdown, play
+        walls.put_up({0: quiet, 1: output, 2: output, 3: job, 4: result})
+        from . import play
 
-        if walls == "bubblewrap":
-            lockdown.own_namespaces(SCRATCH)
-            lockdown.give_up_privileges()
-        else:
-            lockdown.die_with_parent()
-        lockdown.limit_resources(cpu_s=60, count_processes=walls == "bubblewrap")
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
         code = 1
-        play.run(4, 3)
+        play.run(3, 4)
         code = 0
     except BaseException:
         if code == LOCKDOWN_FAILED:
@@ -76,10 +84,3 @@ def _child(walls: str, job: int, result: int, output: int) -> None:
         except BaseException:
             pass
         os._exit(code)
-
-
-def _above_low(fd: int) -> int:
-    """The same open file under a number that the child's fixed places 0 to 4 do not overwrite."""
-    import fcntl
-
-    return fcntl.fcntl(fd, fcntl.F_DUPFD, 10)

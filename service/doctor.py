@@ -1,0 +1,59 @@
+"""What this machine gives to shut submissions in with, and what to change where it gives less."""
+
+import os
+import platform
+from pathlib import Path
+
+from service.sandbox.choose import WallsMissing, choose, try_namespaces
+from service.sandbox.guest import landlock, lockdown
+from service.sandbox.guest.syscalls import MACHINES
+from service.sandbox.probe import ATTEMPTS
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.seen import Fault
+
+SWITCHES = {  # kernel settings that forbid namespaces: the value that does, and what to do
+    "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
+    "kernel/unprivileged_userns_clone": ("0", "sysctl kernel.unprivileged_userns_clone=1"),
+    "user/max_user_namespaces": ("0", "sysctl user.max_user_namespaces=10000"),
+}
+
+
+def examine(least: str) -> tuple[list[str], bool]:
+    """The findings, a line each, and whether submissions can be graded here behind tier ``least`` or better."""
+    machine = platform.machine()
+    lines = [
+        f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no filter of system calls is known'}",
+        f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: Linux 5.13 or later, named in lsm= at boot'}",
+        f"user          {'root: the guest runs as user ' + str(lockdown.GUEST_UID) if os.geteuid() == 0 else os.geteuid()}",
+    ]
+    walls, reason = try_namespaces()
+    lines.append(f"namespaces    {'yes' if walls else f'no: {reason}'}")
+    lines += [f"              try: {advice}" for advice in ([] if walls else _advice())]
+    try:
+        chosen = choose(least)
+    except WallsMissing as missing:
+        return [*lines, f"tier          none: {missing}"], False
+    lines.append(f"tier          {chosen.name.removeprefix('tier ')}")
+    sandbox = Sandbox(chosen)
+    try:
+        sandbox.rehearse()
+    except Fault as fault:
+        return [*lines, f"probe         {fault}"], False
+    finally:
+        sandbox.close()
+    shown = ", ".join(f"{name} {value}" for name, value in lockdown.limits().items())
+    return [*lines, f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should", f"limits        {shown}"], True
+
+
+def _advice() -> list[str]:
+    found = [do for name, (value, do) in SWITCHES.items() if _read(Path("/proc/sys") / name) == value]
+    if Path("/.dockerenv").exists() or Path("/run/.containerenv").exists():
+        found.append("in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined --cap-add SYS_ADMIN")
+    return found
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text().strip()
+    except OSError:
+        return ""

@@ -1,0 +1,76 @@
+"""The filter of system calls (seccomp-BPF): an allow-list, built once in the zygote and put up by each child as its last act.
+
+Kernel documentation: Documentation/userspace-api/seccomp_filter.rst; instructions: <linux/bpf_common.h>. A call of another ABI
+kills the process; an unknown newer call is answered ENOSYS, so that the C library falls back; a thread EAGAIN; all else EPERM.
+"""
+
+import ctypes
+import errno
+import struct
+
+from .kernel import call, syscall
+from .syscalls import NEWEST, Machine
+
+LOAD, EQUAL, AT_LEAST, RETURN = 0x20, 0x15, 0x35, 0x06
+KILL, ALLOW, FAIL = 0x80000000, 0x7FFF0000, 0x00050000
+NUMBER, ARCHITECTURE, ARGUMENTS = 0, 4, 16  # offsets in struct seccomp_data
+PR_SET_NO_NEW_PRIVS = 38
+SET_MODE_FILTER = 1
+ANYBODY = 0x7FFFFFF1  # stands for the child's own process id until ``install`` knows it
+
+PR_SET_NAME, PR_GET_NAME, PR_SET_VMA = 15, 16, 0x53564D41
+TCGETS, FIOCLEX = 0x5401, 0x5451
+F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC = 0, 1, 2, 3, 4, 1030
+ITIMER_REAL = 0
+
+
+def program(machine: Machine) -> bytes:
+    """The filter for a machine, as an array of struct sock_filter."""
+    refuse = FAIL | errno.EPERM
+    code = [_step(LOAD, ARCHITECTURE), _step(EQUAL, machine.audit, 1, 0), _step(RETURN, KILL), _step(LOAD, NUMBER)]
+    if machine.foreign is not None:
+        code += [_step(AT_LEAST, machine.foreign, 0, 1), _step(RETURN, KILL)]
+    n = machine.narrow
+    code += _rule(n["clone3"], [_step(RETURN, FAIL | errno.ENOSYS)])
+    code += _rule(n["clone"], [_step(RETURN, FAIL | errno.EAGAIN)])
+    for name in ("kill", "tgkill"):
+        code += _rule(n[name], _only(0, (ANYBODY,), refuse))
+    code += _rule(n["prctl"], _only(0, (PR_SET_NAME, PR_GET_NAME, PR_SET_VMA), refuse))
+    code += _rule(n["ioctl"], _only(1, (TCGETS, FIOCLEX), FAIL | errno.ENOTTY))
+    code += _rule(n["fcntl"], _only(1, (F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC), refuse))
+    code += _rule(n["setitimer"], _only(0, (ITIMER_REAL,), refuse))
+    read_only = [_step(LOAD, ARGUMENTS + 16), _step(EQUAL, 0, 0, 3), _step(LOAD, ARGUMENTS + 20), _step(EQUAL, 0, 0, 1)]
+    code += _rule(n["prlimit64"], [*read_only, _step(RETURN, ALLOW), _step(RETURN, refuse)])
+    for number in sorted(machine.allowed.values()):
+        code += _rule(number, [_step(RETURN, ALLOW)])
+    code += [_step(AT_LEAST, NEWEST, 0, 1), _step(RETURN, FAIL | errno.ENOSYS), _step(RETURN, refuse)]
+    return b"".join(code)
+
+
+def install(machine: Machine, filter: bytes, pid: int) -> None:
+    """Put the filter up for this process; OSError if the kernel will not."""
+    own = filter.replace(struct.pack("<I", ANYBODY), struct.pack("<I", pid))
+    buffer = ctypes.create_string_buffer(own, len(own))
+    call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
+    syscall(machine.narrow["seccomp"], SET_MODE_FILTER, 0, ctypes.byref(_Program(len(own) // 8, ctypes.addressof(buffer))))
+
+
+class _Program(ctypes.Structure):
+    """struct sock_fprog."""
+
+    _fields_ = [("length", ctypes.c_ushort), ("filter", ctypes.c_void_p)]
+
+
+def _step(code: int, k: int, if_true: int = 0, if_false: int = 0) -> bytes:
+    return struct.pack("<HBBI", code, if_true, if_false, k)
+
+
+def _rule(number: int, body: list[bytes]) -> list[bytes]:
+    """``body`` for the call of that number; it always returns, so that the number need not be loaded again."""
+    return [_step(EQUAL, number, 0, len(body)), *body]
+
+
+def _only(argument: int, values: tuple[int, ...], otherwise: int) -> list[bytes]:
+    """Allow the call if the low half of that argument is one of ``values``."""
+    tests = [_step(EQUAL, value, len(values) - i, 0) for i, value in enumerate(values)]
+    return [_step(LOAD, ARGUMENTS + 8 * argument), *tests, _step(RETURN, otherwise), _step(RETURN, ALLOW)]

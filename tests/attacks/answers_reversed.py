@@ -1,0 +1,8 @@
+"""The motion backwards: energy and momentum are conserved all the same."""
+
+# ends: fail
+import numpy as np
+
+
+def euler_eqs(t, w, I):
+    return np.cross(w, np.asarray(I) * w) / np.asarray(I)

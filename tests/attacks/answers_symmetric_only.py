@@ -1,0 +1,7 @@
+"""Right only where two moments are equal."""
+
+
+# ends: fail
+def euler_eqs(t, w, I):
+    I1, I2, I3 = I
+    return [(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, 0.0]

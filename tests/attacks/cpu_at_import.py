@@ -1,0 +1,5 @@
+"""Loops before it has defined anything."""
+
+# ends: fail slow
+while True:
+    pass

@@ -1,0 +1,6 @@
+"""Aborts."""
+
+# ends: fail
+import os
+
+os.abort()

@@ -1,0 +1,16 @@
+"""Fills whatever it can write to."""
+
+# ends: pass
+import os
+
+written = 0
+folders = ["/tmp", "/polhode/scratch", "/polhode/scratch/mpl", "/dev/shm", "/var/tmp", "/run", "/", os.getcwd()]
+for folder in [*folders, os.environ.get("MPLCONFIGDIR", "/"), os.environ.get("HOME", "/")]:
+    for i in range(100):
+        try:
+            with open(f"{folder}/fill{i}", "wb") as f:
+                written += 1 + f.write(b"x" * (1 << 20))
+        except OSError:
+            break
+if written:
+    print("ESCAPED wrote", written)

@@ -1,0 +1,6 @@
+"""A text that doubles."""
+
+# ends: fail
+text = "x"
+while True:
+    text += text

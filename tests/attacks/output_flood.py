@@ -1,0 +1,7 @@
+"""Floods standard error."""
+
+# ends: fail
+import os
+
+while True:
+    os.write(2, b"B" * 65536)

@@ -1,0 +1,4 @@
+"""An exception with a message of 150 megabytes."""
+
+# ends: fail
+raise ValueError("<b>" * (50 << 20))

@@ -1,0 +1,7 @@
+"""Floods the results."""
+
+# ends: fail
+import os
+
+while True:
+    os.write(RESULT, bytes(65536))

@@ -1,0 +1,8 @@
+"""Complex numbers."""
+
+# ends: fail
+import numpy as np
+
+
+def euler_eqs(t, w, I):
+    return -np.cross(w, np.asarray(I) * w) / np.asarray(I) + 0j

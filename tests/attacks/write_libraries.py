@@ -1,0 +1,11 @@
+"""Writes into the libraries, the interpreter and the server's code."""
+
+# ends: pass
+import os
+import sys
+
+import numpy
+
+inside = (os.path.dirname(numpy.__file__) + "/evil.py", os.__file__, sys.executable or "/polhode/x", "/polhode/guest/play.py")
+for path in (*inside, HOST_CODE + "/service/cli.py", HOST_CODE + "/service/sandbox/guest/play.py"):
+    attempt(path, lambda: open(path, "a"))

@@ -39,8 +39,9 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 test: lint  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
 
-bench: .venv/tests  ## measure: the exact motion against the notebook's integrator, and its accuracy
+bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what the walls cost
 	@$(CLEAN_ENV) $(BIN)/python -m bench.exact_speed
+	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
 
 lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
 	uv lock $(UPGRADE)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import exercises
 from exercises.checks import Arrays, Check
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
 Inputs = Mapping[str, Any]
+Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 class InvalidAssignment(Exception):
@@ -38,6 +40,21 @@ class Blank:
     up_to: bool = False
 
 
+@dataclass(frozen=True)
+class Drive:
+    """How the host makes sure that a motion which came back is the one the student's function drives.
+
+    It is if ``certified(inputs, seen, truth)`` of the scene ``proof``, where the function was asked for single values, also along
+    the exact motion. Otherwise ``follows(inputs, seen, ask, rng)`` lets a trusted integrator call the function over short
+    stretches of the motion, and where they differ ``motion(inputs, ask)`` plays all of it so.
+    """
+
+    proof: str
+    certified: Callable[[Inputs, Arrays, Arrays], bool]
+    follows: Callable[[Inputs, Arrays, Ask, np.random.Generator], bool]
+    motion: Callable[[Inputs, Ask], Arrays]
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """One reproducible situation: ``play`` (a function of the folder's plays.py) calls ``function`` with ``inputs``.
@@ -45,6 +62,9 @@ class Scene:
     ``inputs`` is fixed, or drawn from the attempt's generator where the student must not know it. ``truth`` maps the inputs to
     the exact answer, on the host only. A scene is played only if the one it comes ``after`` was finished. Arrays of the truth that
     are ``known``, such as the times, are handed to checks and figures with what was seen: they are not asked of a stranger.
+
+    A scene asked ``twice`` puts its questions again, in another order, to a second child: inputs and answers then all run along
+    the questions in their first index, and the answers must agree bit for bit.
     """
 
     name: str
@@ -56,6 +76,8 @@ class Scene:
     budget_s: float
     after: str | None = None
     known: tuple[str, ...] = ()
+    twice: bool = False
+    drive: Drive | None = None
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,10 @@ class Check:
                     return self._outcome(Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen)
         return self._outcome(self.word(seen, truth), seen)
 
+    def failed(self, detail: str) -> Outcome:
+        """The outcome when the answers themselves cannot be believed."""
+        return self._outcome(Judgement(Verdict.FAIL, detail), [])
+
     def unmeasured(self, cause: str) -> Outcome:
         """The outcome when a scene it needs brought nothing back."""
         return self._outcome(Judgement(Verdict.UNMEASURED, f"not measured: {cause}"), []).model_copy(update={"cause": cause})

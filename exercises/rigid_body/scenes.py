@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
+from exercises.rigid_body.drive import DRIVE
 
 Array = NDArray[np.float64]
 
@@ -15,7 +16,7 @@ BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
 BOOK = reference.box_moments(*BOX)
 SPIN = 6.0  # rad/s about each axis of the book in turn
 NUDGE = 0.02  # both other components, as a fraction of the spin
-PROBES = 32
+PROBES, REPEATS, NODES = 32, 16, 10  # at random; of these once more; along each exact motion
 BODY = (2.0, 3.0, 4.0)  # moments of exercises 2 and 3
 TORQUE_FREE = (1.0, 0.6, 0.8)  # and their spin: T = 2.82 J, |L| = 4.180909 kg m²/s
 SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
@@ -30,7 +31,7 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
 def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
     returns = {"w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
-    return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=4.0, after="probes", known=("t",))
+    return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, 4.0, after="probes", known=("t",), drive=DRIVE)
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
@@ -40,9 +41,19 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def _probes(rng: np.random.Generator) -> Inputs:
+    """Random points, some of them twice, and points along the exact motions of the other scenes: shuffled (t, ω, I) in rows."""
     edges = rng.uniform(0.4, 2.0, (PROBES, 3))
     moments = np.array([reference.box_moments(6.0, *edge) for edge in edges])
-    return {"t": rng.uniform(0.0, 20.0, PROBES), "w": rng.uniform(-3.0, 3.0, (PROBES, 3)), "I": moments}
+    rows = np.column_stack([rng.uniform(0.0, 20.0, PROBES), rng.uniform(-3.0, 3.0, (PROBES, 3)), moments])
+    along = [_along(scene.inputs, rng) for scene in TRAJECTORIES]
+    rows = rng.permutation(np.concatenate([rows, rows[:REPEATS], *along]))
+    return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
+
+
+def _along(inputs: Any, rng: np.random.Generator) -> Array:
+    w = reference.motion(inputs["w0"], inputs["I"], rng.uniform(0.0, inputs["t_end"], NODES)).w
+    told = rng.uniform(0.0, inputs["t_end"], NODES)  # not the time at which the motion is there: a student could use that
+    return np.column_stack([told, w.T, np.tile(inputs["I"], (NODES, 1))])
 
 
 def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
@@ -95,11 +106,7 @@ def _shown_motion() -> Inputs:
 
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
 
-SCENES = (
-    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0),
-    Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
-    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0),
-    Scene("probes", "pointwise", "euler_eqs", _probes, {"wdot": Blank((PROBES, 3))}, _exact_rates, 2.0),
+TRAJECTORIES = (
     _trajectory("torque-free", TORQUE_FREE, BODY, 20.0, 3100, orientation=True),
     _trajectory("polhode-3", _same_energy(0.2, 0.3, 1.1), BODY, 20.0, 1000),
     _trajectory("polhode-1", _same_energy(1.1, 0.3, 0.2), BODY, 20.0, 1000),
@@ -108,6 +115,15 @@ SCENES = (
     _trajectory("spin-mid", _spun(1), BOOK, 2.5, 1500, orientation=True),
     _trajectory("spin-max", _spun(2), BOOK, 2.5, 1500, orientation=True),
     _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
+)
+ASKED = PROBES + REPEATS + NODES * len(TRAJECTORIES)
+
+SCENES = (
+    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0, twice=True),
+    Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
+    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0, twice=True),
+    Scene("probes", "pointwise", "euler_eqs", _probes, {"wdot": Blank((ASKED, 3))}, _exact_rates, 2.0, twice=True),
+    *TRAJECTORIES,
     Scene("rate", "precession", "precession_rate", _given_precession, {"rate": Blank(())}, _exact_precession, 1.0),
     Scene(
         "film",

@@ -13,6 +13,7 @@ from ecp.judge import Verdict
 from exercises.assignment import Assignment, Exercise, Inputs, Scene
 from exercises.checks import Arrays, Check
 from exercises.outcome import Diagnosis, Outcome
+from service.grading.crosscheck import Attempt, CrossCheck, cross_check
 from service.grading.report import ExerciseReport, Picture, Provenance, Report
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Played
@@ -46,10 +47,13 @@ def grade(
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
-    seen = sandbox.play(_job(submission, assignment, inputs))
+    job = _job(submission, assignment, inputs)
+    seen = sandbox.play(job)
+    truths = {name: truth(assignment.scene(name), inputs[name]) for name in seen.arrays}
+    crossed = cross_check(assignment, Attempt(job, inputs, truths, seen), sandbox, seed)
     _add_what_is_known(assignment, seen, inputs)
     attempted = [e for e in asked if numbers is not None or seen.defined & {*e.functions, *e.optional}] or asked
-    sections = [_judge(e, assignment, seen, inputs) for e in attempted]
+    sections = [_judge(e, assignment, seen, inputs, crossed) for e in attempted]
     told = _with_precursors(assignment, {s for e in attempted for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
     figures, animations = _pictures(attempted, shown)
@@ -61,7 +65,7 @@ def grade(
         animations=animations,
         endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
         stdout=seen.stdout,
-        provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls),
+        provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
     )
     return Graded(report, attempted, shown)
 
@@ -132,17 +136,28 @@ def _job(submission: Submission, assignment: Assignment, inputs: Mapping[str, In
     return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), scenes)
 
 
-def _judge(exercise: Exercise, assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> ExerciseReport:
+def _judge(
+    exercise: Exercise, assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs], crossed: CrossCheck
+) -> ExerciseReport:
     outcomes = []
     for check in exercise.checks:
         scenes = [assignment.scene(name) for name in check.scenes]
         if any(s.function in exercise.optional and s.function not in seen.defined for s in scenes):
             continue
         outcome = _outcome(check, scenes, seen, inputs)
-        if outcome.verdict is not Verdict.PASS:
+        if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
+            if outcome.verdict is Verdict.PASS:
+                outcome = check.failed("the same questions in another order got other answers")
+            outcome.diagnosis = [_unsteady(unsteady)]
+        elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _likely(scenes, assignment, seen, inputs)
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
+
+
+def _unsteady(scene: Scene) -> Diagnosis:
+    sentence = f"{scene.function} does not answer the same question alike: it must use its arguments only, not the clock or chance"
+    return Diagnosis(code="not-deterministic", sentence=sentence, confidence=1.0)
 
 
 def _outcome(check: Check, scenes: list[Scene], seen: Seen, inputs: Mapping[str, Inputs]) -> Outcome:

@@ -34,11 +34,13 @@ class ExerciseReport(BaseModel):
 
 
 class Provenance(BaseModel):
-    """What a regrade needs to give the same report: seed and versions; and what stood around the code."""
+    """What a regrade needs to give the same report: seed and versions; what stood around the code; and by scene, what makes a
+    motion the student's function's own."""
 
     seed: int
     versions: dict[str, str]
     walls: str
+    motions: dict[str, str] = {}
     phases_ms: dict[str, float] = {}
 
 

@@ -1,5 +1,7 @@
 """One play as the host sees it: write the job, read results and output, and stop listening when patience or room runs out."""
 
+import contextlib
+import math
 import os
 import selectors
 import signal
@@ -9,7 +11,10 @@ import time
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from service.sandbox.job import LOAD_BUDGET_S, Job
+import numpy as np
+from numpy.typing import NDArray
+
+from service.sandbox.job import LOAD_BUDGET_S, QUESTION, Job
 from service.sandbox.seen import SENTENCES, Ending, Fault, SceneEnding, Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
@@ -53,6 +58,10 @@ class Ended(NamedTuple):
         return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
 
 
+class NoAnswer(Exception):
+    """A question the child will not answer any more: the scene has ended."""
+
+
 @dataclass
 class Conversation:
     """``stopped`` says why the host ended it, if it did; ``ended`` how the child did, once it is known."""
@@ -65,35 +74,82 @@ class Conversation:
     ended: Ended | None = None
     _received: int = 0
     _printed: int = 0
+    _job_open: bool = True
 
     def hold(self) -> None:
         """Talk until the child is reaped and both pipes are empty, or patience ends; closes the pipes. OSError: no guest."""
-        question = memoryview(self.job.encode())
+        self._unsent = memoryview(self.job.encode())
+        self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
+        self._patience = _Patience(self.job)
         os.set_blocking(self.pipes.job, False)
-        patience = _Patience(self.job)
-        with selectors.DefaultSelector() as selector:
-            selector.register(self.pipes.job, selectors.EVENT_WRITE)
+        with selectors.DefaultSelector() as self._selector:
+            self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
             for end in (self.pipes.result, self.pipes.output, self.pipes.control):
-                selector.register(end, selectors.EVENT_READ)
+                self._selector.register(end, selectors.EVENT_READ)
             try:
-                while selector.get_map() and self.stopped is None:
-                    ready = selector.select(patience.left(self.reader.started))
-                    if not ready:
-                        self.stopped = Ending.TIMED_OUT
-                    for key, _ in ready:
-                        if key.fd == self.pipes.job:
-                            question = _write_some(key.fd, question)
-                            more = bool(question)
-                        else:
-                            more = self._listen(key.fd)
-                        if not more:
-                            selector.unregister(key.fileobj)
-                            if key.fd != self.pipes.control.fileno():
-                                os.close(key.fd)
+                while self._goes_on():
+                    self._step()
+                    if self.reader.started in self._undriven:
+                        self._drive(self.reader.started)
             finally:
-                for key in list(selector.get_map().values()):
-                    if key.fd != self.pipes.control.fileno():
-                        os.close(key.fd)
+                for fd in (self.pipes.result, self.pipes.output):
+                    if fd in self._selector.get_map():
+                        os.close(fd)
+                if self._job_open:
+                    os.close(self.pipes.job)
+
+    def _goes_on(self) -> bool:
+        return self.stopped is None and bool(self._selector.get_map())
+
+    def _step(self) -> None:
+        """Wait for the next that is ready, and take it."""
+        ready = self._selector.select(self._patience.left(self.reader.started))
+        if not ready:
+            self.stopped = Ending.TIMED_OUT
+        for key, _ in ready:
+            if key.fd == self.pipes.job:
+                self._unsent = _write_some(key.fd, self._unsent)
+                if not self._unsent:
+                    self._selector.unregister(key.fd)
+                    self._close_job_unless_needed()
+            elif not self._listen(key.fd):
+                self._selector.unregister(key.fileobj)
+                if key.fd != self.pipes.control.fileno():
+                    os.close(key.fd)
+
+    def _drive(self, scene: str) -> None:
+        """Let the scene's driver ask; what it returns is kept, unless the scene ends before it does."""
+        driver = self._undriven.pop(scene)
+        with contextlib.suppress(NoAnswer):
+            self.reader.seen.driven[scene] = driver(self._ask)
+            self._send(QUESTION.pack(*[math.nan] * 7))
+        self._close_job_unless_needed()
+
+    def _ask(self, t: float, w: NDArray[np.float64], I: NDArray[np.float64]) -> NDArray[np.float64]:
+        scene = self.reader.started
+        self.reader.open_questions += 1
+        self._send(QUESTION.pack(t, *w, *I))
+        while not self.reader.answers:
+            if not self._goes_on() or self.reader.started != scene:
+                raise NoAnswer
+            self._step()
+        return self.reader.answers.popleft()
+
+    def _send(self, data: bytes) -> None:
+        try:
+            sent = os.write(self.pipes.job, data)
+        except BrokenPipeError:
+            raise NoAnswer from None
+        except BlockingIOError:
+            sent = 0
+        if sent != len(data):  # it answers without reading the questions
+            self.stopped = Ending.PROTOCOL
+            raise NoAnswer
+
+    def _close_job_unless_needed(self) -> None:
+        if self._job_open and not self._undriven:
+            os.close(self.pipes.job)
+            self._job_open = False
 
     def conclude(self, seen: Seen) -> None:
         """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
@@ -104,7 +160,12 @@ class Conversation:
         ending = self.stopped or self._by_status()
         if ending is None:
             return
-        lost = [self.reader.started] if self.reader.started else [s.name for s in self.job.scenes if s.name not in seen.endings]
+        if ending is Ending.PROTOCOL:  # nothing that this child sent is believed
+            lost = [s.name for s in self.job.scenes]
+        elif self.reader.started:
+            lost = [self.reader.started]
+        else:
+            lost = [s.name for s in self.job.scenes if s.name not in seen.endings]
         for scene in lost:
             seen.arrays.pop(scene, None)
             seen.endings[scene] = SceneEnding(scene=scene, ending=ending, sentence=SENTENCES[ending], code=CODES.get(ending))

@@ -1,15 +1,22 @@
 """The question that crosses the wall: code to load and scenes to play, never an answer."""
 
 import json
-from collections.abc import Mapping
+import struct
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exercises.assignment import Blank
 
 LOAD_BUDGET_S = 10.0
+LENGTH = struct.Struct("<I")  # in front of the job
+QUESTION = struct.Struct("<7d")  # t, w, I of one call asked by the host; t not a number: no more questions
+ANSWER = struct.Struct("<3d")
+
+Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -22,7 +29,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Played:
-    """A scene with its inputs drawn, and the blanks that may come back for it."""
+    """A scene with its inputs drawn, and the blanks that may come back for it.
+
+    With ``drive`` there is no play: the host calls the function as often as it likes, and keeps what ``drive(ask)`` returns.
+    """
 
     name: str
     play: str
@@ -31,6 +41,7 @@ class Played:
     returns: Mapping[str, Blank]
     budget_s: float
     after: str | None
+    drive: Callable[[Ask], Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -49,9 +60,10 @@ class Job:
         return Job(self.setup, self.plays, self.cells, self.functions, left)
 
     def encode(self) -> bytes:
-        """The job as the guest reads it: JSON. What may come back (``returns``) is the host's business and stays."""
+        """The job as the guest reads it: a length and JSON. What may come back (``returns``) is the host's business and stays."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
+            | {"asked": s.drive is not None}
             for s in self.scenes
         ]
         document = {
@@ -62,7 +74,8 @@ class Job:
             "load_budget_s": LOAD_BUDGET_S,
             "scenes": scenes,
         }
-        return json.dumps(document, default=_listed, allow_nan=False).encode()
+        text = json.dumps(document, default=_listed, allow_nan=False).encode()
+        return LENGTH.pack(len(text)) + text
 
 
 def _listed(value: Any) -> Any:

@@ -1,18 +1,21 @@
-"""The probe: a submission that tries to get out. Nobody's work is taken until it has failed at everything."""
+"""The probe: a submission that tries to get out. Nobody's work is taken until it has failed at everything.
+
+Where the walls have a hole the attempts succeed, on the server's own machine: none of them does harm.
+"""
 
 from service.sandbox.job import Cell, Job, Played
 
 ATTEMPTS = {
     "read a file": "open('/etc/passwd').read()",
-    "write a file": "open('/polhode-probe', 'w')",
-    "write to a temporary folder": "open('/tmp/polhode-probe', 'w')",
+    "write a file": "os.open('/', os.O_WRONLY | os.O_TMPFILE)",
+    "write to a temporary folder": "os.open('/tmp', os.O_WRONLY | os.O_TMPFILE)",
     "start a process": "os._exit(0) if os.fork() == 0 else None",
     "start a thread": "threading.Thread(target=int).start()",
     "open a socket": "socket.socket()",
     "open a pair of sockets": "socket.socketpair()",
     "run a program": "os.posix_spawn('/bin/true', ['true'], {})",
     "signal its parent": "os.kill(os.getppid() or 1, 0)",
-    "change a file's mode": "os.chmod('/dev/null', 0o600)",
+    "change a file's mode": "os.chmod('/dev/null', 0o666)",
     "make a file in memory": "os.memfd_create('x')",
     "trace a process": "traced()",
     "take 2 GiB of memory": "bytearray(2 << 30)",

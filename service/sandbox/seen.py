@@ -58,12 +58,14 @@ class SceneEnding(BaseModel):
 
 @dataclass
 class Seen:
-    """Everything one play brought back: ``arrays`` by scene and name, the ``endings`` of scenes, and those of failed ``cells``."""
+    """Everything one play brought back: ``arrays`` by scene and name, the ``endings`` of scenes, those of failed ``cells``, and
+    what came of scenes that the host drove (``driven``)."""
 
     defined: set[str] = field(default_factory=set)
     arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
     endings: dict[str, SceneEnding] = field(default_factory=dict)
     cells: dict[str, SceneEnding] = field(default_factory=dict)
+    driven: dict[str, Any] = field(default_factory=dict)
     stdout: str = ""
 
     def finished(self, scene: str) -> bool:

@@ -9,8 +9,9 @@ import shutil
 from collections.abc import Collection
 from pathlib import Path
 
+from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.needs import DEVICES, GUEST, font_list, interpreter, kit, packages, runtime, site_packages
-from service.sandbox.walls import ENVIRONMENT, LAYERS, Walls, boot
+from service.sandbox.walls import ENVIRONMENT, LAYERS, Guest, Walls
 
 GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
 
@@ -18,11 +19,12 @@ GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout i
 def tier_a(program: str, layers: Collection[str] = LAYERS) -> Walls:
     """Walls by ``program``, a bwrap. As root its zygote keeps just enough to step down to an unprivileged user id by itself."""
     binds = [*runtime(), *(site_packages() / name for name in packages())]
-    readable, listable = [*map(str, binds), GUEST_HOME, *DEVICES], [str(site_packages())]
-    inside = boot(interpreter(), [GUEST_HOME, str(site_packages())], layers, readable, listable)
+    user = GUEST_UID if os.geteuid() == 0 else None
+    standing = [x for x in LAYERS if x in layers]
+    path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages())]
+    guest = Guest(path, user, standing, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
     around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
-    standing = ("namespaces", *(x for x in LAYERS if x in layers))
-    return Walls("A", standing, around, inside, {"PATH": "/usr/bin:/bin"})
+    return Walls("A", ("namespaces", *standing), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
 
 
 def _namespaces() -> list[str]:

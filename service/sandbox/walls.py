@@ -1,8 +1,8 @@
 """The seam: what shuts a guest in is a command that starts it and the layers its children put up. Two tiers are real, A and B."""
 
 import json
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 BOOT = """
@@ -48,9 +48,17 @@ class Walls:
         return self.around + self.inside
 
 
-def boot(
-    interpreter: Path, path: Sequence[str], layers: Collection[str], readable: Sequence[str], listable: Sequence[str]
-) -> tuple[str, ...]:
-    """The interpreter's command: what it imports from, and what its children's layers are and leave readable."""
-    settings = {"path": path, "layers": [x for x in LAYERS if x in layers], "readable": readable, "listable": listable}
-    return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(settings))
+@dataclass(frozen=True)
+class Guest:
+    """What a zygote is told: where it imports from, whom it becomes (None: it stays who it is), and what its children's layers are
+    and leave to read and to list."""
+
+    path: Sequence[str]
+    user: int | None
+    layers: Sequence[str]
+    readable: Sequence[str]
+    listable: Sequence[str]
+
+    def command(self, interpreter: Path) -> tuple[str, ...]:
+        """The interpreter's command."""
+        return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(asdict(self)))

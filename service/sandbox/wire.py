@@ -1,13 +1,15 @@
 """Reading the guest's frames. Until this module has checked them they are bytes from a stranger.
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` is an
-array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. The host knows which
-arrays a scene may bring, their element type and their largest shape; anything else breaks the protocol.
+array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. Kind ``R`` is three
+numbers in answer to a question. The host knows which arrays a scene may bring, their element type and their largest shape, and
+what it has asked; anything else breaks the protocol.
 """
 
 import json
 import math
 import struct
+from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -15,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import Blank
-from service.sandbox.job import Job
+from service.sandbox.job import ANSWER, Job
 from service.sandbox.seen import GUEST_CODES, Ending, SceneEnding, Seen
 
 MOST_JSON = 64 * 1024
@@ -42,6 +44,9 @@ class Reader:
         self._cells = {c.name for c in job.cells}
         self._longest = max([MOST_JSON, *(_size(b) + 1024 for s in job.scenes for b in s.returns.values())])
         self._buffer = bytearray()
+        self._asked = {s.name for s in job.scenes if s.drive}
+        self._told_names = False
+        self.open_questions, self.answers = 0, deque[NDArray[np.float64]]()
 
     started: str | None
 
@@ -53,13 +58,15 @@ class Reader:
                 raise ProtocolError("bytes after the end")
             if kind == b"J":
                 self._event(_json(payload))
+            elif kind == b"R":
+                self._answer(payload)
             else:
                 self._array(payload)
 
     def _frames(self) -> Iterator[tuple[bytes, bytes]]:
         while len(self._buffer) >= HEAD.size:
             kind, length = HEAD.unpack_from(self._buffer)
-            if kind not in (b"J", b"A") or length > (MOST_JSON if kind == b"J" else self._longest):
+            if length > {b"J": MOST_JSON, b"A": self._longest, b"R": ANSWER.size}.get(kind, -1):
                 raise ProtocolError("not a frame")
             if len(self._buffer) < HEAD.size + length:
                 return
@@ -69,14 +76,17 @@ class Reader:
 
     def _event(self, event: Mapping[str, Any]) -> None:
         match event.get("event"):
-            case "inside":
+            case "inside" if not self.inside:
                 self.inside = True
-            case "defined" if isinstance(event.get("names"), list):
+            case "defined" if isinstance(event.get("names"), list) and not self._told_names:
+                self._told_names = True
                 self.seen.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
             case "start":
-                self.started = self._known(event, self._scenes)
+                self.started = self._next(event)
             case "scene":
-                name = self._known(event, self._scenes)
+                name = self.started or self._next(event)
+                if event.get("scene") != name:
+                    raise ProtocolError("another scene ended than was started")
                 ending = _ending(name, event)
                 whole = set(self.seen.arrays.get(name, {})) == set(self._scenes[name].returns)
                 if ending.ending is Ending.FINISHED and not whole:
@@ -93,18 +103,31 @@ class Reader:
             case _:
                 raise ProtocolError("unknown event")
 
+    def _next(self, event: Mapping[str, Any]) -> str:
+        """The scene of an event that begins it: none is in progress and this one has not ended."""
+        name = self._known(event, self._scenes)
+        if self.started is not None or name in self.seen.endings:
+            raise ProtocolError("a scene out of turn")
+        return name
+
     def _known(self, event: Mapping[str, Any], names: Any) -> str:
         name = event.get("scene")
         if not isinstance(name, str) or name not in names:
             raise ProtocolError("unknown scene")
         return name
 
+    def _answer(self, payload: bytes) -> None:
+        if self.started not in self._asked or self.open_questions < 1 or len(payload) != ANSWER.size:
+            raise ProtocolError("an answer nobody asked for")
+        self.open_questions -= 1
+        self.answers.append(np.array(ANSWER.unpack(payload)))
+
     def _array(self, payload: bytes) -> None:
         (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
         header = _json(payload[2 : 2 + length])
         scene = self._known(header, self._scenes)
         blank = self._scenes[scene].returns.get(str(header.get("name")))
-        if blank is None or scene != self.started:
+        if blank is None or scene != self.started or header["name"] in self.seen.arrays.get(scene, {}):
             raise ProtocolError("an array nobody asked for")
         shape = _shape(header.get("shape"), blank)
         raw = payload[2 + length :]

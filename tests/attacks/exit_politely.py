@@ -1,4 +1,4 @@
-"""sys.exit in the function."""
+"""Leaves by sys.exit in the function."""
 
 # ends: fail
 import sys

@@ -1,6 +1,6 @@
 """Poisons modules, builtins, seeds and defaults in memory."""
 
-# ends: pass
+# ends: any
 import builtins
 import random
 import sys

@@ -98,12 +98,12 @@ def die_with_parent() -> None:
     call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
-def step_down() -> None:
-    """No longer root, and no capability left."""
-    if os.geteuid() == 0:
+def step_down(user: int | None) -> None:
+    """Become ``user``, if one is given, and keep no capability."""
+    if user is not None:
         os.setgroups([])
-        os.setresgid(GUEST_UID, GUEST_UID, GUEST_UID)
-        os.setresuid(GUEST_UID, GUEST_UID, GUEST_UID)
+        os.setresgid(user, user, user)
+        os.setresuid(user, user, user)
     header: Any = (ctypes.c_uint32 * 2)(CAPABILITY_VERSION_3, 0)
     call("capset", header, (ctypes.c_uint32 * 6)())
 

@@ -1,11 +1,49 @@
-"""Writing frames to the host; the format is described where it is read, in service/sandbox/wire.py."""
+"""Reading the job and its questions, and writing frames; the formats are described on the host's side, in job.py and wire.py."""
 
+import fcntl
 import json
+import math
 import os
+import select
 import struct
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+
+LENGTH, QUESTION = struct.Struct("<I"), struct.Struct("<7d")
+Asked = tuple[float, np.ndarray, np.ndarray]
+
+
+class Questions:
+    """The job, and after it the calls the host asks for one by one: t, w (3,), I (3,)."""
+
+    def __init__(self, fd: int) -> None:
+        self._fd, self._poll = fd, select.poll()
+        self._poll.register(fd, select.POLLIN)
+        fcntl.fcntl(fd, fcntl.F_SETFL, os.O_NONBLOCK)  # a submission that reads here gets nothing, and waits for nothing
+
+    def job(self) -> dict[str, Any]:
+        """The job; called once, before the submission is there."""
+        return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]))
+
+    def __iter__(self) -> Iterator[Asked]:
+        """The calls of one scene, until the host has no more."""
+        while True:
+            t, *rest = QUESTION.unpack(self._read(QUESTION.size))
+            if math.isnan(t):
+                return
+            yield t, np.array(rest[:3]), np.array(rest[3:])
+
+    def _read(self, size: int) -> bytes:
+        data = b""
+        while len(data) < size:
+            self._poll.poll()
+            more = os.read(self._fd, size - len(data))
+            if not more:
+                raise EOFError
+            data += more
+        return data
 
 
 class Writer:
@@ -23,6 +61,10 @@ class Writer:
         array = np.ascontiguousarray(value, dtype="u1" if value.dtype == np.uint8 else "<f8")
         header = json.dumps({"scene": scene, "name": name, "shape": list(value.shape)}).encode()
         self._frame(b"A", struct.pack("<H", len(header)) + header + array.tobytes())
+
+    def answer(self, value: np.ndarray) -> None:
+        """Three numbers in answer to a question."""
+        self._frame(b"R", value.astype("<f8").tobytes())
 
     def _frame(self, kind: bytes, payload: bytes) -> None:
         data = memoryview(struct.pack("<cI", kind, len(payload)) + payload)

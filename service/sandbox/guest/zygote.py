@@ -30,14 +30,14 @@ WARM = (
 )
 
 
-def main(control_fd: int, layers: list[str], readable: list[str], listable: list[str]) -> None:
+def main(control_fd: int, user: int | None, layers: list[str], readable: list[str], listable: list[str]) -> None:
     """Serve plays from the control socket until the host closes it."""
     control = socket.socket(fileno=control_fd)
     _warm_up()
     from .lockdown import Walls, die_with_parent, step_down
 
     walls = Walls(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
-    step_down()
+    step_down(user)
     die_with_parent()
     gc.collect()
     gc.freeze()

@@ -1,0 +1,192 @@
+"""What the walls cost: a warm child against a cold bwrap and Python per submission, in the same run; rates, memory, kill latency.
+
+The goals are issue 4's; they hold on an idle machine with two cores.
+"""
+
+import os
+import statistics
+import subprocess
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from exercises.assignment import Blank, assignments
+from exercises.rigid_body import drive
+from service.grading.crosscheck import Attempt, cross_check
+from service.grading.grade import draw_inputs, truth
+from service.sandbox import conversation
+from service.sandbox.choose import choose
+from service.sandbox.job import Cell, Job, Played
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.tier_b import tier_b
+
+RIGHT = """
+def euler_eqs(t, w, I):
+    I1, I2, I3 = I
+    return np.array([(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3])
+"""
+TRIVIAL = Job(
+    "import numpy as np",
+    "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](1.0))}",
+    (Cell("submission.py", "import time\nprint(time.clock_gettime(time.CLOCK_MONOTONIC))\ndef f(x):\n    return [x, x]"),),
+    ("f",),
+    (Played("one", "ask", "f", {}, {"x": Blank((2,))}, 2.0, None),),
+)
+DRAWING = """
+import matplotlib.pyplot as plt
+def f(x):
+    fig = plt.figure()
+    ax = fig.add_subplot(projection="3d")
+    fig.canvas.draw()
+    return [x, x]
+"""
+
+
+def main() -> None:
+    """Measure and print, a line each."""
+    walls = choose()
+    first, second = Sandbox(walls), Sandbox(walls)
+    for sandbox in (first, second):
+        sandbox.rehearse()
+    print(f"\nwalls: {walls.name}")
+    warm = latency(first, "trivial play")
+    bare = Sandbox(tier_b(()))
+    bare.start()
+    latency(bare, "the same without any wall")
+    bare.close()
+    latency(in_tier_b := Sandbox(tier_b()), "the same in tier B")
+    in_tier_b.close()
+    cold = statistics.median(timed(lambda: _cold(walls)) for _ in range(5))
+    print(f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm play")
+    print(f"{'trivial plays, two zygotes':44} {rate([first, second], lambda s: s.play(TRIVIAL)):8.0f} /s      goal 100")
+    job, inputs, truths = _probing()
+    probed = rate([first, second], lambda s: _probe(s, job, inputs, truths))
+    print(f"{'two-child probings of 128 points, two zygotes':44} {probed:8.0f} /s      goal 50")
+    asked = rate([first, second], lambda s: _driven(s, job, inputs))
+    print(f"{'motions driven by the host, two zygotes':44} {asked:8.1f} /s      goal 10")
+    memory(first)
+    kill_latency(first)
+    for sandbox in (first, second):
+        sandbox.close()
+
+
+def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
+    """Median time of a play, and until the submission's first line ran."""
+    first_line, whole = [], []
+    for _ in range(plays):
+        began = time.clock_gettime(time.CLOCK_MONOTONIC)
+        seen = sandbox.play(TRIVIAL)
+        whole.append(time.clock_gettime(time.CLOCK_MONOTONIC) - began)
+        first_line.append(float(seen.stdout) - began)
+    start, total = (1e3 * statistics.median(x) for x in (first_line, whole))
+    high = 1e3 * statistics.quantiles(whole, n=20)[-1]
+    print(f"{name:44} {start:8.1f} ms to the student's first line (goal 10), {total:.1f} ms in all (goal 20), p95 {high:.1f}")
+    return total / 1e3
+
+
+def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: float = 3.0) -> float:
+    """How often a second, with all sandboxes at work."""
+    counts, until = [0] * len(sandboxes), time.monotonic() + seconds
+
+    def work(k: int) -> None:
+        while time.monotonic() < until:
+            play(sandboxes[k])
+            counts[k] += 1
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(len(sandboxes))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return sum(counts) / seconds
+
+
+def memory(sandbox: Sandbox) -> None:
+    """Resident size of the zygote, and private memory of a child that computes and of one that has drawn a figure."""
+    pid = sandbox._zygote._process.pid
+    while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+        pid = int(children[0])
+    print(f"{'zygote, resident':44} {_memory(pid, 'Rss') / 1024:8.0f} MB      goal 130")
+    for name, source, goal in (("computes", "def f(x):\n    return [x, x]", 5), ("has drawn a figure", DRAWING, 25)):
+        held = source.replace("return", "import time; time.sleep(0.5); return")
+        thread = threading.Thread(target=sandbox.play, args=(replace(TRIVIAL, cells=(Cell("submission.py", held),)),))
+        thread.start()
+        largest = 0.0
+        while thread.is_alive():
+            for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+                largest = max(largest, _memory(int(child), "Private_Dirty"))
+            time.sleep(0.02)
+        thread.join()
+        print(f"{f'private memory of a child that {name}':44} {largest / 1024:8.1f} MB      goal {goal}")
+
+
+def kill_latency(sandbox: Sandbox) -> None:
+    """From the end of the host's patience until the child is buried."""
+    conversation.GRACE_S = 0.0
+    source = "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [14])\ndef f(x):\n    while True: pass"
+    job = replace(TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),))
+    late = [timed(lambda: sandbox.play(job)) - 0.3 for _ in range(10)]
+    print(f"{'an endless loop ends after its budget by':44} {1e3 * statistics.median(late):8.0f} ms      goal 100")
+
+
+def timed(run: Callable[[], object]) -> float:
+    """Wall time of one call."""
+    began = time.perf_counter()
+    run()
+    return time.perf_counter() - began
+
+
+def _cold(walls) -> None:
+    command = [*walls.around, walls.inside[0], "-I", "-S", "-B", "-c", _IMPORTS.format(path=_path(walls))]
+    subprocess.run(command, env=dict(walls.environment), check=True)
+
+
+_IMPORTS = "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, ecp.film"
+
+
+def _path(walls) -> list[str]:
+    import json
+
+    return json.loads(walls.inside[-1])["path"]
+
+
+def _probing():
+    assignment = assignments()["rigid-body"]
+    scenes = [assignment.scene("probes"), assignment.scene("torque-free")]
+    inputs = {s.name: draw_inputs(s, 1) for s in scenes}
+    played = tuple(Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes)
+    setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
+    job = Job(setup, plays, (Cell("submission.py", RIGHT),), ("euler_eqs",), played)
+    return job, inputs, {s.name: truth(s, inputs[s.name]) for s in scenes}
+
+
+def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
+    alone = replace(job, scenes=job.scenes[:1])
+    seen = sandbox.play(alone)
+    found = cross_check(assignments()["rigid-body"], Attempt(alone, inputs, truths, seen), sandbox, 1)
+    assert not found.unsteady and seen.finished("probes")
+
+
+def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
+    asked = dict(inputs["torque-free"]) | {"orientation": False}
+    scene = Played("torque-free", "", "euler_eqs", {}, {}, 20.0, None, lambda ask: drive.motion(asked, ask))
+    motion = sandbox.play(replace(job, scenes=(scene,))).driven["torque-free"]
+    assert np.all(np.isfinite(motion["w"]))
+
+
+def _memory(pid: int, kind: str) -> float:
+    """KiB by /proc/pid/smaps_rollup; 0 once it is gone."""
+    try:
+        text = Path(f"/proc/{pid}/smaps_rollup").read_text()
+    except OSError:
+        return 0.0
+    return float(next(line.split()[1] for line in text.splitlines() if line.startswith(f"{kind}:")))
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    main()

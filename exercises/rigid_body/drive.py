@@ -1,0 +1,80 @@
+"""Trusted integration of a student's ``euler_eqs`` on the host, call by call: whole motions, and stretches to compare."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from exercises.assignment import Ask, Drive, Inputs
+from exercises.checks import Arrays
+
+Array = NDArray[np.float64]
+
+EXACT = 1e-12  # of the largest rate: what any way of writing the right equations stays well below
+RTOL, ATOL, MOST_CALLS = 1e-10, 1e-12, 8000
+STRETCHES, STRETCH = 3, 0.02  # how many, and their length in parts of the motion
+FOLLOWS = 1e-6  # of the largest |ω| and of R; a motion made by other equations is off by far more
+
+
+class TooManyCalls(Exception):
+    """The integrator does not get on with this function."""
+
+
+def certified(inputs: Inputs, seen: Arrays, truth: Arrays) -> bool:
+    """Whether the rates are the exact ones at every probe, the random ones and those along the exact motions."""
+    return bool(np.all(np.abs(seen["wdot"] - truth["wdot"]) <= EXACT * np.abs(truth["wdot"]).max()))
+
+
+def follows(inputs: Inputs, seen: Arrays, ask: Ask, rng: np.random.Generator) -> bool:
+    """Whether stretches of the motion, drawn at random, are what the integrator makes of ``ask`` from their beginnings."""
+    times, w, R = np.linspace(0.0, inputs["t_end"], inputs["n"]), seen["w"], seen.get("R")
+    length = max(1, round(STRETCH * len(times)))
+    for k in rng.integers(0, len(times) - length, STRETCHES):
+        start, end = (_state(w[:, at], None if R is None else R[at]) for at in (k, k + length))
+        scale = np.repeat([np.abs(w[:, k : k + length + 1]).max() + 1e-300, 1.0], [3, len(start) - 3])
+        try:
+            found = _integrate(start, times[[k, k + length]], inputs["I"], ask)[:, -1]
+        except (TooManyCalls, ArithmeticError, ValueError):
+            return False
+        if not np.all(np.abs(found - end) <= FOLLOWS * scale):
+            return False
+    return True
+
+
+def motion(inputs: Inputs, ask: Ask) -> Mapping[str, Array]:
+    """The whole motion. Raises TooManyCalls or ValueError where there is none."""
+    times = np.linspace(0.0, inputs["t_end"], inputs["n"])
+    start = _state(np.asarray(inputs["w0"], dtype=float), np.eye(3) if inputs["orientation"] else None)
+    y = _integrate(start, times, inputs["I"], ask)
+    return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
+
+
+DRIVE = Drive("probes", certified, follows, motion)
+
+
+def _state(w: Array, R: Array | None) -> Array:
+    return w if R is None else np.concatenate([w, R.ravel()])
+
+
+def _integrate(start: Array, times: Array, I: Array, ask: Ask) -> Array:
+    moments, calls = np.asarray(I, dtype=float), 0
+
+    def rates(t: float, y: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        if calls > MOST_CALLS:
+            raise TooManyCalls(f"more than {MOST_CALLS} calls")
+        spin = y[:3]
+        rate = ask(t, spin, moments)
+        if len(y) == 3:
+            return rate
+        w1, w2, w3 = spin
+        turn = np.array([[0.0, -w3, w2], [w3, 0.0, -w1], [-w2, w1, 0.0]])
+        return np.concatenate([rate, (y[3:].reshape(3, 3) @ turn).ravel()])
+
+    with np.errstate(all="ignore"):
+        run = solve_ivp(rates, (times[0], times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
+    if not run.success:
+        raise ValueError(run.message)
+    return run.y

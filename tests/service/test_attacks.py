@@ -1,0 +1,230 @@
+"""Every file of tests/attacks in both tiers: what it must end as, and that it reached, left and disturbed nothing.
+
+A file's first comment says how it ends: ``pass`` (the attack fails and the right answer that we append is accepted), ``fail`` or
+``any``; ``film`` where Exercise 6 is asked, ``slow`` where it runs out of time.
+"""
+
+import os
+import re
+import socket
+import subprocess
+import threading
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ecp.judge import Verdict
+from exercises.assignment import Blank
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox import conversation, job
+from service.sandbox.choose import choose
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.tier_a import find_bubblewrap, tier_a
+from service.sandbox.tier_b import tier_b
+from service.sandbox.walls import LAYERS
+
+HERE = Path(__file__).parents[1] / "attacks"
+ATTACKS = sorted(HERE.glob("*.py"))
+CANARY = "CANARY-7f3a-swordfish"
+RIGHT = "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) / np.asarray(I)\n"
+PRELUDE = """
+import ctypes as _ctypes, os as _os
+JOB, RESULT, TCP_PORT, UDP_PORT = 3, 4, {tcp}, {udp}
+SECRETS, HOST_CODE, YRANAC = {secrets!r}, {code!r}, {backwards!r}
+_libc = _ctypes.CDLL(None, use_errno=True)
+_libc.syscall.restype = _ctypes.c_long
+def attempt(label, action):
+    try:
+        answer = action()
+    except BaseException as error:
+        print(label, "blocked:", type(error).__name__, str(error)[:80])
+    else:
+        print("ESCAPED", label, repr(answer)[:200])
+def raw(number, *arguments):
+    answer = _libc.syscall(_ctypes.c_long(number), *(_ctypes.c_long(a) if isinstance(a, int) else a for a in arguments))
+    if answer < 0:
+        raise OSError(_ctypes.get_errno(), _os.strerror(_ctypes.get_errno()))
+    return answer
+"""
+
+
+@pytest.fixture(scope="module")
+def traps(tmp_path_factory):
+    """Files with a secret, closed to others as a data folder is, and listeners that nobody may touch."""
+    folder = tmp_path_factory.mktemp("traps") / "secrets"
+    folder.mkdir(mode=0o700)
+    for name in ("expected.json", "app.db"):
+        (folder / name).write_text(CANARY)
+    (folder / "link").symlink_to("app.db")
+    with ExitStack() as stack:
+        tcp = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
+        udp = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        udp.bind(("127.0.0.1", 0))
+        by_path, abstract = (stack.enter_context(socket.socket(socket.AF_UNIX)) for _ in range(2))
+        with suppress(OSError):  # where the path is too long for a socket, the listener is left out
+            by_path.bind(str(folder / "canary.sock"))
+            by_path.listen()
+        abstract.bind("\0polhode-canary")
+        abstract.listen()
+        listeners = (tcp, udp, by_path, abstract)
+        for listener in listeners:
+            listener.setblocking(False)
+        prelude = PRELUDE.format(
+            tcp=tcp.getsockname()[1],
+            udp=udp.getsockname()[1],
+            secrets=str(folder),
+            code=str(HERE.parents[1]),
+            backwards=CANARY[::-1],
+        )
+        os.environ["POLHODE_CANARY"] = CANARY
+        yield prelude, listeners
+        del os.environ["POLHODE_CANARY"]
+
+
+@pytest.fixture(scope="module", params=["A", "B"])
+def walled(request, traps):
+    """A sandbox of each tier, started while the secret was in the environment; a neighbour plays good submissions all the time."""
+    walls = choose("A") if request.param == "A" else tier_b()
+    attacked, neighbour = Sandbox(walls), Sandbox(walls)
+    for sandbox in (attacked, neighbour):
+        sandbox.rehearse()
+    before = _resident_mib()
+    yield attacked, neighbour, request.param
+    assert _resident_mib() - before < 64, "the host's memory grew"
+    attacked.close()
+    neighbour.close()
+
+
+@pytest.fixture(autouse=True)
+def hurry(monkeypatch):
+    monkeypatch.setattr(job, "LOAD_BUDGET_S", 2.0)
+    monkeypatch.setattr(conversation, "LOAD_S", 4.0)
+    monkeypatch.setattr(conversation, "GRACE_S", 0.5)
+
+
+@pytest.mark.parametrize("file", ATTACKS, ids=lambda f: f.stem)
+def test_attack(file, walled, traps, rigid_body):
+    sandbox, neighbour, tier = walled
+    prelude, listeners = traps
+    source = file.read_text()
+    ends = re.match(r'""".*"""\n+# ends: (pass|fail|any)( film)?( slow)?\n', source)
+    assert ends, "the first comment says how it ends"
+    needs_answer = ends[1] != "fail" and "def euler_eqs" not in source
+    code = prelude + source + (RIGHT if needs_answer else "")
+    before = _traces()
+    with _beside(neighbour) as unharmed:
+        report = grade(Submission(code), rigid_body, sandbox, 3, ["6" if ends[2] else "2"]).report
+        assert unharmed() and _plays(sandbox) and _plays(sandbox)
+    if not (file.stem == "read_metadata" and tier == "B" and not _other_user(sandbox)):  # what tier B hides from other users only
+        assert "ESCAPED" not in report.stdout, report.stdout
+    assert CANARY not in report.model_dump_json() and CANARY not in report.text()
+    if ends[1] == "pass":
+        assert report.passed, report.text() + report.stdout[:2000]
+    elif ends[1] == "fail":
+        assert not report.passed, report.text()
+    assert all(o.verdict in Verdict and o.line for o in report.outcomes())
+    _untouched(listeners)
+    assert _traces() == before
+
+
+@pytest.mark.parametrize(
+    ("tier", "missing", "attack"),
+    [
+        ("A", "namespaces", "read_metadata"),
+        ("A", "landlock", "read_system"),
+        ("A", "seccomp", "net_unix"),
+        ("A", "limits", "memory_shared_map"),
+        ("B", "landlock", "read_system"),
+        ("B", "seccomp", "net_tcp"),
+        ("B", "limits", "memory_shared_map"),
+    ],
+)
+def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body):
+    """Without it, an attack that the others let through succeeds."""
+    layers = [x for x in LAYERS if x != missing]
+    walls = tier_a(find_bubblewrap(), layers) if tier == "A" and missing != "namespaces" else tier_b(layers)
+    if missing == "namespaces":  # the guest as the server's own user, as an ordinary user's server has it
+        walls = replace(walls, inside=(*walls.inside[:-1], walls.inside[-1].replace('"user": 64001', '"user": null')))
+    holed = Sandbox(walls)
+    try:
+        source = traps[0] + (HERE / f"{attack}.py").read_text()
+        assert "ESCAPED" in grade(Submission(source), rigid_body, holed, 3, ["2"]).report.stdout
+    finally:
+        holed.close()
+        _drain(traps[1])
+        subprocess.run(["ipcrm", "-M", "0x1234", "-S", "0x1234", "-Q", "0x1234"], capture_output=True, check=False)
+
+
+def test_there_are_enough_attacks_and_each_says_what_it_tries():
+    assert len(ATTACKS) >= 102
+    assert all(re.match(r'"""[A-Z].*\."""\n+# ends: ', f.read_text()) for f in ATTACKS)
+
+
+GOOD = job.Job(
+    "import numpy as np",
+    "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](3.0))}",
+    (job.Cell("submission.py", "import builtins\ndef f(x):\n    return [x, np.pi, hasattr(builtins, 'poisoned')]"),),
+    ("f",),
+    (job.Played("one", "ask", "f", {}, {"x": Blank((3,))}, 2.0, None),),
+)
+
+
+def _plays(sandbox):
+    """Whether a good submission gets its due, with nothing of another's in its memory."""
+    return sandbox.play(GOOD).arrays.get("one", {}).get("x", np.zeros(3)).tolist() == [3.0, np.pi, 0.0]
+
+
+@contextmanager
+def _beside(sandbox):
+    """Good submissions played in another sandbox all the while; gives a function that tells whether all got their due."""
+    sandbox.start()  # from this thread: a guest dies with the thread that started it
+    over, results = threading.Event(), []
+
+    def play():
+        while not over.is_set():
+            results.append(_plays(sandbox))
+            over.wait(0.05)
+
+    def unharmed():
+        over.set()
+        thread.join(60)
+        return bool(results) and all(results)
+
+    thread = threading.Thread(target=play)
+    thread.start()
+    try:
+        yield unharmed
+    finally:
+        unharmed()
+
+
+def _other_user(sandbox):
+    return '"user": 64001' in sandbox._walls.command[-1]
+
+
+def _drain(listeners):
+    """Forget what a test without walls sent on purpose."""
+    for listener in listeners:
+        with suppress(OSError):
+            listener.recv(1) if listener.type == socket.SOCK_DGRAM else listener.accept()[0].close()
+
+
+def _untouched(listeners):
+    for listener in listeners:
+        with pytest.raises(OSError):
+            listener.recv(1) if listener.type == socket.SOCK_DGRAM else listener.accept()
+
+
+def _resident_mib():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4 / 1024
+
+
+def _traces():
+    """Shared memory, queues, files in common folders: what a submission could have left behind."""
+    ipc = [Path(f"/proc/sysvipc/{kind}").read_text().count("\n") for kind in ("shm", "sem", "msg")]
+    listed = subprocess.run(["ls", "-A", "/dev/shm", "/tmp", "/"], capture_output=True, text=True, check=False).stdout
+    return ipc, sorted(line for line in listed.splitlines() if re.search("left|evil|fill|polhode-left|daemon", line))

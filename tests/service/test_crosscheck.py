@@ -1,0 +1,114 @@
+"""Answers that change, motions that are not the function's own, and functions asked call by call by the host."""
+
+import numpy as np
+import pytest
+
+from ecp.judge import Verdict
+from exercises.assignment import Blank
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox.job import Cell, Job, Played
+from service.sandbox.seen import Ending
+
+RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
+WRONG = "def euler_eqs(t, w, I):\n    return np.cross(w, I * w) / I\n"
+TIMES = "-np.cross(w, I * w) / I\n"
+UNSTEADY = {
+    "noise": "def euler_eqs(t, w, I):\n    return (1 + 1e-15 * np.random.default_rng().random()) * " + TIMES,
+    "a count": "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) % 2)) * " + TIMES,
+    "the process": "import os\ns = 1 + 4e-16 * (os.urandom(1)[0] % 16)\ndef euler_eqs(t, w, I):\n    return s * " + TIMES,
+    "the order": "m = [0.0]\ndef euler_eqs(t, w, I):\n    m[0], e = t, m[0] * 1e-16\n    return (1 + e) * " + TIMES,
+}
+
+
+@pytest.mark.parametrize("source", UNSTEADY.values(), ids=UNSTEADY.keys())
+def test_answers_that_differ_in_the_last_bits_are_found(source, rigid_body, sandbox):
+    report = grade(Submission(source), rigid_body, sandbox, 5, ["2"]).report
+    points = next(o for o in report.outcomes() if o.id == "2-pointwise")
+    assert points.verdict is Verdict.FAIL and [d.code for d in points.diagnosis] == ["not-deterministic"]
+
+
+def test_right_equations_are_certified_and_their_motion_is_the_childs(rigid_body, sandbox):
+    report = grade(Submission(RIGHT), rigid_body, sandbox, 5, ["2"]).report
+    assert report.passed and "certified by probes" in report.provenance.motions["torque-free"]
+
+
+def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
+    report = grade(Submission(WRONG), rigid_body, sandbox, 5).report
+    told = report.provenance.motions
+    assert len(told) == 8 and all("follows euler_eqs" in how for how in told.values())
+
+
+def test_a_forged_motion_is_replaced_by_the_functions_own(rigid_body, sandbox):
+    """The child's integrator is made to integrate the right equations for a function that is wrong."""
+    forged = """
+import gc
+for thing in gc.get_objects():
+    if isinstance(thing, dict) and thing.get("__name__") == "plays" and "_integrate" in thing:
+        plays, solve = thing, thing["_integrate"]
+def forge(rhs, start, times):
+    I = np.array([2.0, 3.0, 4.0])
+    def right(t, y):
+        w = y[:3]
+        turn = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        return np.concatenate([-np.cross(w, I * w) / I, (y[3:].reshape(3, 3) @ turn).ravel()])
+    return solve(right, start, times)
+plays["_integrate"] = forge
+"""
+    report = grade(Submission(forged + WRONG), rigid_body, sandbox, 5, ["2"]).report
+    assert "played by the host" in report.provenance.motions["torque-free"]
+    motion = next(o for o in report.outcomes() if o.id == "2-motion")
+    assert motion.verdict is Verdict.FAIL
+
+
+def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):
+    one, two = (grade(Submission(WRONG), rigid_body, sandbox, 11, ["2", "3"]).report for _ in range(2))
+    assert one.model_dump(exclude={"provenance": {"phases_ms"}}) == two.model_dump(exclude={"provenance": {"phases_ms"}})
+
+
+def driven(source, drive, budget_s=2.0):
+    after = Played("after", "ask", "f", {}, {"x": Blank((3,))}, 1.0, None)
+    plays = "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](0.0, student['np'].ones(3), None))}"
+    scene = Played("asked", "", "f", {}, {}, budget_s, None, drive)
+    return Job("import numpy as np", plays, (Cell("submission.py", source),), ("f",), (scene, after))
+
+
+def ten(ask):
+    return [ask(float(k), np.full(3, k), np.ones(3)).tolist() for k in range(10)]
+
+
+def test_the_host_asks_call_by_call(either_sandbox):
+    seen = either_sandbox.play(driven("def f(t, w, I):\n    return 2 * w + t", ten))
+    assert seen.driven["asked"] == [[3.0 * k] * 3 for k in range(10)]
+    assert seen.finished("asked") and seen.finished("after")
+
+
+@pytest.mark.parametrize(
+    ("source", "ending"),
+    [
+        ("def f(t, w, I):\n    return w if t < 5 else 1 / 0", Ending.RAISED),
+        ("def f(t, w, I):\n    return w[:2] if t else w", Ending.WRONG_ANSWER),
+        ("import os\ndef f(t, w, I):\n    os._exit(0)", Ending.EXITED),
+        ("def f(t, w, I):\n    while True: pass", Ending.TIMED_OUT),
+        ("import os\ndef f(t, w, I):\n    os.write(4, bytes(500))", Ending.PROTOCOL),
+        ("import os, struct\nfor _ in range(3): os.write(4, struct.pack('<cI3d', b'R', 24, 1, 1, 1))\nf = print", Ending.PROTOCOL),
+        ("g = 1", Ending.MISSING),
+    ],
+)
+def test_a_child_that_does_not_answer_ends_its_scene(either_sandbox, source, ending):
+    seen = either_sandbox.play(driven(source, ten, 0.5))
+    assert seen.endings["asked"].ending is ending and "asked" not in seen.driven
+    good = either_sandbox.play(driven("def f(t, w, I):\n    return w", ten))
+    assert len(good.driven["asked"]) == 10
+
+
+def test_answers_without_reading_the_questions_break_the_protocol(either_sandbox):
+    flood = """
+import os, struct, time
+def f(t, w, I):
+    for _ in range(9):
+        os.write(4, struct.pack("<cI3d", b"R", 24, 1, 1, 1))
+    time.sleep(9)
+"""
+    seen = either_sandbox.play(driven(flood, ten))
+    assert seen.endings["asked"].ending is Ending.PROTOCOL and "asked" not in seen.driven

@@ -18,7 +18,7 @@ ATTEMPTS = {
     "change a file's mode": "os.chmod('/dev/null', 0o666)",
     "make a file in memory": "os.memfd_create('x')",
     "trace a process": "traced()",
-    "take 2 GiB of memory": "bytearray(2 << 30)",
+    "take 1 GiB of memory": "bytearray(1 << 30)",
 }
 SOURCE = f"""
 import ctypes, os, socket, threading

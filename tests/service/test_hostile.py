@@ -8,6 +8,7 @@ from ecp.judge import Verdict
 from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox import job
 from service.sandbox.seen import Ending
 
 PRELUDE = """
@@ -90,8 +91,9 @@ def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short
     assert "cell 1" not in {e.scene for e in report.endings}
 
 
-def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox):
-    cells = [RIGHT, *["import time; time.sleep(4)"] * 6]
+def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monkeypatch):
+    monkeypatch.setattr(job, "LOAD_BUDGET_S", 2.0)
+    cells = [RIGHT, *["import time; time.sleep(0.8)"] * 6]
     document = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
     submission = Submission.from_bytes(json.dumps(document).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report

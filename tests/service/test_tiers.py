@@ -44,7 +44,7 @@ def test_without_landlock_or_on_an_unknown_processor_there_are_no_walls(monkeypa
     [
         ("seccomp", "open a socket"),
         ("landlock", "read a file"),
-        ("limits", "take 2 GiB of memory"),
+        ("limits", "take 1 GiB of memory"),
     ],
 )
 def test_the_probe_finds_the_hole_that_a_missing_layer_leaves(missing, found):

@@ -24,7 +24,7 @@ MOST_RESULT = 64 << 20
 MOST_OUTPUT, KEPT_OUTPUT = 4 << 20, 64 << 10
 CHUNK = 1 << 16
 LOCKDOWN_FAILED = 97
-REAPED = struct.Struct("<idq")  # as guest/zygote.py packs it
+REAPED = struct.Struct("<i")  # as guest/zygote.py packs it
 CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
 
 
@@ -39,11 +39,9 @@ class Pipes:
 
 
 class Ended(NamedTuple):
-    """How the child ended (a wait status), and what it used: CPU time in s, largest resident set in KiB."""
+    """How the child ended: a wait status."""
 
     status: int
-    cpu_s: float
-    memory_kib: int
 
     @classmethod
     def unpack(cls, data: bytes) -> "Ended":

@@ -13,6 +13,7 @@ class Ending(StrEnum):
 
     FINISHED = "finished"
     RAISED = "raised"
+    SYNTAX = "syntax-error"
     WRONG_ANSWER = "wrong-answer"
     MISSING = "missing-function"
     TIMED_OUT = "timed-out"
@@ -27,6 +28,7 @@ class Ending(StrEnum):
 SENTENCES = {
     Ending.FINISHED: "finished",
     Ending.RAISED: "your code raised an exception",
+    Ending.SYNTAX: "your code is not Python",
     Ending.WRONG_ANSWER: "your function returned something else than was asked for",
     Ending.MISSING: "the function is not defined",
     Ending.TIMED_OUT: "your code did not finish in the time allowed",

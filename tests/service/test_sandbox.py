@@ -70,6 +70,7 @@ def test_arrays_come_back(either_sandbox):
         ("def f(x):\n    raise KeyError(x)", Ending.RAISED, "raises"),
         ("def f(x):\n    raise SystemExit(0)", Ending.RAISED, "raises"),
         ("def f(x):\n    return f(x)", Ending.RAISED, "raises"),
+        ("def f(x):\n    return eval('1 +')", Ending.SYNTAX, "syntax-error"),
         ("import os\ndef f(x):\n    os._exit(0)", Ending.EXITED, None),
         ("import ctypes\ndef f(x):\n    ctypes.string_at(0)", Ending.KILLED, None),
         ("def f(x):\n    return bytearray(1 << 33)", Ending.MEMORY, "memory"),
@@ -307,19 +308,19 @@ def test_a_zygote_is_recycled_after_many_plays_and_after_an_odd_one(monkeypatch,
 
 HOST = """
 import time
-from service.sandbox.sandbox import Sandbox
-from service.sandbox.walls import Walls
-from service.sandbox.zygote import ANSWER_S
 from service.sandbox.choose import choose
-sandbox = Sandbox(choose())
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.tier_b import tier_b
+sandbox = Sandbox(WALLS)
 sandbox.rehearse()
 print(sandbox._zygote._process.pid, flush=True)
 time.sleep(60)
 """
 
 
-def test_nothing_survives_a_killed_server():
-    process = subprocess.Popen([sys.executable, "-c", HOST], stdout=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("walls", ["choose('A')", "tier_b()"])
+def test_nothing_survives_a_killed_server(walls):
+    process = subprocess.Popen([sys.executable, "-c", HOST.replace("WALLS", walls)], stdout=subprocess.PIPE, text=True)
     pid = int(process.stdout.readline())
     process.kill()
     process.wait()

@@ -118,7 +118,7 @@ def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:
             **_trace(error),
         }
     except SyntaxError as error:
-        return {"ending": "raised", "code": "syntax-error", "sentence": _said(error), **_trace(error)}
+        return {"ending": "syntax-error", "code": "syntax-error", "sentence": _said(error), **_trace(error)}
     except BaseException as error:
         return {"ending": "raised", "code": "raises", "sentence": _said(error), **_trace(error)}
     return {"ending": "finished", "sentence": "finished"}

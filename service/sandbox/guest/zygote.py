@@ -1,7 +1,7 @@
 """A warm process that imports once and forks a fresh child for each play. It reads no submission and knows no secret.
 
 The host sends three descriptors per play (job, result, output) and gets back a pidfd of the child, so that it can kill just that
-one, and when the child is gone its wait status, CPU time and memory.
+one, and when the child is gone its wait status.
 """
 
 import gc
@@ -14,7 +14,7 @@ import traceback
 from typing import Any
 
 LOCKDOWN_FAILED = 97
-REAPED = struct.Struct("<idq")  # wait status, CPU seconds, largest resident set in KiB
+REAPED = struct.Struct("<i")  # wait status
 WARM = (
     "ecp.film",
     "guest.lockdown",
@@ -33,12 +33,13 @@ WARM = (
 def main(control_fd: int, user: int | None, layers: list[str], readable: list[str], listable: list[str]) -> None:
     """Serve plays from the control socket until the host closes it."""
     control = socket.socket(fileno=control_fd)
-    _warm_up()
     from .lockdown import Walls, die_with_parent, step_down
 
+    die_with_parent()
+    _warm_up()
     walls = Walls(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
     step_down(user)
-    die_with_parent()
+    die_with_parent()  # again: another user's process has lost it
     gc.collect()
     gc.freeze()
     control.send(b"ready")
@@ -54,8 +55,7 @@ def main(control_fd: int, user: int | None, layers: list[str], readable: list[st
         handle = os.pidfd_open(child)
         socket.send_fds(control, [b"child"], [handle])
         os.close(handle)
-        _, status, used = os.wait4(child, 0)
-        control.send(REAPED.pack(status, used.ru_utime + used.ru_stime, used.ru_maxrss))
+        control.send(REAPED.pack(os.waitpid(child, 0)[1]))
 
 
 def _warm_up() -> None:

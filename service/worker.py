@@ -28,8 +28,8 @@ def start(walls: Walls | None) -> None:
 
 
 def ready() -> None:
-    """Return once a first play behind the walls has succeeded. Fault if it has not."""
-    _own().rehearse()
+    """Return once the probe has been played behind the walls and found no hole. Fault if it has not."""
+    _own()
 
 
 def grade_one(submission: Submission, slug: str, exercises: list[str] | None, seed: int) -> tuple[str, dict[str, bytes]]:
@@ -60,6 +60,9 @@ def draw_chart(kind: str, number: int) -> bytes:
 
 
 def _own() -> Sandbox:
+    """This process's sandbox, probed before its first use."""
     if _sandbox is None:
         raise Fault("this worker was not started")
+    if not _sandbox.rehearsed:
+        _sandbox.rehearse()
     return _sandbox

@@ -119,9 +119,9 @@ TRAJECTORIES = (
 ASKED = PROBES + REPEATS + NODES * len(TRAJECTORIES)
 
 SCENES = (
-    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0, twice=True),
+    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0),
     Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
-    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0, twice=True),
+    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0),
     Scene("probes", "pointwise", "euler_eqs", _probes, {"wdot": Blank((ASKED, 3))}, _exact_rates, 2.0, twice=True),
     *TRAJECTORIES,
     Scene("rate", "precession", "precession_rate", _given_precession, {"rate": Blank(())}, _exact_precession, 1.0),

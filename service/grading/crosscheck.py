@@ -10,9 +10,10 @@ from exercises.assignment import Assignment, Inputs, Scene
 from exercises.checks import Arrays
 from service.sandbox.job import Ask, Job, Played
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Seen
+from service.sandbox.seen import Ending, SceneEnding, Seen
 
 DRIVE_S = 20.0
+TRIES = 2
 
 
 @dataclass
@@ -40,10 +41,14 @@ def cross_check(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, seed
     found.unsteady = _ask_again(assignment, attempt, sandbox, rng)
     doubtful: list[Scene] = []
     for scene in assignment.scenes:
-        if scene.drive is None or scene.name not in seen.arrays or scene.drive.proof not in seen.arrays:
+        if scene.drive is None or scene.name not in seen.arrays:
             continue
         proof = scene.drive.proof
-        if proof not in found.unsteady and scene.drive.certified(attempt.inputs[proof], seen.arrays[proof], attempt.truths[proof]):
+        if proof not in seen.arrays:
+            _forget(seen, scene.name, Ending.NOT_PLAYED, f"it comes after {proof}")
+        elif proof not in found.unsteady and scene.drive.certified(
+            attempt.inputs[proof], seen.arrays[proof], attempt.truths[proof]
+        ):
             found.how[scene.name] = f"played in the child; {scene.function} is certified by {proof}, also along the exact motion"
         else:
             doubtful.append(scene)
@@ -58,12 +63,24 @@ def _ask_again(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, rng: 
     twice = [s for s in assignment.scenes if s.twice and s.name in seen.arrays]
     orders = {s.name: rng.permutation(len(next(iter(seen.arrays[s.name].values())))) for s in twice}
     again = [replace(p, inputs=_shuffled(p.inputs, orders[p.name]), after=None) for p in job.scenes if p.name in orders]
-    other = sandbox.play(replace(job, scenes=tuple(again))) if again else Seen()
+    other = Seen()
+    for _ in range(TRIES):  # a child that did not come to its end says nothing against the answers of the first
+        if left := [p for p in again if p.name not in other.arrays]:
+            other.add(sandbox.play(replace(job, scenes=tuple(left))))
+    for name in set(orders) - set(other.arrays):
+        ending = other.endings.get(name)
+        _forget(seen, name, ending.ending if ending else Ending.EXITED, f"asked again, {ending.sentence if ending else 'it ended'}")
     return {
         name
         for name, order in orders.items()
-        if name not in other.arrays or not _agree(attempt.inputs[name], seen.arrays[name], other.arrays[name], order)
+        if name in other.arrays and not _agree(attempt.inputs[name], seen.arrays[name], other.arrays[name], order)
     }
+
+
+def _forget(seen: Seen, scene: str, ending: Ending, sentence: str) -> None:
+    """Take back what a scene brought: it is not measured, and the sentence says why."""
+    del seen.arrays[scene]
+    seen.endings[scene] = SceneEnding(scene=scene, ending=ending, sentence=sentence)
 
 
 def _shuffled(inputs: Mapping[str, Any], order: np.ndarray) -> dict[str, Any]:
@@ -99,14 +116,16 @@ def _drive(scenes: list[Scene], attempt: Attempt, sandbox: Sandbox, rng: np.rand
         return drive
 
     played = tuple(Played(s.name, "", s.function, {}, {}, DRIVE_S, None, driver(s)) for s in scenes)
-    driven = sandbox.play(replace(attempt.job, scenes=played)).driven
+    answered = sandbox.play(replace(attempt.job, scenes=played))
     for scene in scenes:
-        follows, motion = driven.get(scene.name, (False, None))
+        follows, motion = answered.driven.get(scene.name, (False, None))
         if follows:
             found.how[scene.name] = f"played in the child; follows {scene.function} where the host called it"
         elif motion is not None:
             seen.arrays[scene.name] = dict(motion)
             found.how[scene.name] = f"played by the host, call by call: what the child played does not follow {scene.function}"
         else:
-            found.unsteady.add(scene.name)
+            ending = answered.endings.get(scene.name)
+            said = ending.sentence if ending and ending.ending is not Ending.FINISHED else "the integrator does not get on with it"
+            _forget(seen, scene.name, Ending.NOT_PLAYED, f"called by the host, {said}")
             found.how[scene.name] = f"what the child played does not follow {scene.function}, and the host could not play it"

@@ -15,15 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.sandbox.job import LOAD_BUDGET_S, QUESTION, Job
-from service.sandbox.seen import SENTENCES, Ending, Fault, SceneEnding, Seen
+from service.sandbox.seen import KEPT_OUTPUT, SENTENCES, Ending, Fault, SceneEnding, Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
 LOAD_S = 2 * LOAD_BUDGET_S
 MOST_RESULT = 64 << 20
-MOST_OUTPUT, KEPT_OUTPUT = 4 << 20, 64 << 10
+MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
-LOCKDOWN_FAILED = 97
 REAPED = struct.Struct("<i")  # as guest/zygote.py packs it
 CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
 
@@ -152,9 +151,9 @@ class Conversation:
     def conclude(self, seen: Seen) -> None:
         """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
         assert self.ended is not None
-        if os.WIFEXITED(self.ended.status) and os.WEXITSTATUS(self.ended.status) == LOCKDOWN_FAILED and not self.reader.inside:
+        if not self.reader.inside:  # nothing of the submission had run yet
             words = text(self.output.decode(errors="replace")[-500:])
-            raise Fault(f"the walls around a submission could not be put up: {words}")
+            raise Fault(f"a child ended before it read the submission, its walls or our own code failed: {words or self.ended}")
         ending = self.stopped or self._by_status()
         if ending is None:
             return

@@ -14,6 +14,7 @@ GUEST = Path(__file__).parent / "guest"
 LEFT_OUT = re.compile(r"_(tkinter|ssl|curses|curses_panel|sqlite3|dbm|gdbm)\b|readline|nis|ossaudiodev|test")
 # manylinux wheels bring their own libraries and use of the system's only the C library's family and the C++ runtime (PEP 600).
 C_LIBRARY = ("libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1", "libutil.so.1")
+OTHERS = ("site-packages", "dist-packages")  # below the standard library of some installations, with whatever is there
 CPP_USER = "matplotlib/ft2font*.so"
 DEVICES = ("/dev/null", "/dev/urandom")
 
@@ -26,6 +27,11 @@ def interpreter() -> Path:
 def site_packages() -> Path:
     """Where the libraries are installed."""
     return Path(sysconfig.get_path("purelib"))
+
+
+def standard_library() -> Path:
+    """The folder of the standard library."""
+    return Path(sysconfig.get_path("stdlib"))
 
 
 def kit() -> Path:
@@ -55,7 +61,7 @@ def packages() -> list[str]:
 
 def runtime() -> list[Path]:
     """Interpreter, standard library and the shared libraries they are linked with, at the paths the loader looks for them."""
-    stdlib = Path(sysconfig.get_path("stdlib"))
+    stdlib = standard_library()
     linked = [interpreter(), *sorted((stdlib / "lib-dynload").glob("*.so"))]
     linked += sorted(site_packages().glob(CPP_USER))
     files = [str(f) for f in linked if f.exists() and not LEFT_OUT.search(f.name)]
@@ -63,7 +69,8 @@ def runtime() -> list[Path]:
     libraries = set(re.findall(r"^\s+(?:\S+ => )?(/\S+) \(0x", told, re.MULTILINE))
     libraries |= {f"{os.path.dirname(p)}/{name}" for p in set(libraries) if p.endswith("/libc.so.6") for name in C_LIBRARY}
     outside = [Path(p) for p in sorted(libraries) if os.path.exists(p) and not _within(p, stdlib, site_packages())]
-    return [interpreter(), stdlib, *outside, *(p for p in [Path("/etc/ld.so.cache")] if p.exists())]
+    own = sorted(p for p in stdlib.iterdir() if p.name not in OTHERS)
+    return [interpreter(), *own, *outside, *(p for p in [Path("/etc/ld.so.cache")] if p.exists())]
 
 
 def font_list() -> list[Path]:

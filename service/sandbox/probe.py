@@ -18,6 +18,7 @@ ATTEMPTS = {
     "change a file's mode": "os.chmod('/dev/null', 0o666)",
     "make a file in memory": "os.memfd_create('x')",
     "trace a process": "traced()",
+    "import the answers": "__import__('reference')",
     "take 1 GiB of memory": "bytearray(1 << 30)",
 }
 SOURCE = f"""
@@ -30,7 +31,7 @@ def traced():
 for label, attempt in {ATTEMPTS!r}.items():
     try:
         eval(attempt)
-    except (OSError, RuntimeError, MemoryError):
+    except (OSError, RuntimeError, MemoryError, ImportError):
         continue
     print(label)
 """

@@ -18,6 +18,7 @@ class Sandbox:
         self._walls = walls
         self._zygote: Zygote | None = None
         self._plays = 0
+        self.rehearsed = False
 
     def start(self) -> None:
         """Begin warming a guest; returns before it is warm."""
@@ -38,6 +39,7 @@ class Sandbox:
             raise Fault(f"the walls have a hole: a submission could {', '.join(seen.stdout.splitlines())}")
         if seen.endings["probe"].ending is not Ending.MISSING:
             raise Fault(f"the probe ended as {seen.endings['probe'].ending}")
+        self.rehearsed = True
 
     def play(self, job: Job) -> Seen:
         """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us."""
@@ -55,8 +57,9 @@ class Sandbox:
         for attempt in range(TRIES):
             self.start()
             assert self._zygote is not None
+            played = Seen()  # of this try alone: what a lost zygote had sent is forgotten
             try:
-                sound = self._zygote.play(job, seen)
+                sound = self._zygote.play(job, played)
             except ZygoteLost as lost:
                 self.close()
                 if attempt == TRIES - 1:
@@ -65,6 +68,7 @@ class Sandbox:
             except BaseException:
                 self.close()
                 raise
+            seen.add(played)
             self._plays += 1
             if not sound or self._plays >= MOST_PLAYS:
                 self.close()

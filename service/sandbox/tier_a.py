@@ -10,7 +10,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from service.sandbox.guest.lockdown import GUEST_UID
-from service.sandbox.needs import DEVICES, GUEST, font_list, interpreter, kit, packages, runtime, site_packages
+from service.sandbox.needs import DEVICES, GUEST, font_list, interpreter, kit, packages, runtime, site_packages, standard_library
 from service.sandbox.walls import ENVIRONMENT, LAYERS, Guest, Walls
 
 GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
@@ -21,7 +21,7 @@ def tier_a(program: str, layers: Collection[str] = LAYERS) -> Walls:
     binds = [*runtime(), *(site_packages() / name for name in packages())]
     user = GUEST_UID if os.geteuid() == 0 else None
     standing = [x for x in LAYERS if x in layers]
-    path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages())]
+    path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages()), str(standard_library())]
     guest = Guest(path, user, standing, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
     around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
     return Walls("A", ("namespaces", *standing), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})

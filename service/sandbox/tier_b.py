@@ -9,7 +9,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from service.sandbox.guest.lockdown import GUEST_UID
-from service.sandbox.needs import DEVICES, GUEST, interpreter, kit, packages, runtime, site_packages
+from service.sandbox.needs import DEVICES, GUEST, interpreter, kit, packages, runtime, site_packages, standard_library
 from service.sandbox.walls import ENVIRONMENT, LAYERS, Guest, Walls
 
 
@@ -22,7 +22,13 @@ def tier_b(layers: Collection[str] = LAYERS) -> Walls:
     standing = [x for x in LAYERS if x in layers]
     user = GUEST_UID if os.geteuid() == 0 and all(map(_open_to_all, [*readable, *path])) else None
     environment = ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir(), "HOME": "/"}
-    return Walls("B", tuple(standing), (), Guest(path, user, standing, readable, path).command(interpreter()), environment)
+    return Walls(
+        "B",
+        tuple(standing),
+        (),
+        Guest(path, user, standing, readable, [*path, str(standard_library())]).command(interpreter()),
+        environment,
+    )
 
 
 def _open_to_all(path: str) -> bool:

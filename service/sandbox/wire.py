@@ -34,7 +34,8 @@ class ProtocolError(Exception):
 class Reader:
     """Turns the byte stream of one play into ``seen``; ``started`` is the scene in progress.
 
-    ``inside`` tells that the child stood behind its walls before it read the submission, ``done`` that it said its last word.
+    ``inside`` tells that the child stood behind its walls and our own code was loaded before anything of the submission ran,
+    ``done`` that it said its last word.
     """
 
     def __init__(self, job: Job, seen: Seen) -> None:
@@ -84,10 +85,13 @@ class Reader:
             case "start":
                 self.started = self._next(event)
             case "scene":
-                name = self.started or self._next(event)
-                if event.get("scene") != name:
+                begun = self.started
+                name = begun or self._known(event, self._scenes)
+                if event.get("scene") != name or name in self.seen.endings:
                     raise ProtocolError("another scene ended than was started")
                 ending = _ending(name, event)
+                if ending.ending is Ending.FINISHED and begun is None:
+                    raise ProtocolError("a scene that was not started is finished")
                 whole = set(self.seen.arrays.get(name, {})) == set(self._scenes[name].returns)
                 if ending.ending is Ending.FINISHED and not whole:
                     raise ProtocolError("a scene ended without its arrays")
@@ -104,9 +108,11 @@ class Reader:
                 raise ProtocolError("unknown event")
 
     def _next(self, event: Mapping[str, Any]) -> str:
-        """The scene of an event that begins it: none is in progress and this one has not ended."""
+        """The scene of an event that begins it: none is in progress, this one has not ended, the one it comes after is finished."""
         name = self._known(event, self._scenes)
-        if self.started is not None or name in self.seen.endings:
+        after = self._scenes[name].after
+        early = after in self._scenes and not self.seen.finished(str(after))
+        if self.started is not None or name in self.seen.endings or early:
             raise ProtocolError("a scene out of turn")
         return name
 

@@ -8,9 +8,9 @@ import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 
-from service.sandbox.conversation import KEPT_OUTPUT, REAPED, Conversation, Ended, Pipes
+from service.sandbox.conversation import REAPED, Conversation, Ended, Pipes
 from service.sandbox.job import Job
-from service.sandbox.seen import Fault, Seen
+from service.sandbox.seen import KEPT_OUTPUT, Fault, Seen
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0
@@ -79,7 +79,7 @@ class Zygote:
             os.close(child)
         if talk.ended is None:
             talk.ended = self._buried()
-        seen.stdout = (seen.stdout + text(talk.output.decode(errors="replace"), KEPT_OUTPUT))[:KEPT_OUTPUT]
+        seen.stdout = text(talk.output.decode(errors="replace"), KEPT_OUTPUT)
         talk.conclude(seen)
         return not talk.odd
 

@@ -16,7 +16,7 @@ TIMES = "-np.cross(w, I * w) / I\n"
 UNSTEADY = {
     "noise": "def euler_eqs(t, w, I):\n    return (1 + 1e-15 * np.random.default_rng().random()) * " + TIMES,
     "a count": "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) % 2)) * " + TIMES,
-    "the process": "import os\ns = 1 + 4e-16 * (os.urandom(1)[0] % 16)\ndef euler_eqs(t, w, I):\n    return s * " + TIMES,
+    "the process": "import os\ns = 1 + 1e-20 * int.from_bytes(os.urandom(4))\ndef euler_eqs(t, w, I):\n    return s * " + TIMES,
     "the order": "m = [0.0]\ndef euler_eqs(t, w, I):\n    m[0], e = t, m[0] * 1e-16\n    return (1 + e) * " + TIMES,
 }
 

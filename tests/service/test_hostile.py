@@ -98,3 +98,21 @@ def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monk
     submission = Submission.from_bytes(json.dumps(document).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
     assert report.passed and report.endings[0].ending is Ending.TIMED_OUT
+
+
+def test_a_motion_forged_without_its_probes_earns_nothing(rigid_body, sandbox):
+    forged = (
+        PRELUDE
+        + """
+I, w0 = np.array([2.0, 3.0, 4.0]), np.array([1.0, 0.6, 0.8])
+t = np.linspace(0, 20, 3100)
+w, R = integrate_body(lambda t, w, I: -np.cross(w, I * w) / I, w0, I, t)
+J(event="start", scene="torque-free")
+A("torque-free", "w", [3, 3100], np.ascontiguousarray(w).tobytes())
+A("torque-free", "R", [3100, 3, 3], np.ascontiguousarray(R).tobytes())
+J(event="scene", scene="torque-free", ending="finished")
+os._exit(0)
+"""
+    )
+    report = grade(Submission(forged), rigid_body, sandbox, 3, ["2"]).report
+    assert report.score == 0, report.text()

@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -263,10 +264,33 @@ def test_submissions_do_not_see_each_other(either_sandbox):
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_sandbox, how):
-    _each_zygote(either_sandbox, how)
+    os.kill(_zygote(either_sandbox), how)
     began = time.monotonic()
     assert either_sandbox.play(job(GOOD)).finished("one")
     assert time.monotonic() - began < ANSWER_S + 6
+
+
+def test_a_zygote_lost_in_the_middle_costs_nothing(either_sandbox):
+    """What the first child had sent is forgotten, and all of it is played again."""
+    either_sandbox.wait_ready()
+    end = threading.Timer(0.4, os.kill, (_zygote(either_sandbox), signal.SIGKILL))
+    end.start()
+    slow = "import time\ndef f(x):\n    time.sleep(0.1)\n    return [x, x]"
+    seen = either_sandbox.play(job(slow, *(scene(f"s{k}") for k in range(8))))
+    end.join()
+    assert all(seen.finished(f"s{k}") and f"s{k}" in seen.arrays for k in range(8)), seen.endings
+
+
+def test_devnull_takes_what_is_printed_to_it(either_sandbox):
+    body = "import contextlib, os\nwith contextlib.redirect_stdout(open(os.devnull, 'w')):\n    print('x')\n" + GOOD
+    assert either_sandbox.play(job(body)).finished("one")
+
+
+def test_our_own_code_failing_is_a_fault_and_never_the_students(either_sandbox):
+    broken = Job("1 / 0", PLAYS, (Cell("submission.py", GOOD),), ("f",), (scene("one"),))
+    with pytest.raises(Fault, match="before it read the submission"):
+        either_sandbox.play(broken)
+    assert either_sandbox.play(job(GOOD)).finished("one")
 
 
 def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
@@ -275,7 +299,7 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
     def start_and_kill():
         start()
         either_sandbox.wait_ready = None
-        _each_zygote(either_sandbox, signal.SIGKILL)
+        os.kill(_zygote(either_sandbox), signal.SIGKILL)
 
     either_sandbox.wait_ready()
     monkeypatch.setattr(either_sandbox, "start", start_and_kill)
@@ -286,12 +310,12 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
     assert either_sandbox.play(job(GOOD)).finished("one")
 
 
-def _each_zygote(sandbox, how):
-    """Send a signal to the zygote's own process, behind bubblewrap's if there is one."""
+def _zygote(sandbox):
+    """The zygote's own process, behind bubblewrap's if there is one, while it has no child."""
     pid = sandbox._zygote._process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
         pid = int(children[0])
-    os.kill(pid, how)
+    return pid
 
 
 def test_a_zygote_is_recycled_after_many_plays_and_after_an_odd_one(monkeypatch, sandbox):

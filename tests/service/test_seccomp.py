@@ -1,6 +1,7 @@
 """The filter of system calls, run by an interpreter of its instructions: what it answers for every call of both processors."""
 
 import errno
+import os
 import re
 import struct
 from pathlib import Path
@@ -39,7 +40,8 @@ def answer(name, call, *arguments, audit=None):
         if op == seccomp.LOAD:
             (value,) = struct.unpack_from("<I", data, k)
         else:
-            at += if_true if (value == k if op == seccomp.EQUAL else value >= k) else if_false
+            tests = {seccomp.EQUAL: value == k, seccomp.AT_LEAST: value >= k, seccomp.ANY_BIT: bool(value & k)}
+            at += if_true if tests[op] else if_false
     raise AssertionError("the filter does not end")
 
 
@@ -81,6 +83,12 @@ def test_calls_for_some_arguments_only(name):
     )
     assert answer(name, "setitimer", 0) == seccomp.ALLOW and answer(name, "setitimer", 1) == EPERM
     assert answer(name, "seccomp", 1) == EPERM
+    refused = seccomp.FAIL | errno.EACCES
+    for flags in (os.O_RDONLY, os.O_RDONLY | os.O_CLOEXEC | os.O_DIRECTORY, os.O_WRONLY | os.O_TRUNC):  # writing is Landlock's
+        assert answer(name, "openat", -100, 0, flags) == seccomp.ALLOW
+    assert answer(name, "openat", -100, 0, os.O_RDONLY | os.O_TRUNC) == refused
+    if name == "x86_64":
+        assert answer(name, "open", 0, os.O_RDONLY | os.O_TRUNC) == refused and answer(name, "open", 0, 0) == seccomp.ALLOW
 
 
 @machines

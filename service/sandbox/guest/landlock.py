@@ -12,7 +12,8 @@ from collections.abc import Iterable
 from .kernel import syscall
 from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT
 
-READ_FILE, READ_DIR = 1 << 2, 1 << 3
+WRITE_FILE, READ_FILE, READ_DIR = 1 << 1, 1 << 2, 1 << 3
+SINK = "/dev/null"  # the only file that may be written to
 VERSION_QUERY, PATH_BENEATH = 1, 1
 # Rights of the file system governed by each version: 1 has 13, 2 adds REFER, 3 TRUNCATE, 5 IOCTL_DEV.
 FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
@@ -37,7 +38,7 @@ def ruleset(readable: Iterable[str], listable: Iterable[str]) -> int:
     attributes = (ctypes.c_uint64 * 3)(rights, TCP if known >= 4 else 0, SCOPES if known >= 6 else 0)
     rules = syscall(LANDLOCK_CREATE, ctypes.byref(attributes), 8 if known < 4 else 16 if known < 6 else 24, 0)
     for path in readable:
-        _allow(rules, path, READ_FILE | READ_DIR)
+        _allow(rules, path, READ_FILE | READ_DIR | (WRITE_FILE if path == SINK else 0))
     for path in listable:
         _allow(rules, path, READ_DIR)
     return rules
@@ -59,7 +60,7 @@ def _allow(rules: int, path: str, rights: int) -> None:
     parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
     try:
         if not stat.S_ISDIR(os.fstat(parent).st_mode):
-            rights &= READ_FILE
+            rights &= READ_FILE | WRITE_FILE
         syscall(LANDLOCK_ADD, rules, PATH_BENEATH, ctypes.byref(_PathBeneath(rights, parent)), 0)
     finally:
         os.close(parent)

@@ -23,7 +23,7 @@ LIMITS = {
     resource.RLIMIT_AS: 768 * MIB,
     resource.RLIMIT_DATA: 512 * MIB,
     resource.RLIMIT_STACK: 8 * MIB,
-    resource.RLIMIT_CPU: 60,  # seconds; the host's patience is shorter
+    resource.RLIMIT_CPU: 200,  # seconds: a backup, the host's patience ends before
     resource.RLIMIT_NOFILE: 32,
     resource.RLIMIT_NPROC: 1,
     resource.RLIMIT_FSIZE: 0,
@@ -59,7 +59,7 @@ class Walls:
         die_with_parent()
         if self._limits:
             for which, limit in LIMITS.items():
-                resource.setrlimit(which, (limit, limit))
+                resource.setrlimit(which, (limit, limit + (which == resource.RLIMIT_CPU)))  # SIGXCPU first, then SIGKILL
         call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
         if self._rules is not None:
             landlock.restrict(self._rules)

@@ -28,9 +28,9 @@ def run(job_fd: int, result_fd: int) -> None:
     """Play the whole job; every scene's arrays and ending leave before the next one starts."""
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
+    plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
     write.event("inside")
-    plays = _load_plays(job["plays"])
-    student = _load_submission(job, write)
+    _load_submission(student, job, write)
     write.event("defined", names=[name for name in job["functions"] if callable(student.get(name))])
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
@@ -70,13 +70,17 @@ def _load_plays(source: str) -> Names:
     return plays
 
 
-def _load_submission(job: dict[str, Any], write: Writer) -> Names:
-    """Run setup and cells in one namespace, as a notebook does; a cell that fails is told and the next one goes on."""
+def _prepare(setup: str) -> Names:
+    """The namespace of a notebook after its setup cell."""
     module = types.ModuleType("__main__")
-    student = module.__dict__
     sys.modules |= stand_ins()
-    exec(compile(job["setup"], "setup.py", "exec"), student)
+    exec(compile(setup, "setup.py", "exec"), module.__dict__)
     sys.modules["__main__"] = module
+    return module.__dict__
+
+
+def _load_submission(student: Names, job: dict[str, Any], write: Writer) -> None:
+    """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on."""
     deadline = time.monotonic() + job["load_budget_s"]
     for name, source in job["cells"]:
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
@@ -89,7 +93,6 @@ def _load_submission(job: dict[str, Any], write: Writer) -> Names:
             write.event("cell", scene=name, **ended)
         if time.monotonic() > deadline:
             break
-    return student
 
 
 def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:

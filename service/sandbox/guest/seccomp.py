@@ -11,7 +11,7 @@ import struct
 from .kernel import call, syscall
 from .syscalls import NEWEST, Machine
 
-LOAD, EQUAL, AT_LEAST, RETURN = 0x20, 0x15, 0x35, 0x06
+LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 KILL, ALLOW, FAIL = 0x80000000, 0x7FFF0000, 0x00050000
 NUMBER, ARCHITECTURE, ARGUMENTS = 0, 4, 16  # offsets in struct seccomp_data
 PR_SET_NO_NEW_PRIVS = 38
@@ -22,6 +22,7 @@ PR_SET_NAME, PR_GET_NAME, PR_SET_VMA = 15, 16, 0x53564D41
 TCGETS, FIOCLEX = 0x5401, 0x5451
 F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC = 0, 1, 2, 3, 4, 1030
 ITIMER_REAL = 0
+O_ACCMODE, O_TRUNC = 0o3, 0o1000
 
 
 def program(machine: Machine) -> bytes:
@@ -31,6 +32,9 @@ def program(machine: Machine) -> bytes:
     if machine.foreign is not None:
         code += [_step(AT_LEAST, machine.foreign, 0, 1), _step(RETURN, KILL)]
     n = machine.narrow
+    for name, flags in (("open", 1), ("openat", 2)):
+        if name in n:
+            code += _rule(n[name], _no_truncation(flags))
     code += _rule(n["clone3"], [_step(RETURN, FAIL | errno.ENOSYS)])
     code += _rule(n["clone"], [_step(RETURN, FAIL | errno.EAGAIN)])
     for name in ("kill", "tgkill"):
@@ -68,6 +72,12 @@ def _step(code: int, k: int, if_true: int = 0, if_false: int = 0) -> bytes:
 def _rule(number: int, body: list[bytes]) -> list[bytes]:
     """``body`` for the call of that number; it always returns, so that the number need not be loaded again."""
     return [_step(EQUAL, number, 0, len(body)), *body]
+
+
+def _no_truncation(argument: int) -> list[bytes]:
+    """Refuse to empty a file that is opened for reading, which Landlock before version 3 takes for reading."""
+    tests = [_step(ANY_BIT, O_TRUNC, 0, 1), _step(ANY_BIT, O_ACCMODE, 0, 1)]
+    return [_step(LOAD, ARGUMENTS + 8 * argument), *tests, _step(RETURN, ALLOW), _step(RETURN, FAIL | errno.EACCES)]
 
 
 def _only(argument: int, values: tuple[int, ...], otherwise: int) -> list[bytes]:

@@ -26,7 +26,7 @@ CLOSE_RANGE = 436
 NEWEST = 470  # from this number on a call is unknown to us and answered as if the kernel had never heard of it
 
 _X86_64 = {
-    **{"read": 0, "write": 1, "open": 2, "close": 3, "stat": 4, "fstat": 5, "lstat": 6, "poll": 7, "lseek": 8, "mmap": 9},
+    **{"read": 0, "write": 1, "close": 3, "stat": 4, "fstat": 5, "lstat": 6, "poll": 7, "lseek": 8, "mmap": 9},
     **{"mprotect": 10, "munmap": 11, "brk": 12, "rt_sigaction": 13, "rt_sigprocmask": 14, "rt_sigreturn": 15, "pread64": 17},
     **{"pwrite64": 18, "readv": 19, "writev": 20, "access": 21, "pipe": 22, "select": 23, "sched_yield": 24, "mremap": 25},
     **{"madvise": 28, "dup": 32, "dup2": 33, "nanosleep": 35, "getitimer": 36, "getpid": 39, "exit": 60, "uname": 63},
@@ -35,12 +35,12 @@ _X86_64 = {
     **{"getpgid": 121, "getsid": 124, "rt_sigpending": 127, "sigaltstack": 131, "statfs": 137, "fstatfs": 138, "arch_prctl": 158},
     **{"gettid": 186, "time": 201, "futex": 202, "sched_getaffinity": 204, "getdents64": 217, "set_tid_address": 218},
     **{"restart_syscall": 219, "fadvise64": 221, "clock_gettime": 228, "clock_getres": 229, "clock_nanosleep": 230},
-    **{"exit_group": 231, "openat": 257, "newfstatat": 262, "readlinkat": 267, "faccessat": 269, "pselect6": 270, "ppoll": 271},
+    **{"exit_group": 231, "newfstatat": 262, "readlinkat": 267, "faccessat": 269, "pselect6": 270, "ppoll": 271},
     **{"set_robust_list": 273, "dup3": 292, "pipe2": 293, "preadv": 295, "getcpu": 309, "getrandom": 318, "membarrier": 324},
     **{"statx": 332, "rseq": 334, "close_range": 436, "faccessat2": 439},
 }
 _AARCH64 = {
-    **{"getcwd": 17, "dup": 23, "dup3": 24, "statfs": 43, "fstatfs": 44, "faccessat": 48, "openat": 56, "close": 57, "pipe2": 59},
+    **{"getcwd": 17, "dup": 23, "dup3": 24, "statfs": 43, "fstatfs": 44, "faccessat": 48, "close": 57, "pipe2": 59},
     **{"getdents64": 61, "lseek": 62, "read": 63, "write": 64, "readv": 65, "writev": 66, "pread64": 67, "pwrite64": 68},
     **{"preadv": 69, "pselect6": 72, "ppoll": 73, "readlinkat": 78, "newfstatat": 79, "fstat": 80, "exit": 93, "exit_group": 94},
     **{"set_tid_address": 96, "futex": 98, "set_robust_list": 99, "nanosleep": 101, "getitimer": 102, "clock_gettime": 113},
@@ -51,12 +51,12 @@ _AARCH64 = {
     **{"gettid": 178, "sysinfo": 179, "brk": 214, "munmap": 215, "mremap": 216, "mmap": 222, "fadvise64": 223, "mprotect": 226},
     **{"madvise": 233, "getrandom": 278, "membarrier": 283, "statx": 291, "rseq": 293, "close_range": 436, "faccessat2": 439},
 }
-_NARROW = ("clone", "clone3", "kill", "tgkill", "prctl", "ioctl", "fcntl", "prlimit64", "setitimer", "seccomp")
+_NARROW = ("openat", "clone", "clone3", "kill", "tgkill", "prctl", "ioctl", "fcntl", "prlimit64", "setitimer", "seccomp")
 
-_NARROW_X86_64 = (56, 435, 62, 234, 157, 16, 72, 302, 38, 317)
-_NARROW_AARCH64 = (220, 435, 129, 131, 167, 29, 25, 261, 103, 277)
+_NARROW_X86_64 = (257, 56, 435, 62, 234, 157, 16, 72, 302, 38, 317)
+_NARROW_AARCH64 = (56, 220, 435, 129, 131, 167, 29, 25, 261, 103, 277)
 
 MACHINES = {
-    "x86_64": Machine(0xC000003E, _X86_64, dict(zip(_NARROW, _NARROW_X86_64, strict=True)), foreign=0x40000000),
+    "x86_64": Machine(0xC000003E, _X86_64, dict(zip(_NARROW, _NARROW_X86_64, strict=True)) | {"open": 2}, foreign=0x40000000),
     "aarch64": Machine(0xC00000B7, _AARCH64, dict(zip(_NARROW, _NARROW_AARCH64, strict=True)), foreign=None),
 }

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 EXACT = 1e-12  # of the largest rate: what any way of writing the right equations stays well below
 RTOL, ATOL = 1e-10, 1e-12
 MOST_CALLS, MOST_OF_A_STRETCH = 40_000, 4000
-STRETCHES, STRETCH = 3, 0.02  # how many, and their length in parts of the motion
+STRETCHES, STRETCH = 2, 0.01  # how many, and their length in parts of the motion
 FOLLOWS = 1e-6  # of the largest |ω| and of R; a motion made by other equations is off by far more
 
 

@@ -65,7 +65,7 @@ def _momentum(model: int, c: Array, table: Array, t: float) -> tuple[float, floa
     return a * flip, b * flip, z, re, im, rest * (c[17] * INVERSE_PI)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def _quaternion(
     c: Array, t: float, a: float, b: float, z: float, re: float, im: float, extra: float
 ) -> tuple[float, float, float, float]:

@@ -48,13 +48,8 @@ def write_work_precision(names: list[str] | None, out: Path) -> Path:
     for scene in chosen:
         print(f"measuring {scene.name} …", flush=True)
         found += rows(measure([scene]))
-    document = {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), "points": found}
-    out.mkdir(parents=True, exist_ok=True)
-    with (out / "work-precision.csv").open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, found[0].keys())
-        writer.writeheader()
-        writer.writerows(found)
-    (out / "work-precision.json").write_text(json.dumps(_finite(document), ensure_ascii=False, indent=0))
+    document = _write_document(out / "work-precision.json", points=found)
+    _write_csv(out / "work-precision.csv", found)
     for number, name in enumerate(scenes(document)):
         (out / f"work-precision-{number}.svg").write_bytes(draw_work_precision(document, name))
     return out
@@ -121,6 +116,24 @@ def _error(point: dict[str, Any]) -> float | None:
     return None if None in both else float(max(both))
 
 
+def _write_document(path: Path, **found: Any) -> dict[str, Any]:
+    """What was found, as JSON can hold it, with date and versions; written and returned."""
+    document: dict[str, Any] = _finite(
+        {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), **found}
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(document, ensure_ascii=False, indent=0))
+    return document
+
+
+def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
+    """One line a row; a column for every name that any row has."""
+    with path.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, list(dict.fromkeys(k for row in rows for k in row)))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def _finite(value: Any) -> Any:
     """What JSON can hold: infinities become null."""
     if isinstance(value, dict):
@@ -139,15 +152,9 @@ def write_stability(out: Path) -> Path:
         print(f"measuring: {entry.name} …", flush=True)
         rows = entry.measure()
         entries.append({"name": entry.name, "claim": entry.claim, "holds": entry.holds(rows), "rows": rows})
-    document = {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), "entries": entries}
-    out.mkdir(parents=True, exist_ok=True)
-    document = _finite(document)
-    (out / "stability.json").write_text(json.dumps(document, ensure_ascii=False, indent=0))
+    document = _write_document(out / "stability.json", entries=entries)
     for number, entry in enumerate(document["entries"]):
-        with (out / f"stability-{number}.csv").open("w", newline="") as stream:
-            writer = csv.DictWriter(stream, list(dict.fromkeys(k for row in entry["rows"] for k in row)))
-            writer.writeheader()
-            writer.writerows(entry["rows"])
+        _write_csv(out / f"stability-{number}.csv", entry["rows"])
         (out / f"stability-{number}.svg").write_bytes(draw_stability(document, number))
     return out
 

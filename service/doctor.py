@@ -2,6 +2,7 @@
 
 import os
 import platform
+import resource
 from pathlib import Path
 
 from service.sandbox.choose import WallsMissing, choose, try_namespaces
@@ -41,8 +42,18 @@ def examine(least: str) -> tuple[list[str], bool]:
         return [*lines, f"probe         {fault}"], False
     finally:
         sandbox.close()
-    shown = ", ".join(f"{name} {value}" for name, value in lockdown.limits().items())
-    return [*lines, f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should", f"limits        {shown}"], True
+    return [
+        *lines,
+        f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should",
+        f"limits        {_limits()}",
+    ], True
+
+
+def _limits() -> str:
+    of, mib = lockdown.LIMITS, lockdown.MIB
+    memory = f"addresses {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
+    files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE]}"
+    return f"{memory}, CPU {of[resource.RLIMIT_CPU]} s, {files}"
 
 
 def _advice() -> list[str]:

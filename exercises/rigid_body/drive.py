@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+import reference
 from exercises.assignment import Ask, Drive, Inputs
 from exercises.checks import Arrays
 
@@ -70,9 +71,7 @@ def _integrate(start: Array, times: Array, I: Array, ask: Ask, most_calls: int) 
         rate = ask(t, spin, moments)
         if len(y) == 3:
             return rate
-        w1, w2, w3 = spin
-        turn = np.array([[0.0, -w3, w2], [w3, 0.0, -w1], [-w2, w1, 0.0]])
-        return np.concatenate([rate, (y[3:].reshape(3, 3) @ turn).ravel()])
+        return np.concatenate([rate, reference.attitude_rate(y[3:].reshape(3, 3), spin).ravel()])
 
     with np.errstate(all="ignore"):
         run = solve_ivp(rates, (times[0], times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from exercises.assignment import Assignment, Inputs, Scene
+from exercises.assignment import Ask, Assignment, Inputs, Scene
 from exercises.checks import Arrays
-from service.sandbox.job import Ask, Job, Played
+from service.sandbox.job import Job, Played
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Ending, SceneEnding, Seen
 

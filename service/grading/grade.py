@@ -50,10 +50,11 @@ def grade(
     job = _job(submission, assignment, inputs)
     seen = sandbox.play(job)
     truths = {name: truth(assignment.scene(name), inputs[name]) for name in seen.arrays}
-    crossed = cross_check(assignment, Attempt(job, inputs, truths, seen), sandbox, seed)
-    _add_what_is_known(assignment, seen, inputs)
+    attempt = Attempt(job, inputs, truths, seen)
+    crossed = cross_check(assignment, attempt, sandbox, seed)
+    _add_what_is_known(assignment, seen, truths)
     attempted = [e for e in asked if numbers is not None or seen.defined & {*e.functions, *e.optional}] or asked
-    sections = [_judge(e, assignment, seen, inputs, crossed) for e in attempted]
+    sections = [_judge(e, assignment, attempt, crossed) for e in attempted]
     told = _with_precursors(assignment, {s for e in attempted for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
     figures, animations = _pictures(attempted, shown)
@@ -109,11 +110,9 @@ def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:
     return wanted | {after for s in assignment.scenes if s.name in wanted and (after := s.after) is not None}
 
 
-def _add_what_is_known(assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> None:
-    for scene in assignment.scenes:
-        if scene.known and scene.name in seen.arrays:
-            exact = truth(scene, inputs[scene.name])
-            seen.arrays[scene.name] |= {name: exact[name] for name in scene.known}
+def _add_what_is_known(assignment: Assignment, seen: Seen, truths: Mapping[str, Arrays]) -> None:
+    for name, arrays in seen.arrays.items():
+        arrays |= {known: truths[name][known] for known in assignment.scene(name).known}
 
 
 def _pictures(attempted: list[Exercise], shown: Mapping[str, Arrays]) -> tuple[list[Picture], list[Picture]]:
@@ -136,21 +135,19 @@ def _job(submission: Submission, assignment: Assignment, inputs: Mapping[str, In
     return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), scenes)
 
 
-def _judge(
-    exercise: Exercise, assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs], crossed: CrossCheck
-) -> ExerciseReport:
-    outcomes = []
+def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed: CrossCheck) -> ExerciseReport:
+    outcomes, seen = [], attempt.seen
     for check in exercise.checks:
         scenes = [assignment.scene(name) for name in check.scenes]
         if any(s.function in exercise.optional and s.function not in seen.defined for s in scenes):
             continue
-        outcome = _outcome(check, scenes, seen, inputs)
+        outcome = _outcome(check, scenes, seen, attempt.truths)
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
             if outcome.verdict is Verdict.PASS:
                 outcome = check.failed("the same questions in another order got other answers")
             outcome.diagnosis = [_unsteady(unsteady)]
         elif outcome.verdict is not Verdict.PASS:
-            outcome.diagnosis = _likely(scenes, assignment, seen, inputs)
+            outcome.diagnosis = _likely(scenes, assignment, seen, attempt.inputs)
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
 
@@ -160,13 +157,12 @@ def _unsteady(scene: Scene) -> Diagnosis:
     return Diagnosis(code="not-deterministic", sentence=sentence, confidence=1.0)
 
 
-def _outcome(check: Check, scenes: list[Scene], seen: Seen, inputs: Mapping[str, Inputs]) -> Outcome:
+def _outcome(check: Check, scenes: list[Scene], seen: Seen, truths: Mapping[str, Arrays]) -> Outcome:
     for scene in scenes:
         if not seen.finished(scene.name):
             return check.unmeasured(_cause(scene, seen))
-    exact = [truth(s, inputs[s.name]) for s in scenes]
     try:
-        return check.judge([seen.arrays[s.name] for s in scenes], exact)
+        return check.judge([seen.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         # The arrays have the right shape and are finite, but their size is beyond arithmetic: that says nothing either way.
         return check.unmeasured(f"the numbers that came back are beyond what can be judged ({error})")
@@ -177,7 +173,7 @@ def _cause(scene: Scene, seen: Seen) -> str:
     ending = seen.endings.get(scene.name)
     if ending is None:
         return "your code stopped before this was played"
-    if ending.ending is Ending.NOT_PLAYED and scene.after in seen.endings:
+    if ending.ending is Ending.NOT_PLAYED and scene.after in seen.endings and not seen.finished(scene.after):
         ending = seen.endings[scene.after]
     if ending.ending is Ending.MISSING and (failed := _failed_cell(seen)):
         return f"{ending.sentence}; {failed.scene} stopped with {failed.sentence}"

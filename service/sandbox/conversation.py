@@ -6,7 +6,6 @@ import os
 import selectors
 import signal
 import socket
-import struct
 import time
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -14,7 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from service.sandbox.job import LOAD_BUDGET_S, QUESTION, Job
+from service.sandbox.guest.wire import QUESTION
+from service.sandbox.guest.zygote import REAPED
+from service.sandbox.job import LOAD_BUDGET_S, Job
 from service.sandbox.seen import KEPT_OUTPUT, SENTENCES, Ending, Fault, SceneEnding, Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
@@ -23,7 +24,6 @@ LOAD_S = 2 * LOAD_BUDGET_S
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
-REAPED = struct.Struct("<i")  # as guest/zygote.py packs it
 CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
 
 

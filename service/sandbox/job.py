@@ -1,22 +1,16 @@
 """The question that crosses the wall: code to load and scenes to play, never an answer."""
 
 import json
-import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from exercises.assignment import Blank
+from exercises.assignment import Ask, Blank
+from service.sandbox.guest.wire import LENGTH
 
 LOAD_BUDGET_S = 10.0
-LENGTH = struct.Struct("<I")  # in front of the job
-QUESTION = struct.Struct("<7d")  # t, w, I of one call asked by the host; t not a number: no more questions
-ANSWER = struct.Struct("<3d")
-
-Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)

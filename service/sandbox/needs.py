@@ -1,5 +1,6 @@
 """What a guest needs to read and nothing else: interpreter, standard library, three packages with theirs, the kit, our code."""
 
+import functools
 import os
 import re
 import subprocess
@@ -59,7 +60,8 @@ def packages() -> list[str]:
     return sorted(name for name in names if (site_packages() / name).exists())
 
 
-def runtime() -> list[Path]:
+@functools.cache
+def runtime() -> tuple[Path, ...]:
     """Interpreter, standard library and the shared libraries they are linked with, at the paths the loader looks for them."""
     stdlib = standard_library()
     linked = [interpreter(), *sorted((stdlib / "lib-dynload").glob("*.so"))]
@@ -70,7 +72,7 @@ def runtime() -> list[Path]:
     libraries |= {f"{os.path.dirname(p)}/{name}" for p in set(libraries) if p.endswith("/libc.so.6") for name in C_LIBRARY}
     outside = [Path(p) for p in sorted(libraries) if os.path.exists(p) and not _within(p, stdlib, site_packages())]
     own = sorted(p for p in stdlib.iterdir() if p.name not in OTHERS)
-    return [interpreter(), *own, *outside, *(p for p in [Path("/etc/ld.so.cache")] if p.exists())]
+    return (interpreter(), *own, *outside, *(p for p in [Path("/etc/ld.so.cache")] if p.exists()))
 
 
 def font_list() -> list[Path]:

@@ -7,6 +7,8 @@ from typing import Any
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+KEPT_OUTPUT = 64 << 10  # bytes of what a submission printed
+
 
 class Ending(StrEnum):
     """How the execution of a scene, or of a cell, stopped. It says nothing about whether the answer is right."""
@@ -82,9 +84,6 @@ class Seen:
     def finished(self, scene: str) -> bool:
         """Whether that scene was played to its end."""
         return scene in self.endings and self.endings[scene].ending is Ending.FINISHED
-
-
-KEPT_OUTPUT = 64 << 10
 
 
 class Fault(Exception):

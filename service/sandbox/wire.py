@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exercises.assignment import Blank
-from service.sandbox.job import ANSWER, Job
+from service.sandbox.guest.wire import ANSWER
+from service.sandbox.job import Job
 from service.sandbox.seen import GUEST_CODES, Ending, SceneEnding, Seen
 
 MOST_JSON = 64 * 1024

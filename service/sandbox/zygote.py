@@ -8,7 +8,8 @@ import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 
-from service.sandbox.conversation import REAPED, Conversation, Ended, Pipes
+from service.sandbox.conversation import Conversation, Ended, Pipes
+from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
 from service.sandbox.seen import KEPT_OUTPUT, Fault, Seen
 from service.sandbox.wire import Reader, text

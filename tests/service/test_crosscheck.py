@@ -20,6 +20,21 @@ UNSTEADY = {
     "the order": "m = [0.0]\ndef euler_eqs(t, w, I):\n    m[0], e = t, m[0] * 1e-16\n    return (1 + e) * " + TIMES,
 }
 
+FORGED = """
+import gc
+for thing in gc.get_objects():
+    if isinstance(thing, dict) and thing.get("__name__") == "plays" and "_integrate" in thing:
+        plays, solve = thing, thing["_integrate"]
+def forge(rhs, start, times):
+    I = np.array([2.0, 3.0, 4.0])
+    def right(t, y):
+        w = y[:3]
+        turn = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        return np.concatenate([-np.cross(w, I * w) / I, (y[3:].reshape(3, 3) @ turn).ravel()])
+    return solve(right, start, times)
+plays["_integrate"] = forge
+"""
+
 
 @pytest.mark.parametrize("source", UNSTEADY.values(), ids=UNSTEADY.keys())
 def test_answers_that_differ_in_the_last_bits_are_found(source, rigid_body, sandbox):
@@ -41,24 +56,17 @@ def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
 
 def test_a_forged_motion_is_replaced_by_the_functions_own(rigid_body, sandbox):
     """The child's integrator is made to integrate the right equations for a function that is wrong."""
-    forged = """
-import gc
-for thing in gc.get_objects():
-    if isinstance(thing, dict) and thing.get("__name__") == "plays" and "_integrate" in thing:
-        plays, solve = thing, thing["_integrate"]
-def forge(rhs, start, times):
-    I = np.array([2.0, 3.0, 4.0])
-    def right(t, y):
-        w = y[:3]
-        turn = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
-        return np.concatenate([-np.cross(w, I * w) / I, (y[3:].reshape(3, 3) @ turn).ravel()])
-    return solve(right, start, times)
-plays["_integrate"] = forge
-"""
-    report = grade(Submission(forged + WRONG), rigid_body, sandbox, 5, ["2"]).report
+    report = grade(Submission(FORGED + WRONG), rigid_body, sandbox, 5, ["2"]).report
     assert "played by the host" in report.provenance.motions["torque-free"]
     motion = next(o for o in report.outcomes() if o.id == "2-motion")
     assert motion.verdict is Verdict.FAIL
+
+
+def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and_says_why(rigid_body, sandbox):
+    stops = WRONG.replace("    return", "    calls.append(t)\n    return 1 / 0 if len(calls) > 200 else")
+    report = grade(Submission(FORGED + "calls = []\n" + stops), rigid_body, sandbox, 5, ["2"]).report
+    motion = next(o for o in report.outcomes() if o.id == "2-motion")
+    assert motion.verdict is Verdict.UNMEASURED and "called by the host, ZeroDivisionError" in motion.detail
 
 
 def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):

@@ -82,17 +82,6 @@ class Walls:
                 syscall(CLOSE_RANGE, start, end, 0)
 
 
-def limits() -> dict[str, str]:
-    """The limits as an operator reads them."""
-    return {
-        "addresses": f"{LIMITS[resource.RLIMIT_AS] // MIB} MiB",
-        "data": f"{LIMITS[resource.RLIMIT_DATA] // MIB} MiB",
-        "CPU": f"{LIMITS[resource.RLIMIT_CPU]} s",
-        "descriptors": str(LIMITS[resource.RLIMIT_NOFILE]),
-        "file size": "0",
-    }
-
-
 def die_with_parent() -> None:
     """SIGKILL for this process when the thread that started it ends."""
     call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)

@@ -8,13 +8,12 @@ import ctypes
 import errno
 import struct
 
-from .kernel import call, syscall
+from .kernel import syscall
 from .syscalls import NEWEST, Machine
 
 LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 KILL, ALLOW, FAIL = 0x80000000, 0x7FFF0000, 0x00050000
 NUMBER, ARCHITECTURE, ARGUMENTS = 0, 4, 16  # offsets in struct seccomp_data
-PR_SET_NO_NEW_PRIVS = 38
 SET_MODE_FILTER = 1
 ANYBODY = 0x7FFFFFF1  # stands for the child's own process id until ``install`` knows it
 
@@ -52,10 +51,9 @@ def program(machine: Machine) -> bytes:
 
 
 def install(machine: Machine, filter: bytes, pid: int) -> None:
-    """Put the filter up for this process; OSError if the kernel will not."""
+    """Put the filter up for this process; needs no_new_privs. OSError if the kernel will not."""
     own = filter.replace(struct.pack("<I", ANYBODY), struct.pack("<I", pid))
     buffer = ctypes.create_string_buffer(own, len(own))
-    call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
     syscall(machine.narrow["seccomp"], SET_MODE_FILTER, 0, ctypes.byref(_Program(len(own) // 8, ctypes.addressof(buffer))))
 
 

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-LENGTH, QUESTION = struct.Struct("<I"), struct.Struct("<7d")
+LENGTH = struct.Struct("<I")  # in front of the job
+QUESTION = struct.Struct("<7d")  # t, w, I of one call asked by the host; t not a number: no more questions
+ANSWER = struct.Struct("<3d")
 Asked = tuple[float, np.ndarray, np.ndarray]
 
 
@@ -64,7 +66,7 @@ class Writer:
 
     def answer(self, value: np.ndarray) -> None:
         """Three numbers in answer to a question."""
-        self._frame(b"R", value.astype("<f8").tobytes())
+        self._frame(b"R", ANSWER.pack(*value))
 
     def _frame(self, kind: bytes, payload: bytes) -> None:
         data = memoryview(struct.pack("<cI", kind, len(payload)) + payload)

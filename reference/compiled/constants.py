@@ -6,59 +6,58 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from reference.compiled.doubledouble import DD, add, div, mul, neg, product, root, sub, times
+from reference.compiled.doubledouble import DD, add, div, mul, neg, product, root, sub, times, total
 
 Array = NDArray[np.float64]
 HALF_PI: DD = (math.pi / 2, 6.123233995736766e-17)
 ONE: DD = (1.0, 0.0)
 NEAR = 1e-5
+ENOUGH, NEARLY_NOTHING = 1e-16, 1e-60
 
 
 @njit(cache=True, error_model="numpy")
-def complete_k(kc: DD) -> DD:
-    """K for the complementary modulus kc."""
-    a, b = ONE, kc
-    if b[0] > a[0]:
-        a, b = b, a
-    while a[0] - b[0] > 1e-9 * a[0]:
-        a, b = times(add(a, b), 0.5), root(mul(a, b))
-    return div(HALF_PI, times(add(times(add(a, b), 0.5), root(mul(a, b))), 0.5))
-
-
-@njit(cache=True, error_model="numpy")
-def complete_pi(one_minus_n: DD, kc: DD) -> DD:
-    """Π(n, k), Bulirsch's cel."""
-    p = root(one_minus_n)
-    a, b, e, em, qc = ONE, div(ONE, p), kc, ONE, kc
+def integrals(kc: DD, root_n: DD, cot: DD) -> tuple[DD, DD, DD]:
+    """K, Π and F/2K of one body in one arithmetic-geometric mean, as ``reference.precise.integrals``; ``cot`` is cot φ."""
+    p, a, b, mean, e, gap = root_n, ONE, div(ONE, root_n), ONE, kc, kc
+    halves, doublings = 0.0, 1.0
     while True:
-        f, g = a, div(e, p)
-        a = add(a, div(b, p))
-        b = times(add(b, mul(f, g)), 2.0)
-        p = add(g, p)
-        g = em
-        em = add(em, qc)
-        if abs(sub(g, qc)[0]) <= 1e-16 * g[0]:
-            return mul(HALF_PI, div(add(b, mul(a, em)), mul(em, add(em, p))))
-        qc = times(root(e), 2.0)
-        e = mul(qc, em)
+        a, b = add(a, div(b, p)), times(add(b, mul(a, div(e, p))), 2.0)
+        p = add(p, div(e, p))
+        cot = sub(cot, div(e, cot if cot[0] != 0.0 else (math.sqrt(e[0]) * NEARLY_NOTHING, 0.0)))
+        before, mean = mean, add(mean, gap)
+        doublings *= 2.0
+        if abs(sub(before, gap)[0]) <= before[0] * ENOUGH:
+            break
+        halves = 2.0 * halves + (1.0 if cot[0] < 0 else 0.0)
+        gap = times(root(e), 2.0)
+        e = mul(gap, mean)
+    last = math.atan(mean[0] / cot[0]) / math.pi + (1.0 if cot[0] < 0 else 0.0)
+    pi = div(mul(HALF_PI, add(b, mul(a, mean))), mul(mean, add(mean, p)))
+    return times(div(HALF_PI, mean), doublings), pi, times(total(halves, last), 1.0 / doublings)
 
 
 @njit(cache=True, error_model="numpy")
-def carlson_rf(x: DD, y: DD, z: DD) -> DD:
+def complete_k(kc: float) -> float:
+    """K for the complementary modulus kc > 0."""
+    a, b = max(kc, 1.0), min(kc, 1.0)
+    while a - b > 1e-8 * a:
+        a, b = (a + b) / 2, math.sqrt(a * b)
+    return math.pi / (a + b)
+
+
+@njit(cache=True, error_model="numpy")
+def carlson_rf(x: float, y: float, z: float) -> float:
     """Carlson's R_F."""
-    mean0 = div(add(add(x, y), z), (3.0, 0.0))
-    mean, x0, y0, scale = mean0, x, y, 1.0
-    spread = 500 * max(abs(mean[0] - x[0]), abs(mean[0] - y[0]), abs(mean[0] - z[0]))
-    while spread * scale > mean[0]:
-        rx, ry, rz = root(x), root(y), root(z)
-        shift = add(mul(rx, add(ry, rz)), mul(ry, rz))
-        x, y, z = times(add(x, shift), 0.25), times(add(y, shift), 0.25), times(add(z, shift), 0.25)
-        mean, scale = times(add(mean, shift), 0.25), scale * 0.25
-    dx, dy = (mean0[0] - x0[0]) * scale / mean[0], (mean0[0] - y0[0]) * scale / mean[0]
-    dz = -dx - dy
-    e2, e3 = dx * dy - dz * dz, dx * dy * dz
-    series = -e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44 - 5 * e2**3 / 208 + 3 * e3 * e3 / 104 + e2 * e2 * e3 / 16
-    return div(add(ONE, (series, 0.0)), root(mean))
+    while True:
+        mean = (x + y + z) / 3
+        dx, dy = 1 - x / mean, 1 - y / mean
+        if max(abs(dx), abs(dy), abs(dx + dy)) < 3e-3:
+            e2, e3 = dx * dy - (dx + dy) ** 2, -dx * dy * (dx + dy)
+            series = -e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44 - 5 * e2**3 / 208 + 3 * e3 * e3 / 104 + e2 * e2 * e3 / 16
+            return (1 + series) / math.sqrt(mean)
+        rx, ry, rz = math.sqrt(x), math.sqrt(y), math.sqrt(z)
+        shift = rx * (ry + rz) + ry * rz
+        x, y, z = (x + shift) / 4, (y + shift) / 4, (z + shift) / 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -80,10 +79,10 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     if abs(d2[0]) <= NEAR * (q3[0] * i32[0] + q1[0] * i21[0]):
         return -1  # so near the separatrix 32 digits do not give the period to the 25 that a hundred million of them need
     if d2[0] > 0:
-        ia, ib, ic, da, dc, iab, icb, ma, mb, mc, sense = i1, i2, i3, d1, d3, i21, i32, m1, m2, m3, 1.0
+        ia, ib, ic, da, dc, iab, icb, ma, mc, qa, sense = i1, i2, i3, d1, d3, i21, i32, m1, m3, q1, 1.0
         axes[0], axes[1], axes[2] = n1, n2, n3
     else:
-        ia, ib, ic, da, dc, iab, icb, ma, mb, mc, sense = i3, i2, i1, d3, d1, i32, i21, m3, m2, m1, -1.0
+        ia, ib, ic, da, dc, iab, icb, ma, mc, qa, sense = i3, i2, i1, d3, d1, i32, i21, m3, m1, q3, -1.0
         axes[0], axes[1], axes[2] = n3, n2, n1
         d2 = neg(d2)
     sign_c = 1.0 if mc[0] > 0 else -1.0
@@ -92,36 +91,36 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     size_a, size_b, size_c = root(div(mul(ia, dc), i31)), root(div(mul(ib, dc), icb)), root(div(mul(ic, da), i31))
     below = mul(icb, da)
     k2, kc2 = div(mul(iab, dc), below), div(mul(i31, d2), below)
-    kc = root(kc2)
     rate = root(div(below, mul(mul(ia, ib), ic)))
-    symmetric = k2[0] == 0.0
-    quarter = complete_k(kc)
-    dual_quarter = quarter if symmetric else complete_k(root(k2))
-    one_minus_n = add(ONE, div(mul(ic, iab), mul(ia, icb)))
-    mean = sub(complete_pi(one_minus_n, kc), div(mul(div(size_c, momentum), HALF_PI), root(one_minus_n)))
-    mean = div(mean, quarter)
+    sn2, cn2 = mul(ia, icb), mul(ic, iab)
+    root_n = root(add(ONE, div(cn2, sn2)))
+    cos2, sin2 = mul(qa, i31), mul(q2, icb)
+    cot = root(div(cos2, sin2)) if sin2[0] > 0.0 else (math.inf, 0.0)
+    quarter, pi, start = integrals(root(kc2), root_n, cot)
+    mean = div(sub(pi, div(mul(div(size_c, momentum), HALF_PI), root_n)), quarter)
     swing = add(div(momentum, ic), times(mul(div(mul(momentum, i31), mul(ia, ic)), mean), sense))
-    cn, sn = div(times(ma, sign_a), size_a), div(mb, size_b)
-    c2, s2 = mul(cn, cn), mul(sn, sn)
-    norm = add(c2, s2)
-    c2, s2 = div(c2, norm), div(s2, norm)
-    u0 = mul(root(s2), carlson_rf(c2, add(c2, mul(kc2, s2)), ONE))
-    if sn[0] < 0:
-        u0 = neg(u0)
-    if cn[0] < 0:
-        u0 = sub(times(quarter, 2.0), u0)
-    along = mul(ib, i31)
-    sn2, cn2 = div(mul(ia, icb), along), div(mul(ic, iab), along)
-    y0 = (0.0, 0.0) if symmetric else mul(root(sn2), carlson_rf(cn2, sub(ONE, mul(kc2, sn2)), ONE))
-    twice = times(quarter, 2.0)
-    out[0], out[1] = times(div(rate, twice), sense)
-    out[2], out[3] = div(u0, twice)
+    if m2[0] < 0:
+        start = neg(start)
+    if sign_a * ma[0] < 0:
+        start = sub(ONE, start)
+    out[0], out[1] = times(div(rate, times(quarter, 2.0)), sense)
+    out[2], out[3] = start
     out[4], out[5] = div(swing, times(HALF_PI, 4.0))
     out[6], out[7], out[8], out[9] = size_a[0], size_b[0], size_c[0], momentum[0]
     out[10], out[11], out[12] = ia[0], ib[0], ic[0]
     out[13], out[14], out[15] = sign_a, 1.0, sign_c
     direct = k2[0] <= kc2[0]
-    below, above = (quarter, dual_quarter) if direct else (dual_quarter, quarter)
-    out[16] = math.inf if symmetric else math.pi * above[0] / below[0]
-    out[17] = math.pi * y0[0] / below[0] * (1.0 if direct else 0.5)
+    out[16], out[17] = _nome(k2[0], direct, quarter[0], sn2[0] / (sn2[0] + cn2[0]))
     return 0 if direct else 1
+
+
+@njit(cache=True, error_model="numpy")
+def _nome(k2: float, direct: bool, quarter: float, sn2: float) -> tuple[float, float]:
+    """πK'/K and πy₀/K for the direct series, πK/K' and πy₀/2K' for the dual one."""
+    if k2 == 0.0:
+        return math.inf, 0.0
+    cn2 = 1 - sn2
+    dual_quarter, y0 = complete_k(math.sqrt(k2)), math.sqrt(sn2) * carlson_rf(cn2, cn2 + k2 * sn2, 1.0)
+    if direct:
+        return math.pi * dual_quarter / quarter, math.pi * y0 / quarter
+    return math.pi * quarter / dual_quarter, math.pi * y0 / (2 * dual_quarter)

@@ -1,18 +1,20 @@
-"""One loop over the samples: momentum, attitude and their conversion, without a temporary array."""
+"""The samples in blocks that stay in the first cache: momentum and quaternion of a block, then ω and R."""
 
 import math
 
 import numpy as np
 from numba import njit
+from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import ArrayLike, NDArray
 
 from reference.compiled.constants import constants
 from reference.compiled.doubledouble import product, total
-from reference.compiled.series import circle, direct, direct_table, dual, dual_table
+from reference.compiled.series import Table, circle, direct, direct_table, dual, dual_table
 from reference.exact import Exact
 
 Array = NDArray[np.float64]
 INVERSE_PI = 1 / math.pi
+BLOCK = 64
 
 
 def compiled_motion(w0: ArrayLike, I: ArrayLike, t: ArrayLike, *, orientation: bool = True) -> tuple[Array, Array | None]:
@@ -33,7 +35,7 @@ def _motion(spin: Array, moments: Array, t: Array, orientation: bool) -> tuple[b
     model = constants(spin, moments, found, axes) if _bodily(spin, moments) else -1
     w, R = np.empty((3, t.size if model >= 0 else 0)), np.empty((t.size if orientation and model >= 0 else 0, 3, 3))
     if model >= 0:
-        _sample(model, found, axes, t, w, R)
+        _sample(model, to_fixed_tuple(found, 18), axes, t, w, R)  # type: ignore[call-arg]  # numba adds the context
     return model >= 0, w, R
 
 
@@ -45,7 +47,7 @@ def _bodily(spin: Array, moments: Array) -> bool:
     return min(moments[0], moments[1], moments[2]) > 0 and 2 * largest <= whole < math.inf and moved < math.inf
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _turns(high: float, low: float, t: float, start: float, start_low: float) -> tuple[float, float]:
     p, e = product(high, t)
     whole = np.rint(p + start)
@@ -53,21 +55,9 @@ def _turns(high: float, low: float, t: float, start: float, start_low: float) ->
     return whole, x + (lost + e + low * t + start_low)
 
 
-@njit(cache=True, error_model="numpy")
-def _momentum(model: int, c: Array, table: Array, t: float) -> tuple[float, float, float, float, float, float]:
-    """Momentum in the triad a, b, c; re, im; and what is to be added to half the angle about L, in half turns."""
-    whole, rest = _turns(c[0], c[1], t, c[2], c[3])
-    flip = 1.0 - 4.0 * (0.5 * whole - np.floor(0.5 * whole))
-    if model == 0:
-        a, b, z, re, im = direct(table, rest)
-        return a * flip, b * flip, z, re, im, 0.0
-    a, b, z, re, im = dual(table, rest)
-    return a * flip, b * flip, z, re, im, rest * (c[17] * INVERSE_PI)
-
-
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def _quaternion(
-    c: Array, t: float, a: float, b: float, z: float, re: float, im: float, extra: float
+    c: Table, t: float, a: float, b: float, z: float, re: float, im: float, extra: float
 ) -> tuple[float, float, float, float]:
     """The attitude about L as a quaternion of any length and either sign."""
     _, half = _turns(c[4], c[5], t, extra, 0.0)
@@ -78,27 +68,54 @@ def _quaternion(
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _sample(model: int, c: Array, axes: NDArray[np.int64], t: Array, w: Array, R: Array) -> None:
+def _block(model: int, c: Table, k: Table, t: Array, orientation: bool, out: Array) -> None:
+    """Momentum in the triad a, b, c and the quaternion at BLOCK times, row after row into ``out``."""
+    for i in range(BLOCK):
+        whole, rest = _turns(c[0], c[1], t[i], c[2], c[3])
+        flip = 1.0 - 4.0 * (0.5 * whole - np.floor(0.5 * whole))
+        if model == 0:
+            a, b, z, re, im = direct(k, rest)
+            extra = 0.0
+        else:
+            a, b, z, re, im = dual(k, rest)
+            extra = rest * (c[17] * INVERSE_PI)
+        a, b = a * flip, b * flip
+        out[i], out[BLOCK + i], out[2 * BLOCK + i] = a, b, z
+        if orientation:
+            p0, p1, p2, p3 = _quaternion(c, t[i], a, b, z, re, im, extra)
+            out[3 * BLOCK + i], out[4 * BLOCK + i], out[5 * BLOCK + i], out[6 * BLOCK + i] = p0, p1, p2, p3
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _sample(model: int, c: Table, axes: NDArray[np.int64], t: Array, w: Array, R: Array) -> None:
     table = direct_table(c) if model == 0 else dual_table(c)
+    orientation = R.shape[0] > 0
+    part, out = np.zeros(BLOCK), np.empty(7 * BLOCK)
     w0, w1, w2 = w[axes[0]], w[axes[1]], w[axes[2]]
-    a0, a1, a2 = 1 + axes[0], 1 + axes[1], 1 + axes[2]
     k0, k1, k2 = c[13] / c[10], c[14] / c[11], c[15] / c[12]
-    if R.shape[0] == 0:
-        for i in range(t.size):
-            a, b, z, _, _, _ = _momentum(model, c, table, t[i])
-            w0[i], w1[i], w2[i] = k0 * a, k1 * b, k2 * z
-        return
-    a, b, z, re, im, extra = _momentum(model, c, table, 0.0)
-    f0, f1, f2, f3 = _quaternion(c, 0.0, a, b, z, re, im, extra)
+    _block(model, c, table, part, orientation, out)
+    start = out[3 * BLOCK], out[4 * BLOCK], out[5 * BLOCK], out[6 * BLOCK]
+    for first in range(0, t.size, BLOCK):
+        n = min(BLOCK, t.size - first)
+        part[:n] = t[first : first + n]
+        _block(model, c, table, part, orientation, out)
+        for i in range(n):
+            w0[first + i], w1[first + i], w2[first + i] = k0 * out[i], k1 * out[BLOCK + i], k2 * out[2 * BLOCK + i]
+        if orientation:
+            _matrices(c, axes, start, out, R[first : first + n])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _matrices(c: Table, axes: NDArray[np.int64], f: tuple[float, ...], out: Array, R: Array) -> None:
+    """The rotations from the start ``f``, turned back from the triad to the body's axes."""
     q = np.empty(4)
-    for i in range(t.size):
-        a, b, z, re, im, extra = _momentum(model, c, table, t[i])
-        w0[i], w1[i], w2[i] = k0 * a, k1 * b, k2 * z
-        p0, p1, p2, p3 = _quaternion(c, t[i], a, b, z, re, im, extra)
-        q[a0] = c[13] * (f0 * p1 - f1 * p0 - f2 * p3 + f3 * p2)
-        q[a1] = c[14] * (f0 * p2 + f1 * p3 - f2 * p0 - f3 * p1)
-        q[a2] = c[15] * (f0 * p3 - f1 * p2 + f2 * p1 - f3 * p0)
-        s, x, y, v = f0 * p0 + f1 * p1 + f2 * p2 + f3 * p3, q[1], q[2], q[3]
+    a0, a1, a2 = 1 + axes[0], 1 + axes[1], 1 + axes[2]
+    for i in range(R.shape[0]):
+        p0, p1, p2, p3 = out[3 * BLOCK + i], out[4 * BLOCK + i], out[5 * BLOCK + i], out[6 * BLOCK + i]
+        q[a0] = c[13] * (f[0] * p1 - f[1] * p0 - f[2] * p3 + f[3] * p2)
+        q[a1] = c[14] * (f[0] * p2 + f[1] * p3 - f[2] * p0 - f[3] * p1)
+        q[a2] = c[15] * (f[0] * p3 - f[1] * p2 + f[2] * p1 - f[3] * p0)
+        s, x, y, v = f[0] * p0 + f[1] * p1 + f[2] * p2 + f[3] * p3, q[1], q[2], q[3]
         n = 2.0 / (s * s + x * x + y * y + v * v)
         nx, ny, nv = n * x, n * y, n * v
         R[i, 0, 0], R[i, 0, 1], R[i, 0, 2] = 1 - (ny * y + nv * v), nx * y - nv * s, nx * v + ny * s

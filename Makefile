@@ -40,7 +40,7 @@ test: lint  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
 
 bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what the walls cost
-	@$(CLEAN_ENV) $(BIN)/python -m bench.exact_speed
+	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
 	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
 
 lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry

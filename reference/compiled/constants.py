@@ -110,16 +110,16 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     out[10], out[11], out[12] = ia[0], ib[0], ic[0]
     out[13], out[14], out[15] = sign_a, 1.0, sign_c
     direct = k2[0] <= kc2[0]
-    out[16], out[17] = _nome(k2[0], direct, quarter[0], sn2[0] / (sn2[0] + cn2[0]))
+    out[16], out[17] = _nome(k2[0], direct, quarter[0], sn2[0], cn2[0])
     return 0 if direct else 1
 
 
 @njit(cache=True, error_model="numpy")
-def _nome(k2: float, direct: bool, quarter: float, sn2: float) -> tuple[float, float]:
+def _nome(k2: float, direct: bool, quarter: float, sn2: float, cn2: float) -> tuple[float, float]:
     """πK'/K and πy₀/K for the direct series, πK/K' and πy₀/2K' for the dual one."""
     if k2 == 0.0:
         return math.inf, 0.0
-    cn2 = 1 - sn2
+    sn2, cn2 = sn2 / (sn2 + cn2), cn2 / (sn2 + cn2)
     dual_quarter, y0 = complete_k(math.sqrt(k2)), math.sqrt(sn2) * carlson_rf(cn2, cn2 + k2 * sn2, 1.0)
     if direct:
         return math.pi * dual_quarter / quarter, math.pi * y0 / quarter

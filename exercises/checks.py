@@ -22,7 +22,11 @@ Locate = Callable[..., str]
 
 @dataclass(frozen=True)
 class Check:
-    """One labelled claim. ``word(seen, truth)`` judges; ``locate(index, *seen)`` names the place of the worst value."""
+    """One labelled claim. ``word(seen, truth)`` judges; ``locate(index, *seen)`` names the place of the worst value.
+
+    ``allow(*truth)`` is the tolerance of this attempt, where it follows from the scene; ``tolerance`` then says how. A word that
+    answers UNMEASURED does not apply to what it sees: the outcome is not counted. ``hint(*seen)`` are remarks that cost nothing.
+    """
 
     id: str
     label: str
@@ -30,6 +34,8 @@ class Check:
     word: Callable[[list[Arrays], list[Arrays]], Judgement]
     tolerance: Tolerance
     locate: Locate | None = None
+    allow: Callable[..., Tolerance] | None = None
+    hint: Callable[..., list[str]] | None = None
 
     def judge(self, seen: list[Arrays], truth: list[Arrays]) -> Outcome:
         """The outcome for arrays that came back; anything not finite fails before any number is compared."""
@@ -37,7 +43,12 @@ class Check:
             for name, array in arrays.items():
                 if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
                     return self._outcome(Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen)
-        return self._outcome(self.word(seen, truth), seen)
+        judgement = self.word(seen, truth)
+        if judgement.verdict is Verdict.UNMEASURED:
+            return self.unmeasured(judgement.detail).model_copy(update={"counted": False})
+        outcome = self._outcome(judgement, seen)
+        outcome.hints = self.hint(*seen) if self.hint else []
+        return outcome.model_copy(update={"tolerance": self.allow(*truth)}) if self.allow else outcome
 
     def failed(self, detail: str) -> Outcome:
         """The outcome when the answers themselves cannot be believed."""
@@ -94,6 +105,30 @@ def close(
     return Check(id, label, scenes, word, Tolerance(rtol=rtol, atol=atol, reason=reason), locate)
 
 
+def within(
+    id: str,
+    label: str,
+    scene: str,
+    *,
+    measured: Measure,
+    expected: Measure,
+    scale: Measure,
+    limit: float | Callable[[Arrays], Tolerance],
+    reason: str,
+    locate: Locate | None = None,
+) -> Check:
+    """``measured(seen)`` equals ``expected(truth)`` to ``limit · scale(truth)``; a ``limit`` that follows from the truth gives its
+    product and the reason for this attempt."""
+    allow = limit if callable(limit) else None
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        allowed = allow(truth[0]).limit if allow else limit
+        assert isinstance(allowed, float)
+        return judge.within(measured(seen[0]), expected(truth[0]), scale(truth[0]), allowed)
+
+    return Check(id, label, (scene,), word, Tolerance(limit=None if callable(limit) else limit, reason=reason), locate, allow)
+
+
 def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
     """``series(*seen)`` (n,) stays at its first value to the relative ``limit``."""
 
@@ -112,11 +147,28 @@ def below(id: str, label: str, *scenes: str, measured: Measure, limit: float, re
     return Check(id, label, scenes, word, Tolerance(limit=limit, reason=reason), locate)
 
 
-def holds(id: str, label: str, *scenes: str, claim: Callable[..., tuple[bool, str]], reason: str) -> Check:
+def holds(
+    id: str,
+    label: str,
+    *scenes: str,
+    claim: Callable[..., tuple[bool, str]],
+    reason: str,
+    hint: Callable[..., list[str]] | None = None,
+) -> Check:
     """``claim(*seen)`` answers (true or false, the text for the brackets)."""
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         ok, detail = claim(*seen)
         return judge.holds(ok, detail)
 
-    return Check(id, label, scenes, word, Tolerance(reason=reason))
+    return Check(id, label, scenes, word, Tolerance(reason=reason), hint=hint)
+
+
+def shows(id: str, label: str, scene: str, *, claim: Callable[[Arrays, Arrays], tuple[bool | None, str]], reason: str) -> Check:
+    """``claim(seen, truth)`` answers (true, false, or None where there is nothing to judge by; the text for the brackets)."""
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        ok, detail = claim(seen[0], truth[0])
+        return Judgement(Verdict.UNMEASURED, detail) if ok is None else judge.holds(ok, detail)
+
+    return Check(id, label, (scene,), word, Tolerance(reason=reason))

@@ -6,6 +6,8 @@ from pydantic import BaseModel, computed_field
 
 from ecp.judge import Verdict, line
 
+NEARLY = 1e-3  # a margin above this may be a matter of the tolerance
+
 
 class Tolerance(BaseModel):
     """What was allowed, and why just that much. Only the numbers a check uses are set."""
@@ -25,7 +27,11 @@ class Diagnosis(BaseModel):
 
 
 class Outcome(BaseModel):
-    """One check of one attempt. ``cause`` says why nothing was measured; ``margin`` is allowed / measured."""
+    """One check of one attempt. ``cause`` says why nothing was measured; ``margin`` is allowed / measured.
+
+    ``hidden``: its scenes were drawn for this attempt. ``counted`` is false where the check does not apply to what was handed in,
+    such as points to follow in a drawing that has none; ``hints`` are remarks that cost nothing.
+    """
 
     id: str
     label: str
@@ -38,7 +44,9 @@ class Outcome(BaseModel):
     where: str | None = None
     cause: str | None = None
     diagnosis: list[Diagnosis] = []
+    hints: list[str] = []
     hidden: bool = False
+    counted: bool = True
 
     @computed_field  # type: ignore[prop-decorator]
     @property
@@ -51,11 +59,26 @@ class Outcome(BaseModel):
         if self.verdict is not Verdict.FAIL:
             return []
         found = [f"worst at {self.where}"] if self.where else []
-        return [*found, f"{1 / self.margin:.3g} times the allowed difference"] if self.margin else found
+        if not self.margin:
+            return found
+        found.append(f"{1 / self.margin:.3g} times the allowed difference")
+        if self.margin > NEARLY and not self.diagnosis and (would := self._would_pass()):
+            found.append(f"no known slip gives these numbers: perhaps the tolerance is merely too tight; it would pass at {would}")
+        return found
+
+    def _would_pass(self) -> str | None:
+        """The tolerance with which this ✗ would be a ✓."""
+        tolerance, larger = self.tolerance, 1.0001 / (self.margin or 1.0)
+        if tolerance.rtol:
+            return f"rtol = {tolerance.rtol * larger:.2g}, atol = {(tolerance.atol or 0.0) * larger:.2g}"
+        name = "limit" if tolerance.limit is not None else "atol"
+        value = tolerance.limit if tolerance.limit is not None else tolerance.atol
+        return f"{name} = {value * larger:.2g}" if value else None
 
     def text(self, told: Collection[str] = ()) -> str:
         """The line, and for anything but ✓ what helps to find the discrepancy, indented below it; not what was ``told`` already."""
+        hints = [f"hint: {hint}" for hint in self.hints]
         if self.verdict is Verdict.PASS:
-            return self.line
+            return "\n".join([self.line, *(f"     {hint}" for hint in hints)])
         causes = [f"likely {d.code}: {d.sentence}" for d in self.diagnosis if d.sentence not in (self.cause, *told)]
-        return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes])])
+        return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes, *hints])])

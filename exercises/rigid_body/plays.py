@@ -11,15 +11,17 @@ from scipy.integrate import solve_ivp
 
 import ecp.animate
 from ecp import film
-from ecp.strict import WrongAnswer, real_array
+from ecp.strict import WrongAnswer, exchanged, real_array, takes
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
+CALLED = ("t", "w", "I")
 
 
 def box(student, inputs):
     """``box_moments`` for each row (m, a, b, c)."""
     function = student["box_moments"]
+    takes(function, ("m", "a", "b", "c"), "box_moments")
     rows = [real_array(function(*map(float, row)), (3,), "box_moments") for row in np.asarray(inputs["boxes"])]
     return {"moments": np.array(rows)}
 
@@ -27,6 +29,7 @@ def box(student, inputs):
 def tensors(student, inputs):
     """``principal_moments`` of each tensor (3, 3), in the order it returned them."""
     function = student["principal_moments"]
+    takes(function, ("tensor",), "principal_moments")
     rows = [real_array(function(np.array(tensor)), (3,), "principal_moments") for tensor in np.asarray(inputs["tensors"])]
     return {"moments": np.array(rows)}
 
@@ -34,10 +37,16 @@ def tensors(student, inputs):
 def pointwise(student, inputs):
     """``euler_eqs`` asked once per probe, with its own copies of the arguments."""
     function = student["euler_eqs"]
+    takes(function, CALLED, "euler_eqs")
     answers = []
     for t, w, I in zip(inputs["t"], np.asarray(inputs["w"]), np.asarray(inputs["I"]), strict=True):
         spin, moments = w.copy(), I.copy()
-        answer = function(float(t), spin, moments)
+        try:
+            answer = function(float(t), spin, moments)
+        except (TypeError, IndexError, ValueError):
+            if own := exchanged(function, CALLED):
+                raise WrongAnswer("swapped-arguments", f"euler_eqs is called as (t, w, I); yours takes {own}") from None
+            raise
         answers.append(real_array(answer, (3,), "euler_eqs"))
         if not (np.array_equal(spin, w) and np.array_equal(moments, I)):
             raise WrongAnswer("mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array")
@@ -74,17 +83,20 @@ def trajectory(student, inputs):
 
 def precession(student, inputs):
     """``precession_rate`` of a given motion: one number."""
+    takes(student["precession_rate"], ("t", "w"), "precession_rate")
     rate = student["precession_rate"](np.array(inputs["t"]), np.array(inputs["w"]))
     return {"rate": real_array(rate, (), "precession_rate")}
 
 
 def animation(student, inputs):
-    """Stills of ``animate_precession``, returned or handed to ``ecp.animate.show``."""
+    """The animation of the function that ``inputs`` names, returned or handed to ``ecp.animate.show``, watched frame by frame."""
+    name, arguments = inputs["function"], inputs["arguments"]
+    takes(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
-    anim = student["animate_precession"](*(np.array(inputs[name]) for name in ("t", "R", "L")))
+    anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
     if anim is None and ecp.animate.shown:
         anim = ecp.animate.shown[-1]
-    return {"frames": film.stills(anim, float(inputs["seconds"]))}
+    return film.watch(anim, float(inputs["seconds"]))
 
 
 def _integrate(rhs, start, times):

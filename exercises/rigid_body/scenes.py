@@ -1,6 +1,6 @@
 """The scenes of notebook 2.6: which function is called with which numbers, what comes back, and the exact answer."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
+from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.drive import DRIVE
 
 Array = NDArray[np.float64]
@@ -16,7 +17,8 @@ BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
 BOOK = reference.box_moments(*BOX)
 SPIN = 6.0  # rad/s about each axis of the book in turn
 NUDGE = 0.02  # both other components, as a fraction of the spin
-PROBES, REPEATS, NODES = 32, 16, 10  # at random; of these once more; along each exact motion
+PROBES, REPEATS, RETIMED, NODES = 32, 8, 8, 10  # at random; of these once more; at another time; along each exact motion
+SENSED = 60  # times at which a motion's sensitivity is summed up
 BODY = (2.0, 3.0, 4.0)  # moments of exercises 2 and 3
 TORQUE_FREE = (1.0, 0.6, 0.8)  # and their spin: T = 2.82 J, |L| = 4.180909 kg m²/s
 SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
@@ -30,23 +32,33 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
 
 def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
+    return _motion(name, inputs, n, orientation)
+
+
+def _motion(name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs], n: int, orientation: bool) -> Scene:
     returns = {"w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
-    return Scene(name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, 4.0, after="probes", known=("t",), drive=DRIVE)
+    return Scene(
+        name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=4.0, after="probes", known=("t",), drive=DRIVE
+    )
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
-    times = np.linspace(0.0, inputs["t_end"], inputs["n"])
-    exact = reference.motion(inputs["w0"], inputs["I"], times, need="orientation" if inputs["orientation"] else "omega")
-    return {"t": exact.t, "w": exact.w} | ({} if exact.R is None else {"R": exact.R})
+    """Times, ω and R, and how much of an error comes through: the sensitivity κ and the angle in rad turned at the first rate."""
+    w0, I, times = inputs["w0"], inputs["I"], np.linspace(0.0, inputs["t_end"], inputs["n"])
+    exact = reference.motion(w0, I, times, need="orientation" if inputs["orientation"] else "omega")
+    angle = float(np.linalg.norm(w0)) * inputs["t_end"]
+    known = {"kappa": np.array(reference.sensitivity(w0, I, inputs["t_end"], SENSED)), "angle": np.array(angle)}
+    return {"t": exact.t, "w": exact.w} | known | ({} if exact.R is None else {"R": exact.R})
 
 
 def _probes(rng: np.random.Generator) -> Inputs:
-    """Random points, some of them twice, and points along the exact motions of the other scenes: shuffled (t, ω, I) in rows."""
+    """Random points, some twice, some again at another time, and points along the exact motions: shuffled (t, ω, I) in rows."""
     edges = rng.uniform(0.4, 2.0, (PROBES, 3))
     moments = np.array([reference.box_moments(6.0, *edge) for edge in edges])
     rows = np.column_stack([rng.uniform(0.0, 20.0, PROBES), rng.uniform(-3.0, 3.0, (PROBES, 3)), moments])
     along = [_along(scene.inputs, rng) for scene in TRAJECTORIES]
-    rows = rng.permutation(np.concatenate([rows, rows[:REPEATS], *along]))
+    later = rows[REPEATS : REPEATS + RETIMED] + [20.0, 0, 0, 0, 0, 0, 0]
+    rows = rng.permutation(np.concatenate([rows, rows[:REPEATS], later, *along]))
     return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
 
 
@@ -57,7 +69,11 @@ def _along(inputs: Any, rng: np.random.Generator) -> Array:
 
 
 def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
-    return {"wdot": reference.euler_rhs(np.asarray(inputs["w"]).T, np.asarray(inputs["I"]).T).T}
+    """The rates, and beside them what was subtracted from what: rounding is a fraction of (I₂ + I₃)|ω₂ω₃|/I₁, and so on."""
+    w, I = np.abs(inputs["w"]), np.asarray(inputs["I"])
+    whole = (np.roll(I, -1, 1) + np.roll(I, -2, 1)) * np.roll(w, -1, 1) * np.roll(w, -2, 1) / I
+    scale = np.maximum(whole, 1e-6 * whole.max(axis=1, keepdims=True))
+    return {"wdot": reference.euler_rhs(np.asarray(inputs["w"]).T, I.T).T, "scale": scale}
 
 
 def _boxes(rng: np.random.Generator) -> Inputs:
@@ -78,7 +94,9 @@ def _drawn_tensors(rng: np.random.Generator) -> Inputs:
 
 
 def _exact_tensors(inputs: Inputs) -> Mapping[str, Array]:
-    return {"moments": reference.principal_moments(inputs["tensors"])}
+    tensors = np.asarray(inputs["tensors"])
+    invariants = {"trace": np.trace(tensors, axis1=1, axis2=2), "determinant": np.linalg.det(tensors)}
+    return {"moments": reference.principal_moments(tensors)} | invariants
 
 
 def _spun(axis: int) -> tuple[float, ...]:
@@ -86,7 +104,15 @@ def _spun(axis: int) -> tuple[float, ...]:
 
 
 def _given_precession(rng: np.random.Generator) -> Inputs:
-    i1, i3, w3, transverse, phase = rng.uniform([1.0, 1.1, 1.0, 0.1, 0.0], [2.0, 1.9, 4.0, 0.8, 6.0])
+    return _precessing(rng, rng.uniform(1.1, 1.9))
+
+
+def _given_retrograde(rng: np.random.Generator) -> Inputs:
+    return _precessing(rng, rng.uniform(0.3, 0.8))
+
+
+def _precessing(rng: np.random.Generator, i3: float) -> Inputs:
+    i1, w3, transverse, phase = rng.uniform([1.0, 1.0, 0.1, 0.0], [2.0, 4.0, 0.8, 6.0])
     t, rate = np.linspace(0.0, 12.0, 1500), reference.free_precession_rate((i1, i1, i1 * i3), w3)
     w = np.array([transverse * np.cos(rate * t + phase), transverse * np.sin(rate * t + phase), np.full_like(t, w3)])
     return {"t": t, "w": w}
@@ -96,14 +122,24 @@ def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
     return {"rate": np.array(reference.precession_rate(inputs["t"], inputs["w"]))}
 
 
-def _shown_motion() -> Inputs:
-    # A motion graded nowhere else: what an animation is given to draw must not answer another scene's question.
-    w0, I, times = (0.9, 0.0, 1.4), SYMMETRIC, np.linspace(0.0, 4.0, 96)
+def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) -> Scene:
+    """A motion graded nowhere else: what an animation is given to draw must not answer another scene's question."""
+    times = np.linspace(0.0, 4.0, 96)
     exact = reference.motion(w0, I, times, need="orientation")
-    assert exact.R is not None
-    return {"t": times, "R": exact.R, "L": reference.angular_momentum(w0, I), "seconds": 12.0}
+    given_R = exact.R
+    assert given_R is not None
+    given = {"L": reference.angular_momentum(w0, I), "half": np.array(BOX[1:]) / 2}[last]
+    inputs = {"t": times, "R": given_R, last: given, "function": function, "arguments": ["t", "R", last], "seconds": 12.0}
+    return Scene(name, "animation", function, inputs, FILM, lambda _: {"t": times, "R": given_R, last: given}, 15.0)
 
 
+FILM = {
+    "frames": Blank((24, 360, 480, 3), "uint8", up_to=True),
+    "tracks": Blank((96, 256, 3), up_to=True),
+    "owners": Blank((256, 2), up_to=True),
+    "at": Blank((96, 3), up_to=True),
+    "cost": Blank((4,)),
+}
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
 
 TRAJECTORIES = (
@@ -116,7 +152,7 @@ TRAJECTORIES = (
     _trajectory("spin-max", _spun(2), BOOK, 2.5, 1500, orientation=True),
     _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
 )
-ASKED = PROBES + REPEATS + NODES * len(TRAJECTORIES)
+ASKED = PROBES + REPEATS + RETIMED + NODES * len(TRAJECTORIES)
 
 SCENES = (
     Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0),
@@ -124,14 +160,9 @@ SCENES = (
     Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0),
     Scene("probes", "pointwise", "euler_eqs", _probes, {"wdot": Blank((ASKED, 3))}, _exact_rates, 2.0, twice=True),
     *TRAJECTORIES,
+    *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in DRAWN.items()),
     Scene("rate", "precession", "precession_rate", _given_precession, {"rate": Blank(())}, _exact_precession, 1.0),
-    Scene(
-        "film",
-        "animation",
-        "animate_precession",
-        _shown_motion(),
-        {"frames": Blank((24, 360, 480, 3), "uint8", up_to=True)},
-        lambda inputs: {},
-        15.0,
-    ),
+    Scene("rate-retrograde", "precession", "precession_rate", _given_retrograde, {"rate": Blank(())}, _exact_precession, 1.0),
+    _film("film", "animate_precession", (0.9, 0.0, 1.4), SYMMETRIC, "L"),
+    _film("tumble-film", "animate_tumble", (0.1, 3.0, 0.15), BOOK, "half"),
 )

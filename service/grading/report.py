@@ -65,8 +65,8 @@ class Report(BaseModel):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def max_score(self) -> int:
-        """Checks made."""
-        return len(self.outcomes())
+        """Checks made that count."""
+        return sum(o.counted for o in self.outcomes())
 
     @computed_field  # type: ignore[prop-decorator]
     @property
@@ -83,7 +83,10 @@ class Report(BaseModel):
         blocks = [e.text() for e in self.exercises if e.outcomes]
         if notes := [note for e in self.endings if (note := _note(e))]:
             blocks.append("\n".join(notes))
-        return "\n\n".join([*blocks, f"{self.score} of {self.max_score} checks ✓"]) + "\n"
+        public = [o for o in self.outcomes() if o.counted and not o.hidden]
+        passed = sum(o.verdict is Verdict.PASS for o in public)
+        score = f"{self.score} of {self.max_score} checks ✓ (public checks: {passed} of {len(public)})"
+        return "\n\n".join([*blocks, score]) + "\n"
 
 
 def _note(ending: SceneEnding) -> str | None:

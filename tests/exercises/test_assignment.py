@@ -39,7 +39,7 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):
         )
     told = "; ".join(caught.value.errors)
     for part in (
-        "scene film is declared twice",
+        "scene tumble-film is declared twice",
         "check id 2-energy is used twice",
         "setup.py is missing",
         "plays.py is missing",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import reference
-from exercises.rigid_body.mistakes import diagnose_scene
+from exercises.rigid_body.causes import diagnose_scene
 from service.grading.grade import draw_inputs
 
 

@@ -84,7 +84,7 @@ def _moving(frames, **options):
 def test_stills_are_at_most_24_spread_over_all_frames_and_each_frame_is_computed_once(blit):
     anim, calls = _moving(100, blit=blit)
     calls.clear()
-    stills = film.stills(anim, seconds=30.0)
+    stills = film.watch(anim, seconds=30.0)["frames"]
     assert stills.shape == (24, 360, 480, 3) and stills.dtype == np.uint8
     assert calls == [0, *range(100)]  # the first one is the initial draw
     assert film.moving_share(stills) > 1e-4
@@ -94,7 +94,7 @@ def test_stills_draw_each_still_once(monkeypatch):
     anim, _ = _moving(10)
     drawn, real = [], Figure.draw
     monkeypatch.setattr(Figure, "draw", lambda self, renderer: (drawn.append(1), real(self, renderer))[1])
-    assert len(film.stills(anim, seconds=30.0)) == len(drawn) == 10
+    assert len(film.watch(anim, seconds=30.0)["frames"]) == len(drawn) == 10
 
 
 def test_endless_animations_are_stopped():
@@ -102,13 +102,13 @@ def test_endless_animations_are_stopped():
 
     anim, _ = _moving(itertools.count())
     with pytest.raises(WrongAnswer, match="more than 600 frames") as caught:
-        film.stills(anim, seconds=30.0)
+        film.watch(anim, seconds=30.0)
     assert caught.value.code == "too-many-frames"
     anim, _ = _moving(50)
     with pytest.raises(WrongAnswer, match="0 of 50 frames"):
-        film.stills(anim, seconds=0.0)
+        film.watch(anim, seconds=0.0)
     with pytest.raises(WrongAnswer, match="got NoneType"):
-        film.stills(None, seconds=1.0)
+        film.watch(None, seconds=1.0)
 
 
 def test_artist_animations_work_too():
@@ -118,7 +118,7 @@ def test_artist_animations_work_too():
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     anim = ArtistAnimation(figure, [axes.plot([0, 1], [0, k]) for k in range(5)])
-    stills = film.stills(anim, seconds=30.0)
+    stills = film.watch(anim, seconds=30.0)["frames"]
     assert len(stills) == 5 and film.moving_share(stills) > 1e-4
 
 

@@ -93,15 +93,18 @@ GOLDEN = """\
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
-✗  euler_eqs agrees with Euler's equations point by point   [max|Δ| = 18.1646 (rtol=1e-12, atol=1e-12)]
-     worst at ω̇₂, probe 13 of 128
-     9.48e+11 times the allowed difference
+✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
+     worst at ω̇₁, probe 69 of 128
+     6.48e+12 times the allowed difference
      likely returns-zero: euler_eqs returns zeros whatever it is asked
-✗  ω(t) follows the exact motion   [max|Δ| = 2.12694 (rtol=0, atol=1e-08)]
+✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]
      worst at ω₁, t = 8.093 s
-     2.13e+08 times the allowed difference
+     1.49e+08 times the allowed difference
+✗  ω(t) of a body not seen before follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
+     worst at ω₃, t = 9.579 s
+     5.65e+07 times the allowed difference
 
-2 of 4 checks ✓
+2 of 5 checks ✓ (public checks: 2 of 3)
 """
 
 

@@ -61,6 +61,20 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
     return Judgement(verdict, f"max|Δ| = {largest:.6g} {tolerance}", largest, 0.0, margin, where)
 
 
+def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) -> Judgement:
+    """|got − expected| ≤ limit · scale everywhere, shapes equal; ``scale`` is one number or an array of that shape."""
+    seen, want, unit = _real(got), _real(expected), _real(scale)
+    if seen.shape != want.shape:
+        return Judgement(Verdict.FAIL, f"shape {seen.shape} vs expected shape {want.shape} (limit {limit:g})")
+    with np.errstate(invalid="ignore", divide="ignore"):
+        delta = np.abs(seen - want)
+        used = np.where(delta == 0, 0.0, delta / unit)
+    where, margin = _worst(used, np.full_like(used, limit))
+    largest = float(used.max()) if used.size else 0.0
+    ok = bool(np.all(np.isfinite(want)) and np.all(used <= limit))
+    return Judgement(_verdict(ok), f"max|Δ|/scale = {largest:.6g} (limit {limit:g})", largest, 0.0, margin, where)
+
+
 def conserved(series: ArrayLike, limit: float) -> Judgement:
     """max |s(t)/s(0) − 1| ≤ limit along a series; a series that starts at zero must stay there."""
     values = _real(series)

@@ -1,5 +1,6 @@
 """What a student's function returned, taken strictly: a real array of just the asked shape, or a sentence saying what is wrong."""
 
+import inspect
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,29 @@ class WrongAnswer(Exception):
     def __init__(self, code: str | None, sentence: str) -> None:
         super().__init__(sentence)
         self.code = code
+
+
+def takes(function: Any, names: tuple[str, ...], called: str) -> None:
+    """Raise WrongAnswer if ``function`` cannot be called with one argument for each of ``names``."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return  # some callables written in C tell nothing
+    try:
+        signature.bind(*names)
+    except TypeError:
+        raise WrongAnswer(
+            "signature", f"{called} is called as {called}({', '.join(names)}); yours is {called}{signature}"
+        ) from None
+
+
+def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
+    """The parameters of ``function`` where they carry these names in another order, else None."""
+    try:
+        own = tuple(inspect.signature(function).parameters)[: len(names)]
+    except (TypeError, ValueError):
+        return None
+    return f"({', '.join(own)})" if own != names and sorted(own) == sorted(names) else None
 
 
 def real_array(value: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:

@@ -32,6 +32,7 @@ EULER = Exercise(
         ),
         pointwise("2-pointwise"),
         omega("2-motion", "ω(t) follows the exact motion", "torque-free"),
+        omega("2-secret", "ω(t) of a body not seen before follows the exact motion for sixty radians", "drawn-long"),
     ),
     figures=(figures.OMEGA, figures.OMEGA_RESIDUAL),
 )

@@ -4,11 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import reference
-from exercises.assignment import Exercise
+from exercises.assignment import Animation, Exercise
 from exercises.checks import Arrays, close, holds
 from exercises.rigid_body import figures
 from exercises.rigid_body.scenes import NUDGE, SPIN
-from exercises.rigid_body.sections.wording import omega, pointwise
+from exercises.rigid_body.sections.wording import film, omega, pointwise
 
 Array = NDArray[np.float64]
 
@@ -51,13 +51,18 @@ INTERMEDIATE = Exercise(
             reason="seen and exact motion are sampled at the same times, so only the integrator's 1e-9 remains",
             locate=lambda index, *seen: f"spin about ê{'₁₂₃'[index[0]]}",
         ),
-        omega(
-            "5-motion",
-            "the tumble about the intermediate axis follows the exact motion",
-            "spin-mid",
-            atol=1e-6,
-            reason="near the separatrix this scene magnifies the integrator's 1e-11 by less than 1e4",
-        ),
+        omega("5-motion", "the tumble about the intermediate axis follows the exact motion", "spin-mid"),
+        omega("5-secret", "a body not seen before turns over when it should", "drawn-tumble"),
+        *film("5", "tumble-film", "animate_tumble", None, "the body"),
     ),
     figures=(figures.GROWTH, figures.TUMBLE),
+    animations=(
+        Animation(
+            "tumble-yours",
+            "Your animation of the tumbling box",
+            "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames.",
+            "tumble-film",
+        ),
+    ),
+    optional=("animate_tumble",),
 )

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from exercises.assignment import Exercise
 from exercises.checks import Arrays, close
 from exercises.rigid_body import figures
-from exercises.rigid_body.sections.wording import NOTEBOOK, ROUNDING, at_moment
+from exercises.rigid_body.sections.wording import NOTEBOOK, ROUNDING, at_body, at_moment
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,28 @@ MOMENTS = Exercise(
             atol=1e-12,
             reason="eigenvalues of a symmetric matrix are exact to a few rounding errors of its norm, here below 10",
             locate=at_moment,
+        ),
+        close(
+            "1-trace",
+            "their sum is the trace of the tensor",
+            "tensors",
+            measured=lambda seen: seen["moments"].sum(axis=1),
+            expected=lambda truth: truth["trace"],
+            rtol=1e-12,
+            atol=0.0,
+            reason=ROUNDING,
+            locate=at_body,
+        ),
+        close(
+            "1-determinant",
+            "their product is the determinant of the tensor",
+            "tensors",
+            measured=lambda seen: seen["moments"].prod(axis=1),
+            expected=lambda truth: truth["determinant"],
+            rtol=1e-9,
+            atol=1e-12,
+            reason="a small moment is exact to rounding of the largest one, so that their product loses some digits",
+            locate=at_body,
         ),
     ),
     figures=(figures.BOX,),

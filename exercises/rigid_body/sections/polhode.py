@@ -39,6 +39,8 @@ POLHODE = Exercise(
         ),
         omega("3-about-3", "polhode about ê₃ is run through at the exact pace", "polhode-3"),
         omega("3-about-1", "polhode about ê₁ is run through at the exact pace", "polhode-1"),
+        omega("3-secret-greatest", "polhode about the axis of the greatest moment of a body not seen before", "drawn-greatest"),
+        omega("3-secret-least", "polhode about the axis of the least moment of a body not seen before", "drawn-least"),
     ),
     figures=(figures.POLHODE,),
 )

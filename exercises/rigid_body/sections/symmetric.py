@@ -9,6 +9,8 @@ from exercises.rigid_body import figures
 from exercises.rigid_body.scenes import SYMMETRIC as TOP
 from exercises.rigid_body.sections.wording import NOTEBOOK, omega, pointwise
 
+EVEN = "a fit, a mean of differences and the first and last phase agree to 1e-9 on an even precession"
+
 SYMMETRIC = Exercise(
     "4",
     "Free precession of a symmetric top",
@@ -36,6 +38,8 @@ SYMMETRIC = Exercise(
             reason=NOTEBOOK,
         ),
         omega("4-motion", "ω(t) of the symmetric top follows the exact motion", "symmetric"),
+        omega("4-secret", "ω(t) of a top with its axis along any of the three follows the exact motion", "drawn-symmetric"),
+        omega("4-sphere", "ω of a body with three equal moments stays as it is", "drawn-sphere"),
         close(
             "4-function",
             "precession_rate finds Ω in a given motion",
@@ -44,7 +48,17 @@ SYMMETRIC = Exercise(
             expected=lambda truth: truth["rate"],
             rtol=1e-6,
             atol=0.0,
-            reason="a fit, a mean of differences and the first and last phase agree to 1e-9 on an even precession",
+            reason=EVEN,
+        ),
+        close(
+            "4-retrograde",
+            "precession_rate is negative where (ω₁, ω₂) turns backwards",
+            "rate-retrograde",
+            measured=lambda seen: seen["rate"],
+            expected=lambda truth: truth["rate"],
+            rtol=1e-6,
+            atol=0.0,
+            reason=EVEN,
         ),
     ),
     figures=(figures.PRECESSION,),

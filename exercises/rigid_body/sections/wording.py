@@ -1,10 +1,20 @@
 """What several exercises say in the same way: places in arrays, reasons for tolerances, ω(t) against the exact motion."""
 
-from exercises.checks import Arrays, Check, close
+import numpy as np
+
+from ecp.film import moving_share
+from exercises.checks import Arrays, Check, holds, shows, within
+from exercises.outcome import Tolerance
+from exercises.rigid_body.watched import STILL, body_shown
 
 NOTEBOOK = "the notebook's own tolerance"
 ROUNDING = "only rounding separates two spellings of the same algebra at these magnitudes"
 DRIVE = "the integrator, at rtol 1e-11, strays less than 1e-9 from the exact motion on this scene"
+
+RTOL = 1e-11  # with which plays.py integrates
+SAFETY = 10.0  # ten thousand motions of the right equations (make bench) use less than a tenth of what this allows
+SLOW = 0.3  # part of the drawing that clearing may take before it is worth a word
+PRODUCT = "rtol × (sensitivity + angle turned) × safety, worked out for each scene"
 
 
 def at_time(index: tuple[int, ...], seen: Arrays) -> str:
@@ -22,36 +32,105 @@ def at_moment(index: tuple[int, ...], seen: Arrays) -> str:
     return f"I{'₁₂₃'[index[1]]}, body {index[0] + 1} of {len(seen['moments'])}"
 
 
-def omega(id: str, label: str, scene: str, atol: float = 1e-8, reason: str = DRIVE) -> Check:
-    """ω (3, n) of a trajectory agrees with the exact motion."""
-    return close(
+def at_body(index: tuple[int, ...], seen: Arrays) -> str:
+    """Body of an index into (n,)."""
+    return f"body {index[0] + 1} of {len(seen['moments'])}"
+
+
+def omega(id: str, label: str, scene: str) -> Check:
+    """ω (3, n) of a trajectory agrees with the exact motion, as closely as the scene lets any integrator come."""
+    return within(
         id,
         label,
         scene,
         measured=lambda seen: seen["w"],
         expected=lambda truth: truth["w"],
-        rtol=0.0,
-        atol=atol,
-        reason=reason,
+        scale=lambda truth: np.linalg.norm(truth["w"][:, 0]),
+        limit=as_closely,
+        reason=f"of |ω(0)|: {PRODUCT}",
         locate=at_component,
     )
+
+
+def attitude(id: str, label: str, scene: str) -> Check:
+    """R (n, 3, 3) of a trajectory agrees with the exact motion, as closely as the scene lets any integrator come."""
+    return within(
+        id,
+        label,
+        scene,
+        measured=lambda seen: seen["R"],
+        expected=lambda truth: truth["R"],
+        scale=lambda truth: 1.0,
+        limit=as_closely,
+        reason=PRODUCT,
+        locate=lambda index, seen: f"R{index[1] + 1}{index[2] + 1}, t = {seen['t'][index[0]]:.4g} s",
+    )
+
+
+def as_closely(truth: Arrays) -> Tolerance:
+    """What is allowed for one scene: the integrator's tolerance for every radian, as magnified as the motion magnifies it."""
+    kappa, angle = float(truth["kappa"]), float(truth["angle"])
+    told = f"rtol {RTOL:g} × (sensitivity {kappa:.4g} + {angle:.4g} rad turned) × safety {SAFETY:g}"
+    return Tolerance(limit=float(f"{RTOL * (kappa + angle) * SAFETY:.2e}"), reason=told)
 
 
 def pointwise(id: str) -> Check:
     """``euler_eqs`` is right at secret (t, ω, I). Every exercise it drives makes this check: its own scene alone, with one body
     known to everybody, would accept equations that are right for that body only."""
-    return close(
+    return within(
         id,
         "euler_eqs agrees with Euler's equations point by point",
         "probes",
         measured=lambda seen: seen["wdot"],
         expected=lambda truth: truth["wdot"],
-        rtol=1e-12,
-        atol=1e-12,
-        reason=ROUNDING,
+        scale=lambda truth: truth["scale"],
+        limit=1e-13,
+        reason="of (I₂ + I₃)|ω₂ω₃|/I₁ and so on, whose rounding the difference inherits: 64 times what any spelling needs",
         locate=_at_probe,
     )
 
 
 def _at_probe(index: tuple[int, ...], seen: Arrays) -> str:
     return f"ω̇{'₁₂₃'[index[1]]}, probe {index[0] + 1} of {len(seen['wdot'])}"
+
+
+def film(number: str, scene: str, function: str, axis: int | None, what: str) -> tuple[Check, ...]:
+    """An animation moves, and something drawn follows body axis ``axis``, or for None the body."""
+
+    def follows(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
+        shown = body_shown(seen, truth["t"], truth["R"], axis)
+        return shown.found, shown.sentence
+
+    return (
+        holds(
+            f"{number}-moves",
+            f"{function} draws a moving picture",
+            scene,
+            claim=_moves,
+            reason="a picture in which fewer than one pixel in ten thousand changes does not move",
+            hint=_cost,
+        ),
+        shows(
+            f"{number}-follows",
+            f"{function} draws something that follows {what}",
+            scene,
+            claim=follows,
+            reason="a point or the direction between two, to 3 % of its path: as it is, scaled, shifted, turned or projected",
+        ),
+    )
+
+
+def _moves(seen: Arrays) -> tuple[bool, str]:
+    share = moving_share(seen["frames"])
+    return share > STILL, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
+
+
+def _cost(seen: Arrays) -> list[str]:
+    frames, drawing, clearing, left_open = seen["cost"]
+    hints = []
+    if clearing > SLOW * drawing and clearing > 1e-3 * frames:
+        each, of = 1e3 * clearing / frames, 1e3 * drawing / frames
+        hints.append(f"clearing the axes takes {each:.1f} of {of:.1f} ms per frame: keep the artists and set their data instead")
+    if left_open:
+        hints.append("the figure stays open, and a notebook shows it once more as a still: plt.close(fig) before you return")
+    return hints

@@ -1,0 +1,121 @@
+"""Where a figure's artists put their points: lines, arrows, polygons and markers of 2-D and 3-D axes, as data coordinates."""
+
+from collections import Counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOST_POINTS = 12  # of one artist
+
+
+class Drawn(NamedTuple):
+    """An artist's points (n, 3), first and last one first, n ≥ 0, in 2 or 3 ``dimensions``. ``key`` finds it in the next frame."""
+
+    key: tuple[int, str, int]
+    dimensions: int
+    points: Array
+
+
+def drawn(figure: Any) -> list[Drawn]:
+    """What stands in the figure's axes. Artists are counted from the newest of their kind: old ones may stay behind."""
+    from matplotlib.spines import Spine
+
+    found = []
+    for number, axes in enumerate(figure.axes):
+        dimensions = 3 if axes.name == "3d" else 2
+        seen: Counter[str] = Counter()
+        for artist in reversed(axes.get_children()):
+            if not artist.get_visible() or artist is axes.patch or isinstance(artist, Spine):
+                continue
+            points = _points(artist)
+            if points is None or points.ndim != 2 or not 2 <= points.shape[1] <= 3:
+                continue
+            kind = type(artist).__name__
+            seen[kind] += 1
+            key = (number, kind, seen[kind])
+            full = np.zeros((len(points), 3))
+            full[:, : points.shape[1]] = points
+            found.append(Drawn(key, dimensions, _few(full)))
+    return found
+
+
+def _few(points: Array) -> Array:
+    """At most MOST_POINTS of them: the first, the last, then evenly between."""
+    between = np.arange(1, len(points) - 1)
+    if len(between) > MOST_POINTS - 2:
+        between = np.linspace(1, len(points) - 2, MOST_POINTS - 2).round().astype(int)
+    return points[[0, -1, *between]] if len(points) > 1 else points
+
+
+def _points(artist: Any) -> Array | None:
+    for read in (_line, _segments, _faces, _markers, _arrows, _patch):
+        found = read(artist)
+        if found is not None:
+            return np.asarray(np.ma.filled(found, np.nan), dtype=float)
+    return None
+
+
+def _line(artist: Any) -> Any:
+    if hasattr(artist, "get_data_3d"):
+        return np.column_stack([np.ravel(x) for x in artist.get_data_3d()])
+    return artist.get_xydata() if hasattr(artist, "get_xydata") else None
+
+
+def _segments(artist: Any) -> Any:
+    found = getattr(artist, "_segments3d", None)
+    if found is None and hasattr(artist, "get_segments"):
+        found = artist.get_segments()
+    if found is None:
+        return None
+    return np.concatenate([np.empty((0, 3)), *found]) if len(found) and np.shape(found[0])[-1] == 3 else _flat_segments(found)
+
+
+def _flat_segments(found: Any) -> Array:
+    return np.concatenate([np.empty((0, 2)), *found])
+
+
+def _faces(artist: Any) -> Any:
+    found = getattr(artist, "_faces", None)
+    if found is None and hasattr(artist, "_vec"):
+        found = np.asarray(artist._vec).T[:, :3]
+    return None if found is None else np.ma.filled(np.ma.asarray(found, dtype=float), np.nan).reshape(-1, 3)
+
+
+def _markers(artist: Any) -> Any:
+    found = getattr(artist, "_offsets3d", None)
+    if found is not None:
+        return np.column_stack([np.ma.filled(np.ma.ravel(x).astype(float), np.nan) for x in found])
+    return artist.get_offsets() if hasattr(artist, "get_offsets") and not hasattr(artist, "U") and _has_own(artist) else None
+
+
+def _has_own(artist: Any) -> bool:
+    offsets = np.asarray(artist.get_offsets())
+    return offsets.ndim == 2 and bool(offsets.any())
+
+
+def _arrows(artist: Any) -> Any:
+    """A 2-D quiver: tails and tips."""
+    if not hasattr(artist, "U"):
+        return None
+    tails = np.asarray(artist.get_offsets(), dtype=float)
+    return np.concatenate([tails, tails + np.column_stack([np.ravel(artist.U), np.ravel(artist.V)])])
+
+
+def _patch(artist: Any) -> Any:
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import FancyArrowPatch, Patch
+
+    if isinstance(artist, FancyArrowPatch):
+        ends = getattr(artist, "_verts3d", None)
+        if ends is not None:
+            return np.column_stack([np.ravel(x) for x in ends])
+        return getattr(artist, "_posA_posB", None)
+    if isinstance(artist, Patch):
+        path = artist.get_patch_transform().transform_path(artist.get_path())
+        return path.vertices
+    if isinstance(artist, PolyCollection):
+        return np.concatenate([path.vertices for path in artist.get_paths()] or [np.empty((0, 2))])
+    return getattr(artist, "xyann", None) and np.array([artist.xyann, artist.xy])

@@ -1,0 +1,26 @@
+"""Likely causes of what a scene brought: of rates at the probes, of moments, of a precession rate, of an animation."""
+
+import numpy as np
+
+from exercises.assignment import Inputs
+from exercises.checks import Arrays
+from exercises.outcome import Diagnosis
+from exercises.rigid_body.causes.film import causes_of_film
+from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
+from exercises.rigid_body.causes.precession import causes_of_rate
+from exercises.rigid_body.causes.rates import causes_of_rates
+
+
+def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
+    """The likely cause behind the numbers of a scene."""
+    if scene in ("film", "tumble-film"):
+        return causes_of_film(inputs, seen)
+    if scene == "probes":
+        return causes_of_rates(inputs, np.asarray(seen["wdot"]))
+    if scene == "boxes":
+        return causes_of_boxes(inputs, np.asarray(seen["moments"]))
+    if scene in ("tensor", "tensors"):
+        return causes_of_tensors(inputs, np.asarray(seen["moments"]))
+    if scene in ("rate", "rate-retrograde"):
+        return causes_of_rate(inputs, float(seen["rate"]))
+    return []

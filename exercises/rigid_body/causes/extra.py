@@ -1,0 +1,94 @@
+"""Terms that do not belong: damping, drag, torques and constants beside the right equations, with their fitted size."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+import reference
+from exercises.outcome import Diagnosis
+from exercises.rigid_body.causes.form import AGREEMENT, Form
+from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, SPIN, Slip, slips, told
+
+Array = NDArray[np.float64]
+MOST_TERMS = 2
+WHOLE = 10 * AGREEMENT
+
+
+def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[list[Form | None]]) -> list[Diagnosis]:
+    """Diagnoses where each component that is no form of Euler's is the right one, or a multiple, plus one or two known terms.
+
+    ``columns`` are the forms of the components that are some.
+    """
+    truth = reference.euler_rhs(w.T, moments.T).T
+    found: list[Slip] = []
+    sizes: dict[str, list[str]] = {}
+    for k in range(3):
+        if columns[k]:
+            readings = [r for f in columns[k] if (r := slips(f, k)) is not None]
+            if not readings:
+                return []
+            shortest: list[Slip] = min(readings, key=len)
+            found += shortest
+            continue
+        names, terms = _terms(k, t, w, moments)
+        fitted = _fit(wdot[:, k], np.column_stack([truth[:, k], *terms]))
+        if fitted is None or not 0 < np.count_nonzero(fitted[1:]) <= MOST_TERMS:
+            return []
+        found += _multiple(float(fitted[0]), k)
+        for name, size in zip(names, fitted[1:], strict=True):
+            if size:
+                sizes.setdefault(f"{size:+.6g} {name}", []).append(COMPONENT[k])
+    told_terms = [
+        Diagnosis(
+            code="extra-term",
+            sentence=f"{', '.join(where)} holds an extra term {term}: torque-free equations have none",
+            confidence=1.0,
+        )
+        for term, where in sizes.items()
+    ]
+    return [*told(found), *told_terms]
+
+
+def _multiple(factor: float, k: int) -> list[Slip]:
+    if abs(factor - 1) <= WHOLE:
+        return []
+    if factor == 0:
+        return [Slip("missing-component", "zero", 0.0, k, f"{COMPONENT[k]} lacks its own term")]
+    if abs(factor + 1) <= WHOLE:
+        return [Slip("sign-flipped", "sign", 0.0, k, f"{COMPONENT[k]} has the opposite sign")]
+    return [Slip("constant-factor", "factor", factor, k, f"{COMPONENT[k]} is {factor:.10g} times the right value")]
+
+
+def _terms(k: int, t: Array, w: Array, moments: Array) -> tuple[list[str], list[Array]]:
+    """Names and values (n,) of what is known to be added to component ``k``."""
+    spin, moment, speed = w[:, k], moments[:, k], np.linalg.norm(w, axis=1)
+    named = {
+        f"{SPIN[k]}": spin,
+        f"{SPIN[k]}/{MOMENT[k]}": spin / moment,
+        f"|ω|{SPIN[k]}": speed * spin,
+        f"|{SPIN[k]}|{SPIN[k]}": np.abs(spin) * spin,
+        f"|ω|{SPIN[k]}/{MOMENT[k]}": speed * spin / moment,
+        f"|{SPIN[k]}|{SPIN[k]}/{MOMENT[k]}": np.abs(spin) * spin / moment,
+        f"{SPIN[k]}³": spin**3,
+        "": np.ones_like(t),
+        f"/{MOMENT[k]}": 1 / moment,
+        f"{SPIN[k]}²": spin**2,
+        **{SPIN[a]: w[:, a] for a in range(3) if a != k},
+    }
+    return list(named), list(named.values())
+
+
+def _fit(column: Array, design: Array) -> Array | None:
+    """Least squares, cleared of what is nothing; None if it does not reproduce ``column`` to rounding."""
+    scale = np.linalg.norm(design, axis=0)
+    used = np.flatnonzero(scale)
+    for _ in range(design.shape[1]):  # drop what is nothing, until only what is there is fitted
+        fitted = np.linalg.lstsq(design[:, used] / scale[used], column, rcond=None)[0]
+        kept = used[np.abs(fitted) > 1e-9 * np.abs(fitted).max()]
+        if len(kept) == len(used):
+            break
+        used = kept
+    if np.abs(design[:, used] / scale[used] @ fitted - column).max() > AGREEMENT * np.abs(column).max():
+        return None
+    sizes = np.zeros(design.shape[1])
+    sizes[used] = fitted / scale[used]
+    return sizes

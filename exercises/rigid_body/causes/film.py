@@ -1,0 +1,21 @@
+"""The likely cause behind an animation that does not show the motion it was given."""
+
+import numpy as np
+
+from ecp.film import moving_share
+from exercises.assignment import Inputs
+from exercises.checks import Arrays
+from exercises.outcome import Diagnosis
+from exercises.rigid_body.watched import STILL, body_shown, momentum_shown
+
+
+def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
+    """Nothing moves; L moves, as it does in a drawing in the body's axes; or what moves follows something else than the body."""
+    t, R = np.asarray(inputs["t"]), np.asarray(inputs["R"])
+    if moving_share(seen["frames"]) <= STILL:
+        sentence = "the picture stays the same from frame to frame: does the update function change what is drawn?"
+        return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
+    tumble = "L" not in inputs
+    momentum = None if tumble else momentum_shown(seen, t, R, np.asarray(inputs["L"]))
+    shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if tumble else 2)
+    return [Diagnosis(code=shown.code, sentence=shown.sentence, confidence=1.0)] if shown.code else []

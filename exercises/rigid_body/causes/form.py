@@ -1,0 +1,121 @@
+"""One component of a student's ω̇ read as algebra: which ω it multiplies, how it weighs the moments, what it divides by.
+
+Every way to get a component wrong by its indices, signs and factors is of the form
+
+    (α₁ I₁ + α₂ I₂ + α₃ I₃) · ωₐ ω_b / D,      D one of 1, Iₐ, Iₐ I_b, 1/Iₐ, Iₐ + I_b, I₁ + I₂ + I₃,
+
+so that one linear fit for each product and divisor finds it, whatever the slips are and however many.
+"""
+
+import functools
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+AGREEMENT = 1e-11  # of the largest value: the same algebra agrees to rounding or not at all
+PRODUCTS: tuple[tuple[int, ...], ...] = (
+    *itertools.combinations_with_replacement(range(3), 2),
+    *((a,) for a in range(3)),
+    (),
+)
+OTHERS = 10  # OTHERS + a stands for the sum of the two moments other than a
+TOTAL = 20  # for the sum of all three; and ~a for a moment that is multiplied by
+DIVISORS: tuple[tuple[int, ...], ...] = (
+    (),
+    *((a,) for a in range(3)),
+    *itertools.combinations_with_replacement(range(3), 2),
+    *((~a,) for a in range(3)),
+    *((OTHERS + a,) for a in range(3)),
+    (TOTAL,),
+)
+
+
+class Form(NamedTuple):
+    """``weights`` of the three moments, or a ``constant`` where none is weighed, times the ω of ``product`` over ``divisor``."""
+
+    product: tuple[int, ...]
+    divisor: tuple[int, ...]
+    weights: tuple[float, float, float]
+    constant: float | None = None
+
+
+class Points:
+    """The probes, prepared once for all fits: ω and I (n, 3)."""
+
+    def __init__(self, w: Array, moments: Array) -> None:
+        products = np.array([np.prod(w[:, list(axes)], axis=1) for axes in PRODUCTS])
+        divisors = np.array([_divisor(moments, axes) for axes in DIVISORS])
+        designs = products[:, None, :, None] * moments / divisors[None, :, :, None]
+        self._cells = list(itertools.product(PRODUCTS, DIVISORS))
+        designs = designs.reshape(len(self._cells), *moments.shape)
+        self._q, r = np.linalg.qr(designs)
+        self._back = np.linalg.inv(r)
+
+    def forms(self, column: Array, agreement: float = AGREEMENT) -> list[Form | None]:
+        """Every form that gives ``column`` (n,) to ``agreement``; for a column of zeros None alone."""
+        largest = float(np.abs(column).max())
+        if largest == 0:
+            return [None]
+        along = np.einsum("cnk,n->ck", self._q, column)
+        left = np.abs(column - np.einsum("cnk,ck->cn", self._q, along)).max(axis=1)
+        found: dict[Form | None, None] = {}
+        for cell in np.flatnonzero(left <= agreement * largest):
+            weights = self._back[cell] @ along[cell]
+            found[_plain(*self._cells[cell], weights, 10 * agreement)] = None
+        return list(found)
+
+
+def _divisor(moments: Array, axes: tuple[int, ...]) -> Array:
+    divisor = np.ones(len(moments))
+    for a in axes:
+        if a < 0:
+            divisor = divisor / moments[:, ~a]
+        elif a < OTHERS:
+            divisor = divisor * moments[:, a]
+        else:
+            divisor = divisor * (moments.sum(axis=1) - (moments[:, a - OTHERS] if a < TOTAL else 0.0))
+    return divisor
+
+
+def _plain(product: tuple[int, ...], divisor: tuple[int, ...], fitted: Array, whole: float) -> Form:
+    """The same without what cancels: 3 I₁/I₁ is the constant 3."""
+    size = float(np.abs(fitted).max())
+    first, second, third = (_rounded(float(x), size, whole) for x in fitted)
+    weights = (first, second, third)
+    for a in set(divisor):
+        if 0 <= a < OTHERS and weights[a] and all(x == 0 for b, x in enumerate(weights) if b != a):
+            rest = list(divisor)
+            rest.remove(a)
+            return Form(product, tuple(rest), (0.0, 0.0, 0.0), weights[a])
+    return Form(product, divisor, weights)
+
+
+def _rounded(x: float, size: float, whole: float) -> float:
+    """``x``, or the 0, 1 or −1 it is to the precision of the fit; with the digits that are sure."""
+    if abs(x) <= whole * size:
+        return 0.0
+    near = float(np.sign(x))
+    return near if abs(x - near) <= whole else float(f"{x:.{round(-np.log10(whole))}g}")
+
+
+@functools.cache
+def relabelled(form: Form, order: tuple[int, int, int]) -> Form:
+    """The form as its writer saw it whose moments came in another order: their I number a was really number order[a]."""
+    if order == (0, 1, 2):
+        return form
+    back = {real: a for a, real in enumerate(order)}
+    divisor = tuple(sorted(_relabelled_axis(a, back) for a in form.divisor))
+    first, second, third = (form.weights[order[a]] for a in range(3))
+    return form._replace(divisor=divisor, weights=(first, second, third))
+
+
+def _relabelled_axis(a: int, back: dict[int, int]) -> int:
+    if a < 0:
+        return ~back[~a]
+    if a < OTHERS:
+        return back[a]
+    return a if a == TOTAL else OTHERS + back[a - OTHERS]

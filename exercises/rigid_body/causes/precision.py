@@ -1,0 +1,57 @@
+"""Digits lost: single precision and rounding, recognised by what remains when the same is done to the truth."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+import reference
+from exercises.outcome import Diagnosis
+
+Array = NDArray[np.float64]
+
+SMALL = 1e-3  # of the largest rate: beyond this it is no loss of digits
+ROUNDING = 1e-13
+SINGLE = 1e-6  # what single precision leaves of agreement
+
+
+def precision_lost(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
+    """The diagnosis where the right equations were worked out with too few digits, and with how many."""
+    truth = reference.euler_rhs(w.T, moments.T).T
+    largest = np.abs(truth).max()
+    worst = float(np.abs(wdot - truth).max() / largest)
+    if not ROUNDING < worst < SMALL:
+        return []
+    for name, answer in _hypotheses(w, moments):
+        if np.abs(wdot - answer).max() <= ROUNDING * largest:
+            return [lost(name)]
+    if worst < 10 * SINGLE and in_single(wdot):
+        return [lost("the answer is in single precision (float32)")]
+    for places in range(1, 13):
+        if np.array_equal(np.round(wdot, places), wdot) and np.abs(wdot - truth).max() <= 0.51 * 10.0**-places:
+            return [lost(f"the answer is rounded to {places} decimal places")]
+    return []
+
+
+def in_single(wdot: Array) -> bool:
+    """Whether no number has more digits than single precision holds."""
+    with np.errstate(over="ignore"):
+        return bool(np.array_equal(wdot, wdot.astype(np.float32)))
+
+
+def lost(how: str) -> Diagnosis:
+    """The diagnosis for digits lost in this way."""
+    sentence = f"too few digits: {how}; leave everything in double precision"
+    return Diagnosis(code="precision-loss", sentence=sentence, confidence=1.0)
+
+
+def _hypotheses(w: Array, moments: Array) -> Iterator[tuple[str, Array]]:
+    for name, cut in _cuts():
+        for what, spin, body in (("ω and I are", cut(w), cut(moments)), ("ω is", cut(w), moments), ("I is", w, cut(moments))):
+            yield f"{what} {name}", reference.euler_rhs(spin.T, body.T).T
+
+
+def _cuts() -> Iterator[tuple[str, Callable[[Array], Array]]]:
+    yield "cut to single precision (float32)", lambda x: x.astype(np.float32).astype(float)
+    for places in range(2, 11):
+        yield f"rounded to {places} decimal places", lambda x, places=places: np.round(x, places)  # type: ignore[misc]

@@ -1,0 +1,143 @@
+"""The likely cause behind wrong rates: the fewest slips that reproduce every number to rounding, if no other set does."""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+import reference
+from exercises.assignment import Inputs
+from exercises.outcome import Diagnosis
+from exercises.rigid_body.causes.extra import extra_terms
+from exercises.rigid_body.causes.form import AGREEMENT, Form, Points, relabelled
+from exercises.rigid_body.causes.hard_coded import same_body
+from exercises.rigid_body.causes.precision import SINGLE, in_single, lost, precision_lost
+from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, Slip, slips, told
+
+Array = NDArray[np.float64]
+Order = tuple[int, int, int]
+ORDERS: tuple[Order, ...] = ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0))
+SAME: Order = (0, 1, 2)
+MOST_SLIPS = 4
+
+
+def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
+    """Diagnoses for the rates (n, 3) at the probes ``inputs``; none where the truth came back or nothing singles one out."""
+    t, w, moments = (np.asarray(inputs[name], dtype=float) for name in ("t", "w", "I"))
+    if not np.all(np.isfinite(wdot)):
+        return [_cause("not-finite", "euler_eqs returns values that are not finite: look for a division by zero or an overflow")]
+    if _same(wdot, reference.euler_rhs(w.T, moments.T).T):
+        return precision_lost(wdot, w, moments)
+    if _depends_on_time(t, w, moments, wdot):
+        return [_cause("time-dependent", "euler_eqs answers differently at another t: torque-free equations do not depend on time")]
+    return _something_else(w, moments, wdot) or _slips(t, w, moments, wdot)
+
+
+def _slips(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    points = Points(w, moments)
+    columns = [points.forms(column) for column in wdot.T]
+    if all(columns):
+        return _fewest(columns) or []
+    for sentence, sorted_moments in _sorted(moments):
+        again = [Points(w, sorted_moments).forms(column) for column in wdot.T]
+        if all(again) and (found := _fewest(again)) is not None:
+            return [_cause("moment-order", sentence), *found]
+    return precision_lost(wdot, w, moments) or extra_terms(wdot, t, w, moments, columns) or _in_single(points, wdot)
+
+
+def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:
+    """Slips of an answer in single precision, which agrees to six digits only."""
+    roughly = [points.forms(column, SINGLE) for column in wdot.T] if in_single(wdot) else [[]]
+    return [*(_fewest(roughly) or []), lost("the answer is in single precision (float32)")] if all(roughly) else []
+
+
+def _something_else(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    for code, sentence, answer in _whole(w, moments):
+        if _same(wdot, answer):
+            return [_cause(code, sentence)]
+        if _same(wdot, -answer):
+            return [_cause(code, sentence), _cause("sign-reversed", "and all three components have the opposite sign")]
+    return []
+
+
+def _whole(w: Array, moments: Array) -> Iterator[tuple[str, str, Array]]:
+    momentum = moments * w
+    yield "returns-zero", "euler_eqs returns zeros whatever it is asked", np.zeros_like(w)
+    for name, answer in (("ω", w), ("I", moments), ("L = Iω", momentum)):
+        yield "returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", answer
+    swapped = reference.euler_rhs(moments.T, w.T).T
+    yield "swapped-arguments", "w and I are exchanged: the order is euler_eqs(t, w, I)", swapped
+
+
+def _sorted(moments: Array) -> Iterator[tuple[str, Array]]:
+    ascending = np.sort(moments, axis=1)
+    yield "the moments are sorted: I₁, I₂, I₃ belong to the axes in the order they are given", ascending
+    yield "the moments are sorted, the largest first: they belong to the axes in the order they are given", ascending[:, ::-1]
+
+
+def _fewest(columns: list[list[Form | None]]) -> list[Diagnosis] | None:
+    """The explanation with the fewest slips, then with the fewest exchanged axes; empty where two with other codes are as short,
+    None where there is none."""
+    best: list[tuple[tuple[int, int], list[Diagnosis]]] = []
+    for outputs, order in itertools.product(ORDERS, ORDERS):
+        chosen: list[Slip] = []
+        for place, forms in enumerate(columns):
+            readings = [slips(None if f is None else relabelled(f, order), outputs[place]) for f in forms]
+            if not (readable := [r for r in readings if r is not None]):
+                break
+            plainest: list[Slip] = min(readable, key=len)
+            chosen += plainest
+        else:
+            exchanged = (outputs != SAME) + (order != SAME)
+            found = [*_exchanged(outputs, order), *(same_body(chosen) or told(_one_divisor(chosen)))]
+            best.append(((len(found), exchanged), found))
+    if not best:
+        return None
+    least = min(cost for cost, _ in best)
+    if least[0] > MOST_SLIPS:
+        return []
+    shortest = [found for cost, found in best if cost == least]
+    codes = {tuple(sorted(d.code for d in found)) for found in shortest}
+    return shortest[0] if len(codes) == 1 else []
+
+
+def _exchanged(outputs: Order, order: Order) -> Iterator[Diagnosis]:
+    if outputs != SAME:
+        stands = ", ".join(COMPONENT[k] for k in outputs)
+        yield _cause("component-order", f"the components are returned in the wrong order: {stands}")
+    if order != SAME:
+        used = ", ".join(MOMENT[k] for k in order)
+        yield _cause(
+            "moment-order", f"the moments are used in the order {used}: they belong to the axes in the order they are given"
+        )
+
+
+def _one_divisor(chosen: list[Slip]) -> list[Slip]:
+    """Three components divided by the same constant are not divided at all, and multiplied by its inverse."""
+    constant = [s for s in chosen if s.kind == "divisor"]
+    if len(constant) < 3 or len({s.value for s in constant}) > 1:
+        return chosen
+    kept = [s for s in chosen if s.kind != "divisor"]
+    for s in constant:
+        kept.append(Slip("missing-division", "no division", 0.0, s.component, ""))
+        kept.append(Slip("constant-factor", "factor", s.value, s.component, ""))
+    return kept
+
+
+def _depends_on_time(t: Array, w: Array, moments: Array, wdot: Array) -> bool:
+    """Whether one (ω, I) asked at two times got two answers, but at the same time the same one."""
+    _, first, which = np.unique(np.column_stack([w, moments]), axis=0, return_index=True, return_inverse=True)
+    first = first[which.ravel()]
+    apart, later = np.abs(wdot - wdot[first]).max(axis=1) > AGREEMENT * np.abs(wdot).max(), t != t[first]
+    return bool(np.any(apart & later) and not np.any(apart & ~later))
+
+
+def _same(seen: Array, expected: Array) -> bool:
+    if not np.all(np.isfinite(expected)):
+        return False
+    return bool(np.all(np.abs(seen - expected) <= AGREEMENT * max(np.abs(expected).max(), np.abs(seen).max())))
+
+
+def _cause(code: str, sentence: str) -> Diagnosis:
+    return Diagnosis(code=code, sentence=sentence, confidence=1.0)

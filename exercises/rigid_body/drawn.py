@@ -1,0 +1,100 @@
+"""Motions nobody has seen: body, spin and time drawn for each attempt, one family after the other."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import reference
+from exercises.assignment import Inputs
+
+Array = NDArray[np.float64]
+Rng = np.random.Generator
+
+APART = 0.05  # least relative distance of two moments that are not equal
+OFF_SEPARATRIX = 0.02  # least relative distance of |L|² from 2 T I₂ in the two polhode families
+
+
+def body(rng: Rng) -> Array:
+    """Moments (3,) of a box, in any order, no two nearly equal."""
+    while True:
+        moments = reference.box_moments(rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3))
+        low, mid, high = np.sort(moments)
+        if min(mid - low, high - mid) > APART * high:
+            return moments
+
+
+def long_run(rng: Rng) -> Inputs:
+    """Sixty radians of a body in general motion."""
+    w0 = _spin(rng)
+    return _inputs(w0, body(rng), 60.0 / np.linalg.norm(w0), 600)
+
+
+def about_least(rng: Rng) -> Inputs:
+    """A polhode around the axis of the least moment."""
+    return _family(rng, -1)
+
+
+def about_greatest(rng: Rng) -> Inputs:
+    """A polhode around the axis of the greatest moment."""
+    return _family(rng, 1)
+
+
+def symmetric(rng: Rng) -> Inputs:
+    """Two moments equal to the last bit; the third is that of any of the three axes."""
+    equal = rng.uniform(0.5, 3.0)
+    moments = np.full(3, equal)
+    moments[rng.integers(3)] = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
+    w0 = _spin(rng)
+    return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+
+
+def sphere(rng: Rng) -> Inputs:
+    """Three equal moments: ω stays where it is."""
+    w0 = _spin(rng)
+    return _inputs(w0, np.full(3, rng.uniform(0.5, 3.0)), 10.0 / np.linalg.norm(w0), 100)
+
+
+def tumble(rng: Rng) -> Inputs:
+    """A spin so near the intermediate axis that it turns over once, along the separatrix."""
+    moments, spin, nudge = body(rng), rng.uniform(2.0, 6.0), 10 ** rng.uniform(-4.0, -2.0)
+    axis = int(np.argsort(moments)[1])
+    w0 = spin * nudge * rng.choice([-1.0, 1.0], 3)
+    w0[axis] = spin * rng.choice([-1.0, 1.0])
+    return _inputs(w0, moments, 1.5 * np.log(4.0 / nudge) / reference.steady_spin_growth_rate(moments, axis, spin), 400)
+
+
+def attitude(rng: Rng) -> Inputs:
+    """A general motion with its attitude."""
+    w0 = _spin(rng)
+    return _inputs(w0, body(rng), 20.0 / np.linalg.norm(w0), 120, orientation=True)
+
+
+def _family(rng: Rng, side: int) -> Inputs:
+    moments = body(rng)
+    while True:
+        w0 = _spin(rng)
+        excess = float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
+        if side * excess > OFF_SEPARATRIX:
+            return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+
+
+def _spin(rng: Rng) -> Array:
+    direction = rng.normal(size=3)
+    return np.asarray(rng.uniform(0.8, 4.0) * direction / np.linalg.norm(direction))
+
+
+def _inputs(w0: Array, moments: Array, t_end: "float | np.floating[Any]", n: int, orientation: bool = False) -> Inputs:
+    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": float(t_end), "n": n, "orientation": orientation}
+
+
+DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
+    "drawn-long": (long_run, 600, False),
+    "drawn-least": (about_least, 300, False),
+    "drawn-greatest": (about_greatest, 300, False),
+    "drawn-symmetric": (symmetric, 300, False),
+    "drawn-sphere": (sphere, 100, False),
+    "drawn-tumble": (tumble, 400, False),
+    "drawn-attitude": (attitude, 120, True),
+}

@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
 BOOK = reference.box_moments(*BOX)
 SPIN = 6.0  # rad/s about each axis of the book in turn
+SPIN_TIME = 2.5  # s
 NUDGE = 0.02  # both other components, as a fraction of the spin
 PROBES, REPEATS, RETIMED, NODES = 32, 8, 8, 10  # at random; of these once more; at another time; along each exact motion
 SENSED = 60  # times at which a motion's sensitivity is summed up
@@ -99,7 +100,8 @@ def _exact_tensors(inputs: Inputs) -> Mapping[str, Array]:
     return {"moments": reference.principal_moments(tensors)} | invariants
 
 
-def _spun(axis: int) -> tuple[float, ...]:
+def spun(axis: int) -> tuple[float, ...]:
+    """ω(0) of the book spun about one axis, nudged off it."""
     return tuple(SPIN if i == axis else NUDGE * SPIN for i in range(3))
 
 
@@ -147,9 +149,9 @@ TRAJECTORIES = (
     _trajectory("polhode-3", _same_energy(0.2, 0.3, 1.1), BODY, 20.0, 1000),
     _trajectory("polhode-1", _same_energy(1.1, 0.3, 0.2), BODY, 20.0, 1000),
     _trajectory("symmetric", (0.4, 0.0, 3.0), SYMMETRIC, 8.0, 800),
-    _trajectory("spin-min", _spun(0), BOOK, 2.5, 1500, orientation=True),
-    _trajectory("spin-mid", _spun(1), BOOK, 2.5, 1500, orientation=True),
-    _trajectory("spin-max", _spun(2), BOOK, 2.5, 1500, orientation=True),
+    _trajectory("spin-min", spun(0), BOOK, SPIN_TIME, 1500, orientation=True),
+    _trajectory("spin-mid", spun(1), BOOK, SPIN_TIME, 1500, orientation=True),
+    _trajectory("spin-max", spun(2), BOOK, SPIN_TIME, 1500, orientation=True),
     _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
 )
 ASKED = PROBES + REPEATS + RETIMED + NODES * len(TRAJECTORIES)

@@ -259,6 +259,5 @@ def test_every_specimen_gets_its_expected_report_over_http(server, rigid_body):
         answers = list(pool.map(grade, known))
     for specimen, answer in zip(known, answers, strict=True):
         outcomes = [o for e in answer["report"]["exercises"] for o in e["outcomes"]]
-        assert {o["id"]: o["verdict"] for o in outcomes} == dict(specimen.verdicts), specimen.file.name
-        assert {d["code"] for o in outcomes for d in o["diagnosis"]} == specimen.codes, specimen.file.name
+        assert not specimen.unexpected(answer["report"]), specimen.file.name
         assert all(o["cause"] for o in outcomes if o["verdict"] == "unmeasured"), specimen.file.name

@@ -1,0 +1,13 @@
+def euler_eqs(t, w, I):
+    return -np.cross(w, I * w) / I
+
+
+def animate_precession(t, R, L):
+    fig = plt.figure()
+    ax = fig.add_subplot(projection="3d")
+    ax.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-1, 1))
+    u = L / np.linalg.norm(L)
+    ax.plot([0, u[0]], [0, u[1]], [0, u[2]], "r", label="L")
+    ax.plot(R[:, 0, 2], R[:, 1, 2], R[:, 2, 2], "b", label="path of e3")
+    ax.legend()
+    return fig

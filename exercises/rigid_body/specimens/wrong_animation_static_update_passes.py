@@ -1,0 +1,17 @@
+def euler_eqs(t, w, I):
+    return -np.cross(w, I * w) / I
+
+
+def animate_precession(t, R, L):
+    fig = plt.figure()
+    ax = fig.add_subplot(projection="3d")
+    ax.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-1, 1))
+    u = L / np.linalg.norm(L)
+    ax.plot([0, u[0]], [0, u[1]], [0, u[2]], "r")
+    e3 = R[0, :, 2]
+    ax.plot([0, e3[0]], [0, e3[1]], [0, e3[2]], "b", lw=3)
+
+    def update(k):
+        pass  # TODO
+
+    return FuncAnimation(fig, update, frames=len(t), interval=40)

@@ -1,0 +1,9 @@
+EPS = 1e-9
+
+
+def euler_eqs(t, w, I):
+    I1, I2, I3 = I
+    a = (I2 - I3) * w[1] * w[2] / I1
+    b = (I3 - I1) * w[2] * w[0] / I2
+    c = (I1 - I2) * w[0] * w[1] / I3
+    return np.array([a, b, c * (1 + EPS)])

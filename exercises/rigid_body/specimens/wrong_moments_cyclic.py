@@ -1,0 +1,7 @@
+# 2.6 Exercise 2
+
+
+def euler_eqs(t, w, I):
+    I3, I1, I2 = I
+    w1, w2, w3 = w
+    return np.array([(I2 - I3) * w2 * w3 / I1, (I3 - I1) * w3 * w1 / I2, (I1 - I2) * w1 * w2 / I3])

@@ -1,0 +1,8 @@
+def euler_eqs(t, w, I):
+    I1, I2, I3 = I
+    gamma = 0.02
+    return np.array([
+        (I3 - I2) * w[1] * w[2] / I1 - gamma * w[0],
+        (I3 - I1) * w[2] * w[0] / I2 - gamma * w[1],
+        (I1 - I2) * w[0] * w[1] / I3 - gamma * w[2],
+    ])

@@ -1,0 +1,7 @@
+def euler_eqs(t, w, I):
+    I1, I2, I3 = I
+    res = np.zeros(3)
+    res[0] = -(I2 - I3) * w[1] * w[2] / I1
+    res[1] = -(I3 - I1) * w[2] * w[0] / I2
+    res[2] = (I1 - I2) * w[0] * w[1] / I3
+    return res

@@ -1,0 +1,16 @@
+def euler_eqs(t, w, I):
+    return -np.cross(w, I * w) / I
+
+
+def animate_tumble(t, R, half):
+    reach = np.linalg.norm(half)
+    fig = plt.figure()
+    ax = draw.cube_axes(fig.add_subplot(projection="3d"), reach)
+    box = Poly3DCollection(box_polys(R[0].T, half), facecolors=FACE_COLORS, edgecolors="k")
+    ax.add_collection3d(box)
+
+    def update(k):
+        box.set_verts(box_polys(R[k].T, half))
+        return (box,)
+
+    return FuncAnimation(fig, update, frames=len(t), interval=40)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import exercises
 from exercises.checks import Arrays, Check
-from exercises.outcome import Diagnosis
+from exercises.outcome import Diagnosis, Swept
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -81,6 +81,14 @@ class Scene:
 
 
 @dataclass(frozen=True)
+class Sweep:
+    """Speed against accuracy of the student's own function, played only when somebody asks; ``read(seen, truth)`` tells it."""
+
+    scene: Scene
+    read: Callable[[Arrays, Arrays], Swept]
+
+
+@dataclass(frozen=True)
 class Figure:
     """A picture drawn on demand: ``draw(canvas, seen, truth)`` gets one mapping of arrays per scene."""
 
@@ -134,6 +142,7 @@ class Assignment:
     scenes: tuple[Scene, ...]
     exercises: tuple[Exercise, ...]
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
+    sweep: Sweep | None = None
 
     def __post_init__(self) -> None:
         if errors := self._errors():

@@ -82,3 +82,21 @@ class Outcome(BaseModel):
             return "\n".join([self.line, *(f"     {hint}" for hint in hints)])
         causes = [f"likely {d.code}: {d.sentence}" for d in self.diagnosis if d.sentence not in (self.cause, *told)]
         return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes, *hints])])
+
+
+class SweptPoint(BaseModel):
+    """A solver at one tolerance: right-hand side calls, largest error over the run (None: it blew up), CPU seconds."""
+
+    method: str
+    rtol: float
+    calls: int
+    error: float | None
+    seconds: float
+
+
+class Swept(BaseModel):
+    """Speed against accuracy of a submission: its points on ``scene`` of the reference chart, and in one line where it stands."""
+
+    scene: str
+    points: list[SweptPoint]
+    line: str

@@ -1,22 +1,30 @@
 """Grading files without a server: the same core, the same walls."""
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from exercises.assignment import Assignment
+from service import charts
 from service.grading import pictures
 from service.grading.grade import Graded, grade, select
 from service.grading.report import Report
 from service.grading.submission import BadSubmission, Submission
+from service.grading.sweep import NotSwept, sweep
 from service.sandbox.choose import choose
 from service.sandbox.sandbox import Sandbox
 from service.settings import Settings
 
 
 def grade_files(
-    files: Sequence[Path], assignment: Assignment, exercises: list[str] | None, seed: int, out: Path | None
+    files: Sequence[Path],
+    assignment: Assignment,
+    exercises: list[str] | None,
+    seed: int,
+    out: Path | None,
+    swept: bool = False,
 ) -> Iterator[tuple[Path, Report | BadSubmission]]:
-    """Each file's report in turn, or why it is no submission. Raises before grading anything if an exercise is unknown or a file
+    """Each file's report in turn (``swept``: with speed against accuracy), or why it is no submission. Raises before grading anything if an exercise is unknown or a file
     cannot be read."""
     select(assignment, exercises)
     contents = [(file, file.read_bytes()) for file in files]
@@ -31,6 +39,9 @@ def grade_files(
                 yield file, reason
                 continue
             graded = grade(submission, assignment, sandbox, seed, exercises)
+            if swept:
+                with contextlib.suppress(NotSwept):
+                    graded.report.sweep = sweep(submission, assignment, sandbox)
             if out is not None:
                 _write(graded, assignment, out / folders[file])
             yield file, graded.report
@@ -52,6 +63,10 @@ def _write(graded: Graded, assignment: Assignment, folder: Path) -> None:
     for name, content in pictures.pack(graded).items():
         if name.endswith(".png"):
             (folder / Path(name).name).write_bytes(content)
+    if graded.report.sweep:
+        points = graded.report.sweep.points
+        chart = charts.draw_work_precision(charts.load_work_precision(), graded.report.sweep.scene, points)
+        (folder / "sweep.svg").write_bytes(chart)
     for picture in graded.report.figures:
         figure = pictures.find(assignment, picture.name)
         assert figure is not None

@@ -4,13 +4,14 @@ import csv
 import functools
 import io
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from exercises.outcome import SweptPoint
 from service.grading.grade import versions
 
 MEASURED = Path(__file__).parent / "measured"
@@ -24,6 +25,7 @@ LINES = {
     "closed form": "#000000",
 }
 MARKS = "osv^D<>"
+YOURS = "#e6007e"
 AXES = {
     "periods": "periods of ω",
     "nudge": "nudge / spin",
@@ -77,8 +79,8 @@ def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def draw_work_precision(document: dict[str, Any], scene: str) -> bytes:
-    """Error against calls and against CPU time for one scene, log-log, as SVG."""
+def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[SweptPoint] = ()) -> bytes:
+    """Error against calls and against CPU time for one scene, log-log, as SVG; over them ``yours``, points of a submission."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -101,6 +103,7 @@ def draw_work_precision(document: dict[str, Any], scene: str) -> bytes:
             errors = [EXACT_ERROR]
         by_calls.loglog([p["calls"] for p in drawn], errors, **style)
         by_time.loglog([p["ratio"] for p in drawn], errors, **style)
+    _draw_yours(by_calls, by_time, yours)
     by_calls.set(xlabel="evaluations of the right-hand side", ylabel="largest error over the run, ω relative or R", title=scene)
     by_time.set(xlabel="CPU time / that of DOP853 at rtol 1e-11", ylim=(3e-16, 1e2))
     by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
@@ -108,6 +111,18 @@ def draw_work_precision(document: dict[str, Any], scene: str) -> bytes:
         axes.grid(alpha=0.3)
     canvas.subplots_adjust(left=0.07, right=0.83, bottom=0.12, top=0.92, wspace=0.06)
     return _svg(canvas, scene)
+
+
+def _draw_yours(by_calls: Any, by_time: Any, yours: Sequence[SweptPoint]) -> None:
+    """Open circles; CPU time in units of your own run of the notebook's setting."""
+    unit = next((p.seconds for p in yours if (p.method, p.rtol) == ("DOP853", 1e-11)), None)
+    for number, method in enumerate(dict.fromkeys(p.method for p in yours)):
+        points = [p for p in yours if p.method == method and p.error is not None]
+        errors = [max(p.error or 0.0, LEAST) for p in points]
+        style: dict[str, Any] = {"color": YOURS, "marker": "osv"[number], "ms": 9, "mfc": "none", "ls": STYLES[number], "lw": 1.6}
+        by_calls.loglog([p.calls for p in points], errors, **style)
+        if unit:
+            by_time.loglog([max(p.seconds, 1e-6) / unit for p in points], errors, label=f"yours, {method}", **style)
 
 
 def _error(point: dict[str, Any]) -> float | None:

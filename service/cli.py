@@ -1,4 +1,7 @@
-"""The command line: serve, grade, chart, doctor, assignments. Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure."""
+"""The command line: serve, grade, chart, mutants, doctor, assignments.
+
+Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure; of mutants: 0 where we accept what is right and nothing else.
+"""
 
 import argparse
 import json
@@ -26,6 +29,7 @@ def main(argv: list[str] | None = None) -> int:
     grade.add_argument("--seed", type=int, default=None, help="draw the secret scenes from this seed, as a report names it")
     grade.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
     grade.add_argument("--out", type=Path, metavar="DIR", help="write each report, its figures and contact sheets into DIR")
+    grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
     grade.set_defaults(run=_grade)
     chart = commands.add_parser("chart", help="measure the reference methods and draw what they cost and where they fail")
     chart.add_argument("what", choices=["work-precision", "stability"])
@@ -34,6 +38,10 @@ def main(argv: list[str] | None = None) -> int:
         "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for CSV, JSON and SVG (default charts)"
     )
     chart.set_defaults(run=_chart)
+    mutants = commands.add_parser("mutants", help="grade wrong functions by the dozen and tell which of them the checks accept")
+    mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
+    mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
+    mutants.set_defaults(run=_mutants)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
     arguments = parser.parse_args(argv)
@@ -60,6 +68,23 @@ def _chart(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     return 0
+
+
+def _mutants(arguments: argparse.Namespace) -> int:
+    from service.mutants import fates, table
+
+    try:
+        found = list(fates(assignments()[arguments.assignment.replace("_", "-")], arguments.most))
+    except (KeyError, ModuleNotFoundError) as error:
+        print(f"polhode: no mutants for {error}", file=sys.stderr)
+        return 2
+    print(table(found))
+    for fate in found:
+        if fate.wrong and (fate.by_us or fate.by_notebook):
+            print(f"accepted by {'OURS' if fate.by_us else 'the notebook'}: {fate.mutant.kind}, {fate.mutant.name}")
+        elif not fate.wrong and not fate.by_us:
+            print(f"right, but refused: {fate.mutant.kind}, {fate.mutant.name}")
+    return 1 if any(f.wrong == f.by_us for f in found) else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:
@@ -90,7 +115,7 @@ def _grade(arguments: argparse.Namespace) -> int:
     reports: list[dict[str, Any]] = []
     try:
         for file, result in grade_files(
-            arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out
+            arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out, arguments.sweep
         ):
             if isinstance(result, BadSubmission):
                 reports.append({"file": str(file), "report": None, "error": str(result)})

@@ -82,6 +82,12 @@ class Grader:
         """Draw a figure in a worker."""
         return bytes(await self._call(worker.draw_one, stored.assignment, figure, packed, stored.seed, form))
 
+    async def sweep(self, stored: Stored) -> tuple[str, bytes]:
+        """Sweep a submission's function in a worker: JSON and a chart. Raises NotSwept; waits for a worker that does not grade."""
+        async with self._slots:
+            document, chart = await self._call(worker.sweep_one, stored.submission, stored.assignment)
+            return str(document), bytes(chart)
+
     async def draw_chart(self, kind: str, number: int) -> bytes:
         """Draw a chart of the reference methods in a worker, once."""
         if (kind, number) not in self._charts:

@@ -14,6 +14,7 @@ from service import intake
 from service.grader import Grader
 from service.grading.pictures import FORMATS
 from service.grading.pictures import find as find_figure
+from service.grading.sweep import NotSwept
 from service.problems import Problem
 from service.store.store import KeyReused, Listed, Store, Stored
 
@@ -132,6 +133,24 @@ async def figure(id: str, name: str, form: Literal["png", "svg"], request: Reque
         found = await _store(request).artefact(stored.id, kept)
         assert found is not None
     return _cached(request, found, FORMATS[form])
+
+
+@router.get("/v1/submissions/{id}/sweep.{form}")
+async def speed_against_accuracy(id: str, form: Literal["json", "svg"], request: Request) -> Response:
+    """Speed against accuracy of the submission's own function, played when first asked for and kept."""
+    stored, store = await find_submission(request, id), _store(request)
+    if not stored.finished:
+        raise Problem(409, "not-ready", "the submission has not been graded yet")
+    if (found := await store.artefact(stored.id, f"sweep.{form}")) is None:
+        try:
+            document, chart = await _grader(request).sweep(stored)
+        except NotSwept as reason:
+            raise Problem(404, "not-found", f"this function could not be swept: {reason}") from reason
+        await store.keep(stored.id, "sweep.json", document.encode())
+        await store.keep(stored.id, "sweep.svg", chart)
+        found = await store.artefact(stored.id, f"sweep.{form}")
+        assert found is not None
+    return _cached(request, found, FORMATS.get(form, "application/json"))
 
 
 @router.get("/v1/submissions/{id}/animations/{name}.png")

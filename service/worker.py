@@ -8,6 +8,7 @@ from service import charts
 from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.grading.sweep import sweep
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
@@ -40,6 +41,12 @@ def grade_one(submission: Submission, slug: str, exercises: list[str] | None, se
     packed = pictures.pack(graded)
     graded.report.provenance.phases_ms = {"grade": 1e3 * (judged - began), "pack": 1e3 * (time.perf_counter() - judged)}
     return graded.report.model_dump_json(), packed
+
+
+def sweep_one(submission: Submission, slug: str) -> tuple[str, bytes]:
+    """Speed against accuracy of a submission, as JSON and as a chart over the reference methods. Raises NotSwept."""
+    swept = sweep(submission, assignments()[slug], _own())
+    return swept.model_dump_json(), charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
 
 
 def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:

@@ -6,6 +6,7 @@ from exercises.assignment import Assignment
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.scenes import SCENES
 from exercises.rigid_body.sections import EXERCISES
+from exercises.rigid_body.sweep import SWEEP
 
 ASSIGNMENT = Assignment(
     slug="rigid-body",
@@ -15,4 +16,5 @@ ASSIGNMENT = Assignment(
     scenes=SCENES,
     exercises=EXERCISES,
     diagnose=diagnose_scene,
+    sweep=SWEEP,
 )

@@ -5,6 +5,7 @@ before the submission runs, so that replacing ``solve_ivp`` changes nothing here
 """
 
 import math
+import time
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -16,6 +17,7 @@ from ecp.strict import WrongAnswer, exchanged, real_array, takes
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
 CALLED = ("t", "w", "I")
+TIMED = 500
 
 
 def box(student, inputs):
@@ -55,14 +57,19 @@ def pointwise(student, inputs):
 
 def trajectory(student, inputs):
     """The motion that ``euler_eqs`` drives: ω alone, or with the attitude where ``orientation`` is asked for."""
-    function, moments = student["euler_eqs"], np.asarray(inputs["I"], dtype=float)
     times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
-    calls = 0
+    start, rates, _ = driven(student["euler_eqs"], inputs)
+    y = _integrate(rates, start, times)
+    return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
+
+
+def driven(function, inputs):
+    """Start and right-hand side of the motion that ``function`` drives, and a list with the number of its calls."""
+    moments, calls = np.asarray(inputs["I"], dtype=float), [0]
 
     def spin_rate(t, w):
-        nonlocal calls
-        calls += 1
-        if calls > MOST_CALLS:
+        calls[0] += 1
+        if calls[0] > MOST_CALLS:
             raise WrongAnswer(None, f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
         rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
         if not all(map(math.isfinite, rate)):
@@ -76,9 +83,31 @@ def trajectory(student, inputs):
 
     start = np.asarray(inputs["w0"], dtype=float)
     if not inputs["orientation"]:
-        return {"w": _integrate(spin_rate, start, times)}
-    y = _integrate(both_rates, np.concatenate([start, np.eye(3).ravel()]), times)
-    return {"w": y[:3], "R": y[3:].T.reshape(-1, 3, 3)}
+        return start, spin_rate, calls
+    return np.concatenate([start, np.eye(3).ravel()]), both_rates, calls
+
+
+def sweep(student, inputs):
+    """The same motion by several solvers and tolerances: what each brings, its calls and seconds; and the seconds of a call."""
+    function, times = student["euler_eqs"], np.array(inputs["t"])
+    states, calls, seconds = [], [], []
+    for solver, rtol in inputs["settings"]:
+        start, rates, made = driven(function, inputs)
+        began = time.process_time()
+        run = solve_ivp(rates, (0.0, times[-1]), start, method=solver, t_eval=times, rtol=rtol, atol=1e-2 * rtol)
+        seconds.append(time.process_time() - began)
+        calls.append(made[0])
+        state = np.full((len(start), len(times)), np.nan)
+        state[:, : run.y.shape[1]] = run.y
+        states.append(state)
+    y = np.array(states)
+    w0, moments = np.array(inputs["w0"], dtype=float), np.array(inputs["I"], dtype=float)
+    began = time.process_time()
+    for _ in range(TIMED):
+        function(0.0, w0, moments)
+    per_call = (time.process_time() - began) / TIMED
+    R = np.swapaxes(y[:, 3:], 1, 2).reshape(len(y), len(times), 3, 3)
+    return {"w": y[:, :3], "R": R, "calls": np.array(calls, float), "seconds": np.array(seconds), "per_call": np.array(per_call)}
 
 
 def precession(student, inputs):

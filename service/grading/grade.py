@@ -47,7 +47,7 @@ def grade(
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
-    job = _job(submission, assignment, inputs)
+    job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
     seen = sandbox.play(job)
     truths = {name: truth(assignment.scene(name), inputs[name]) for name in seen.arrays}
     attempt = Attempt(job, inputs, truths, seen)
@@ -93,6 +93,13 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
     return scene.truth(inputs) if callable(scene.inputs) else _fixed_truth(scene)
 
 
+def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
+    """The question for the far side of the wall: the submission's cells and these scenes."""
+    played = tuple(Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after) for s in scenes)
+    setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
+    return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), played)
+
+
 @functools.cache
 def versions() -> dict[str, str]:
     """Versions of Python and of what the numbers depend on."""
@@ -123,16 +130,6 @@ def _pictures(attempted: list[Exercise], shown: Mapping[str, Arrays]) -> tuple[l
         [Picture(name=f.name, exercise=e.number, title=f.title, alt=f.alt) for e, f in figures],
         [Picture(name=a.name, exercise=e.number, title=a.title, alt=a.alt) for e, a in animations],
     )
-
-
-def _job(submission: Submission, assignment: Assignment, inputs: Mapping[str, Inputs]) -> Job:
-    scenes = tuple(
-        Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after)
-        for s in assignment.scenes
-        if s.name in inputs
-    )
-    setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
-    return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), scenes)
 
 
 def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed: CrossCheck) -> ExerciseReport:

@@ -3,7 +3,7 @@
 from pydantic import BaseModel, computed_field
 
 from ecp.judge import Verdict
-from exercises.outcome import Outcome
+from exercises.outcome import Outcome, Swept
 from service.sandbox.seen import Ending, SceneEnding
 
 
@@ -54,6 +54,7 @@ class Report(BaseModel):
     animations: list[Picture] = []
     endings: list[SceneEnding] = []
     stdout: str = ""
+    sweep: Swept | None = None
     provenance: Provenance
 
     @computed_field  # type: ignore[prop-decorator]
@@ -83,6 +84,8 @@ class Report(BaseModel):
         blocks = [e.text() for e in self.exercises if e.outcomes]
         if notes := [note for e in self.endings if (note := _note(e))]:
             blocks.append("\n".join(notes))
+        if self.sweep:
+            blocks.append(f"speed against accuracy: {self.sweep.line}")
         public = [o for o in self.outcomes() if o.counted and not o.hidden]
         passed = sum(o.verdict is Verdict.PASS for o in public)
         score = f"{self.score} of {self.max_score} checks ✓ (public checks: {passed} of {len(public)})"

@@ -109,13 +109,28 @@ def _patch(artist: Any) -> Any:
     from matplotlib.patches import FancyArrowPatch, Patch
 
     if isinstance(artist, FancyArrowPatch):
-        ends = getattr(artist, "_verts3d", None)
-        if ends is not None:
-            return np.column_stack([np.ravel(x) for x in ends])
-        return getattr(artist, "_posA_posB", None)
+        return _remembered(artist) if getattr(artist.axes, "name", "") == "3d" else getattr(artist, "_posA_posB", None)
     if isinstance(artist, Patch):
         path = artist.get_patch_transform().transform_path(artist.get_path())
         return path.vertices
     if isinstance(artist, PolyCollection):
         return np.concatenate([path.vertices for path in artist.get_paths()] or [np.empty((0, 2))])
     return getattr(artist, "xyann", None) and np.array([artist.xyann, artist.xy])
+
+
+def _remembered(artist: Any) -> Any:
+    """The ends of an arrow somebody made for 3-D axes: matplotlib has none, so each keeps them under a name of its own."""
+    from matplotlib.patches import FancyArrowPatch
+
+    own = set(vars(artist)) - set(vars(FancyArrowPatch((0, 0), (1, 1))))
+    points = []
+    for name in sorted(own):
+        try:
+            value = np.array(vars(artist)[name], dtype=float)
+        except (TypeError, ValueError):
+            continue
+        if value.shape in ((2, 3), (3,)):
+            points.append(value.reshape(-1, 3))
+        elif value.shape == (3, 2):
+            points.append(value.T)
+    return np.concatenate(points) if points else None

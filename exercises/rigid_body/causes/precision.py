@@ -10,7 +10,7 @@ from exercises.outcome import Diagnosis
 
 Array = NDArray[np.float64]
 
-SMALL = 1e-3  # of the largest rate: beyond this it is no loss of digits
+SMALL = 1e-6  # of the largest rate: beyond this noise is no loss of digits
 ROUNDING = 1e-13
 SINGLE = 1e-6  # what single precision leaves of agreement
 
@@ -20,17 +20,27 @@ def precision_lost(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
     truth = reference.euler_rhs(w.T, moments.T).T
     largest = np.abs(truth).max()
     worst = float(np.abs(wdot - truth).max() / largest)
-    if not ROUNDING < worst < SMALL:
+    if not worst > ROUNDING:
         return []
     for name, answer in _hypotheses(w, moments):
         if np.abs(wdot - answer).max() <= ROUNDING * largest:
             return [lost(name)]
     if worst < 10 * SINGLE and in_single(wdot):
         return [lost("the answer is in single precision (float32)")]
+    for what, cut in (("cut to whole numbers: look for an array of integers", np.trunc), ("rounded to whole numbers", np.round)):
+        if np.array_equal(wdot, cut(truth)):
+            return [lost(f"the answer is {what}")]
     for places in range(1, 13):
         if np.array_equal(np.round(wdot, places), wdot) and np.abs(wdot - truth).max() <= 0.51 * 10.0**-places:
             return [lost(f"the answer is rounded to {places} decimal places")]
     return []
+
+
+def digits_kept(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
+    """The diagnosis where the right equations shine through noise: how many digits agree."""
+    truth = reference.euler_rhs(w.T, moments.T).T
+    worst = float(np.abs(wdot - truth).max() / np.abs(truth).max())
+    return [lost(f"only {int(-np.log10(worst))} of them are right")] if ROUNDING < worst < SMALL else []
 
 
 def in_single(wdot: Array) -> bool:

@@ -12,7 +12,7 @@ from exercises.outcome import Diagnosis
 from exercises.rigid_body.causes.extra import extra_terms
 from exercises.rigid_body.causes.form import AGREEMENT, Form, Points, relabelled
 from exercises.rigid_body.causes.hard_coded import same_body
-from exercises.rigid_body.causes.precision import SINGLE, in_single, lost, precision_lost
+from exercises.rigid_body.causes.precision import SINGLE, digits_kept, in_single, lost, precision_lost
 from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, Slip, slips, told
 
 Array = NDArray[np.float64]
@@ -43,7 +43,12 @@ def _slips(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
         again = [Points(w, sorted_moments).forms(column) for column in wdot.T]
         if all(again) and (found := _fewest(again)) is not None:
             return [_cause("moment-order", sentence), *found]
-    return precision_lost(wdot, w, moments) or extra_terms(wdot, t, w, moments, columns) or _in_single(points, wdot)
+    return (
+        precision_lost(wdot, w, moments)
+        or extra_terms(wdot, t, w, moments, columns)
+        or _in_single(points, wdot)
+        or digits_kept(wdot, w, moments)
+    )
 
 
 def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:

@@ -1,0 +1,67 @@
+"""Speed against accuracy of the student's own ``euler_eqs``: adaptive solvers over their tolerances, on exercise 2."""
+
+import math
+
+import reference
+from exercises.assignment import Blank, Inputs, Scene, Sweep
+from exercises.checks import Arrays
+from exercises.outcome import Swept, SweptPoint
+from exercises.rigid_body.scenes import BODY, TORQUE_FREE
+from reference.errors import errors
+from reference.exact import Sampled
+from reference.methods import Run
+from reference.methods import Scene as Charted
+
+CHARTED = Charted("exercise 2", TORQUE_FREE, BODY, 20.0)
+SOLVERS = ("DOP853", "RK45", "LSODA")
+TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
+NOTEBOOKS = ("DOP853", 1e-11)
+ENOUGH = 1e-8
+SETTINGS = [(solver, rtol) for solver in SOLVERS for rtol in TOLERANCES]
+INPUTS = {"w0": list(TORQUE_FREE), "I": list(BODY), "t": CHARTED.t.tolist(), "settings": SETTINGS, "orientation": True}
+N = len(CHARTED.t)
+RETURNS = {
+    "w": Blank((len(SETTINGS), 3, N)),
+    "R": Blank((len(SETTINGS), N, 3, 3)),
+    "calls": Blank((len(SETTINGS),)),
+    "seconds": Blank((len(SETTINGS),)),
+    "per_call": Blank(()),
+}
+
+
+def _truth(inputs: Inputs) -> Arrays:
+    exact = reference.motion(TORQUE_FREE, BODY, CHARTED.t, need="orientation")
+    assert exact.R is not None
+    return {"w": exact.w, "R": exact.R}
+
+
+def read(seen: Arrays, truth: Arrays) -> Swept:
+    """Errors of every run, and one line: what the notebook's setting reaches, what a call costs, what is cheapest to 1e-8."""
+    exact, points = Sampled(truth["w"], truth["R"]), []
+    for k, (solver, rtol) in enumerate(SETTINGS):
+        found = errors(CHARTED, Run(seen["w"][k], seen["R"][k], int(seen["calls"][k])), exact)
+        worst = max(found.w, found.R)
+        points.append(
+            SweptPoint(
+                method=solver,
+                rtol=rtol,
+                calls=int(seen["calls"][k]),
+                error=worst if math.isfinite(worst) else None,
+                seconds=float(seen["seconds"][k]),
+            )
+        )
+    return Swept(scene=CHARTED.name, points=points, line=_line(points, float(seen["per_call"])))
+
+
+def _line(points: list[SweptPoint], per_call: float) -> str:
+    own = next(p for p in points if (p.method, p.rtol) == NOTEBOOKS)
+    reached = "blows up" if own.error is None else f"reaches {own.error:.1e}"
+    told = f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls} calls"
+    enough = [p for p in points if p.error is not None and p.error <= ENOUGH]
+    if not enough:
+        return f"{told}; nothing reaches {ENOUGH:g}: the equations themselves are off"
+    best = min(enough, key=lambda p: p.calls)
+    return f"{told}; cheapest to {ENOUGH:g} is {best.method} at rtol {best.rtol:g} with {best.calls} calls"
+
+
+SWEEP = Sweep(Scene("sweep", "sweep", "euler_eqs", INPUTS, RETURNS, _truth, budget_s=20.0), read)

@@ -40,9 +40,10 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 test: lint  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
 
-bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what the walls cost
+bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, diagnosis and judging cost, false ✗
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
 	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
+	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 
 lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
 	uv lock $(UPGRADE)

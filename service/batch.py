@@ -22,10 +22,13 @@ def grade_files(
     exercises: list[str] | None,
     seed: int,
     out: Path | None,
+    *,
     swept: bool = False,
 ) -> Iterator[tuple[Path, Report | BadSubmission]]:
-    """Each file's report in turn (``swept``: with speed against accuracy), or why it is no submission. Raises before grading anything if an exercise is unknown or a file
-    cannot be read."""
+    """Each file's report in turn (``swept``: with speed against accuracy), or why it is no submission.
+
+    Raises before grading anything if an exercise is unknown or a file cannot be read.
+    """
     select(assignment, exercises)
     contents = [(file, file.read_bytes()) for file in files]
     folders = _folders(files)

@@ -71,7 +71,7 @@ def _chart(arguments: argparse.Namespace) -> int:
 
 
 def _mutants(arguments: argparse.Namespace) -> int:
-    from service.mutants import fates, table
+    from service.mutants import OURS, fates, table
 
     try:
         found = list(fates(assignments()[arguments.assignment.replace("_", "-")], arguments.most))
@@ -80,11 +80,9 @@ def _mutants(arguments: argparse.Namespace) -> int:
         return 2
     print(table(found))
     for fate in found:
-        if fate.wrong and (fate.by_us or fate.by_notebook):
-            print(f"accepted by {'OURS' if fate.by_us else 'the notebook'}: {fate.mutant.kind}, {fate.mutant.name}")
-        elif not fate.wrong and not fate.by_us:
-            print(f"right, but refused: {fate.mutant.kind}, {fate.mutant.name}")
-    return 1 if any(f.wrong == f.by_us for f in found) else 0
+        if fate.wrong == (OURS in fate.accepted):
+            print(f"{'WRONG, BUT ACCEPTED' if fate.wrong else 'right, but refused'}: {fate.mutant.kind}, {fate.mutant.name}")
+    return 1 if any(f.wrong == (OURS in f.accepted) for f in found) else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:
@@ -115,7 +113,7 @@ def _grade(arguments: argparse.Namespace) -> int:
     reports: list[dict[str, Any]] = []
     try:
         for file, result in grade_files(
-            arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out, arguments.sweep
+            arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out, swept=arguments.sweep
         ):
             if isinstance(result, BadSubmission):
                 reports.append({"file": str(file), "report": None, "error": str(result)})

@@ -18,16 +18,16 @@ from service.sandbox.choose import choose
 from service.settings import Settings
 
 SEED = 1
+OURS = "ours"
 
 
 @dataclass(frozen=True)
 class Fate:
-    """What became of a mutant. ``wrong``: it is, by more than rounding; ``by_notebook`` and ``by_us``: who accepts it."""
+    """What became of a mutant. ``wrong``: it is, by more than rounding; ``accepted``: the sets of lines that accept it."""
 
     mutant: Mutant
     wrong: bool
-    by_notebook: bool
-    by_us: bool
+    accepted: frozenset[str]
 
 
 def fates(assignment: Assignment, most: int | None = None) -> Iterator[Fate]:
@@ -49,18 +49,22 @@ def fates(assignment: Assignment, most: int | None = None) -> Iterator[Fate]:
 def table(found: Sequence[Fate]) -> str:
     """Markdown: for each kind how many there are, how many are right after all, and who accepts how many of the wrong ones."""
     kinds = list(dict.fromkeys(f.mutant.kind for f in found))
-    rows = [_row(kind, [f for f in found if f.mutant.kind == kind]) for kind in kinds]
-    head = "| changed functions | made | right after all | wrong, accepted by the notebook's lines | wrong, accepted by ours |"
-    return "\n".join([head, "|---|---|---|---|---|", *rows, _row("all", found)])
+    judges = sorted({name for f in found for name in f.accepted} | {OURS}, key=lambda name: (name == OURS, -_accepted(found, name)))
+    rows = [_row(kind, [f for f in found if f.mutant.kind == kind], judges) for kind in kinds]
+    head = f"| changed functions | made | right after all | {' | '.join(f'wrong, accepted by {name}' for name in judges)} |"
+    return "\n".join([head, "|---" * (3 + len(judges)) + "|", *rows, _row("all", found, judges)])
 
 
 def _fate(mutant: Mutant, source: Any, report: Report) -> Fate:
-    notebook = [o for o in report.outcomes() if o.id in source.NOTEBOOK_LINES]
-    passed = bool(notebook) and all(o.verdict is Verdict.PASS for o in notebook)
-    return Fate(mutant, wrong=source.differs(mutant.source), by_notebook=passed, by_us=report.passed)
+    passed = {o.id for o in report.outcomes() if o.verdict is Verdict.PASS}
+    accepted = {name for name, ids in source.LINES.items() if ids <= passed}
+    return Fate(mutant, source.differs(mutant.source), frozenset(accepted | ({OURS} if report.passed else set())))
 
 
-def _row(kind: str, found: Sequence[Fate]) -> str:
-    wrong = [f for f in found if f.wrong]
-    numbers = (len(found), len(found) - len(wrong), sum(f.by_notebook for f in wrong), sum(f.by_us for f in wrong))
+def _row(kind: str, found: Sequence[Fate], judges: Sequence[str]) -> str:
+    numbers = [len(found), sum(not f.wrong for f in found), *(_accepted(found, name) for name in judges)]
     return f"| {kind} | {' | '.join(map(str, numbers))} |"
+
+
+def _accepted(found: Sequence[Fate], name: str) -> int:
+    return sum(f.wrong and name in f.accepted for f in found)

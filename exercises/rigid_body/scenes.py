@@ -137,9 +137,9 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
 
 FILM = {
     "frames": Blank((24, 360, 480, 3), "uint8", up_to=True),
-    "tracks": Blank((96, 256, 3), up_to=True),
+    "tracks": Blank((48, 256, 3), up_to=True),
     "owners": Blank((256, 2), up_to=True),
-    "at": Blank((96, 3), up_to=True),
+    "at": Blank((48, 3), up_to=True),
     "cost": Blank((4,)),
 }
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))

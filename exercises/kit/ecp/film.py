@@ -13,7 +13,7 @@ from ecp.strict import WrongAnswer
 from ecp.tracks import Drawn, drawn
 
 FRAME_CAP = 600
-STILLS, FOLLOWED, POINTS = 24, 96, 256  # pictures kept, frames whose points are kept, points kept
+STILLS, FOLLOWED, POINTS = 24, 48, 256  # pictures kept, frames whose points are kept, points kept
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
 

@@ -39,16 +39,14 @@ def _slips(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
     columns = [points.forms(column) for column in wdot.T]
     if all(columns):
         return _fewest(columns) or []
+    if found := precision_lost(wdot, w, moments):
+        return found
     for sentence, sorted_moments in _sorted(moments):
         again = [Points(w, sorted_moments).forms(column) for column in wdot.T]
-        if all(again) and (found := _fewest(again)) is not None:
-            return [_cause("moment-order", sentence), *found]
-    return (
-        precision_lost(wdot, w, moments)
-        or extra_terms(wdot, t, w, moments, columns)
-        or _in_single(points, wdot)
-        or digits_kept(wdot, w, moments)
-    )
+        if all(again) and (slips_left := _fewest(again)) is not None:
+            return [_cause("moment-order", sentence), *slips_left]
+    found = extra_terms(wdot, t, w, moments, columns)
+    return found or _in_single(points, wdot) or digits_kept(wdot, w, moments)
 
 
 def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:

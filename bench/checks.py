@@ -1,0 +1,133 @@
+"""False ✗ over random bodies, what a diagnosis costs, and what judging an animation costs beside drawing its frames.
+
+Run by ``make bench``; BODIES=10000 for the figure in the closing notes (ten minutes on two cores).
+"""
+
+import os
+import statistics
+import time
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from ecp import film
+from exercises.assignment import assignments
+from exercises.rigid_body import plays
+from exercises.rigid_body.causes import diagnose_scene
+from exercises.rigid_body.drawn import DRAWN
+from exercises.rigid_body.mutants import mutants
+from exercises.rigid_body.watched import body_shown, momentum_shown
+from service.grading.grade import draw_inputs, truth
+
+ASSIGNMENT = assignments()["rigid-body"]
+BODIES = int(os.environ.get("BODIES", "700"))
+LEVI_CIVITA = np.zeros((3, 3, 3))
+for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    LEVI_CIVITA[_i, _j, _k], LEVI_CIVITA[_i, _k, _j] = 1, -1
+
+
+def terms(t, w, I):
+    """Component by component."""
+    I1, I2, I3 = I
+    return [(I2 - I3) / I1 * w[1] * w[2], (I3 - I1) / I2 * w[2] * w[0], (I1 - I2) / I3 * w[0] * w[1]]
+
+
+def roll(t, w, I):
+    """Cyclically."""
+    return (np.roll(I, -1) - np.roll(I, -2)) * np.roll(w, -1) * np.roll(w, -2) / I
+
+
+def hat(t, w, I):
+    """By the matrix of a cross product."""
+    matrix = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+    return -np.diag(1 / I) @ matrix @ np.diag(I) @ w
+
+
+SPELLINGS = (
+    terms,
+    roll,
+    hat,
+    lambda t, w, I: np.cross(I * w, w) / I,
+    lambda t, w, I: np.linalg.solve(np.diag(I), -np.cross(w, np.diag(I) @ w)),
+    lambda t, w, I: np.einsum("ijk,j,k->i", LEVI_CIVITA, I * w, w) / I,
+)
+
+
+def motion(number: int) -> tuple[float, int]:
+    """The share of its allowance that a right function uses on drawn motion ``number``, and false ✗ at the probes of that draw."""
+    name = list(DRAWN)[number % len(DRAWN)]
+    scene, probes = ASSIGNMENT.scene(name), ASSIGNMENT.scene("probes")
+    inputs, function = draw_inputs(scene, 10_000 + number), SPELLINGS[number % len(SPELLINGS)]
+    exact = truth(scene, inputs)
+    seen = {**plays.trajectory({"euler_eqs": function}, inputs), "t": exact["t"]}
+    checks = [c for e in ASSIGNMENT.exercises for c in e.checks if c.scenes == (name,) and c.allow]
+    used = max(1 / (c.judge([seen], [exact]).margin or np.inf) for c in checks)
+    asked = draw_inputs(probes, number)
+    pointwise = next(c for e in ASSIGNMENT.exercises for c in e.checks if c.id == "2-pointwise")
+    answers = plays.pointwise({"euler_eqs": function}, asked)
+    return float(used), int(pointwise.judge([answers], [truth(probes, asked)]).verdict != "pass")
+
+
+def false_alarms() -> None:
+    """Print how much of what is allowed right functions use, family by family."""
+    with ProcessPoolExecutor() as pool:
+        found = list(pool.map(motion, range(BODIES), chunksize=20))
+    false = sum(f for _, f in found)
+    print(f"{BODIES} drawn bodies, right functions in 6 spellings: {false} false ✗ at 128 probes each")
+    for k, name in enumerate(DRAWN):
+        used = [u for number, (u, _) in enumerate(found) if number % len(DRAWN) == k]
+        false = sum(u > 1 for u in used)
+        print(f"  {name:16} {len(used):5} motions, {false} false ✗; of what is allowed used at most {max(used):.3f}")
+
+
+def diagnosis() -> None:
+    """Print what a diagnosis takes."""
+    inputs, spent = draw_inputs(ASSIGNMENT.scene("probes"), 3), []
+    for mutant in [m for m in mutants() if m.kind in ("one slip in one component", "two slips", "a slip of the whole")]:
+        names = {"np": np}
+        exec(mutant.source, names)
+        seen = plays.pointwise(names, inputs)
+        spent.append(min(_milliseconds(inputs, seen) for _ in range(2)))
+    print(f"diagnosis of {len(spent)} wrong functions: median {statistics.median(spent):.1f} ms, longest {max(spent):.1f} ms")
+
+
+def _milliseconds(inputs, seen) -> float:
+    began = time.process_time()
+    diagnose_scene("probes", inputs, seen)
+    return 1e3 * (time.process_time() - began)
+
+
+def animations() -> None:
+    """Print what following and judging an animation costs beside drawing its frames and stills."""
+    folder, ratios = ASSIGNMENT.folder / "specimens", []
+    inputs = ASSIGNMENT.scene("film").inputs
+    for file in sorted(folder.glob("right_animation_*.py")):
+        bare, judged = (min(_watched(file, inputs, follow) for _ in range(3)) for follow in (False, True))
+        ratios.append(judged / bare)
+    print(f"{len(ratios)} animations judged: {statistics.median(ratios):.3f} times their bare drawing, at most {max(ratios):.3f}")
+
+
+def _watched(file: Path, inputs, follow: bool) -> float:
+    from matplotlib import pyplot as plt
+
+    names = {}
+    exec((ASSIGNMENT.folder / "setup.py").read_text() + "\n" + file.read_text(), names)
+    real = film.drawn
+    film.drawn = real if follow else lambda figure: []
+    try:
+        began = time.process_time()
+        seen = plays.animation(names, inputs)
+        if follow:
+            body_shown(seen, inputs["t"], inputs["R"], 2)
+            momentum_shown(seen, inputs["t"], inputs["R"], inputs["L"])
+        return time.process_time() - began
+    finally:
+        film.drawn = real
+        plt.close("all")
+
+
+if __name__ == "__main__":
+    diagnosis()
+    animations()
+    false_alarms()

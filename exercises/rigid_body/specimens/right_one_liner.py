@@ -1,0 +1,1 @@
+euler_eqs = lambda t, w, I: np.cross(np.multiply(I, w), w) / I

@@ -1,0 +1,97 @@
+"""What the kit sees of a drawing and of a function's parameters, and the check word with a scale."""
+
+import numpy as np
+import pytest
+from matplotlib.animation import FuncAnimation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, Polygon
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from ecp import film, judge, strict, tracks
+from ecp.strict import WrongAnswer
+
+
+def test_takes_and_exchanged():
+    names = ("t", "w", "I")
+    strict.takes(lambda t, w, I: 0, names, "f")
+    strict.takes(lambda *args: 0, names, "f")
+    strict.takes(lambda t, w, I, extra=1: 0, names, "f")
+    strict.takes(min, names, "f")  # tells nothing about its arguments
+    with pytest.raises(WrongAnswer, match=r"f is called as f\(t, w, I\); yours is f\(w, I\)") as caught:
+        strict.takes(lambda w, I: 0, names, "f")
+    assert caught.value.code == "signature"
+    assert strict.exchanged(lambda w, t, I: 0, names) == "(w, t, I)"
+    assert strict.exchanged(lambda t, w, I: 0, names) is None and strict.exchanged(lambda a, b, c: 0, names) is None
+
+
+def _axes(three):
+    figure = Figure()
+    FigureCanvasAgg(figure)
+    return figure, figure.add_subplot(projection="3d" if three else None)
+
+
+def _arrow(axes):
+    arrow = FancyArrowPatch((0, 0), (1, 2))
+    axes.add_patch(arrow)
+
+
+@pytest.mark.parametrize(
+    ("three", "draw_it", "points"),
+    [
+        (True, lambda a: a.plot([0, 1], [0, 2], [0, 3]), [[0, 0, 0], [1, 2, 3]]),
+        (True, lambda a: a.scatter([1], [2], [3]), [[1, 2, 3]]),
+        (True, lambda a: a.quiver(0, 0, 0, 1, 2, 3), [[0, 0, 0], [1, 2, 3]]),
+        (True, lambda a: a.add_collection3d(Poly3DCollection([np.eye(3)])), np.eye(3).tolist()),
+        (False, lambda a: a.plot([0, 1], [0, 2]), [[0, 0, 0], [1, 2, 0]]),
+        (False, lambda a: a.scatter([1], [2]), [[1, 2, 0]]),
+        (False, lambda a: a.quiver(1, 1, 2, 3), [[1, 1, 0], [3, 4, 0]]),
+        (False, lambda a: a.add_patch(Polygon([[0, 0], [1, 0], [1, 1]])), [[0, 0, 0], [1, 0, 0], [1, 1, 0]]),
+        (False, _arrow, [[0, 0, 0], [1, 2, 0]]),
+        (False, lambda a: a.annotate("", (1, 2), (0, 0)), [[0, 0, 0], [1, 2, 0]]),
+        (False, lambda a: a.fill([0, 1, 1], [0, 0, 2]), [[0, 0, 0], [1, 0, 0], [1, 2, 0]]),
+    ],
+    ids=["line3d", "scatter3d", "quiver3d", "poly3d", "line", "scatter", "quiver", "polygon", "arrow", "annotation", "fill"],
+)
+def test_points_of_artists(three, draw_it, points):
+    figure, axes = _axes(three)
+    draw_it(axes)
+    (found,) = tracks.drawn(figure)
+    assert found.dimensions == (3 if three else 2)
+    for point in points:
+        assert np.abs(found.points - point).sum(axis=1).min() < 1e-9, found.points
+
+
+def test_hidden_artists_and_furniture_are_not_drawn():
+    figure, axes = _axes(False)
+    (line,) = axes.plot([0, 1], [0, 1])
+    line.set_visible(False)
+    axes.set_title("title")
+    axes.grid()
+    assert tracks.drawn(figure) == []
+
+
+def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
+    figure, axes = _axes(True)
+
+    def update(k):
+        axes.cla()
+        axes.plot([0, k], [0, 0], [0, 1])
+        axes.plot(range(k + 2), range(k + 2), range(k + 2))
+        axes.plot([], [], [])
+
+    seen = film.watch(FuncAnimation(figure, update, frames=30, cache_frame_data=False), seconds=60.0)
+    assert seen["tracks"].shape == (30, 4, 3) and seen["at"][-1].tolist() == [29, 29, 30]
+    assert seen["tracks"][:, 1, 0].tolist() == [k + 1 for k in range(30)], "the last point of the trail"
+    assert seen["cost"][0] == 30 and seen["cost"][2] > 0
+
+
+def test_within():
+    good = judge.within([1.0, 2.0], [1.0, 2.1], [1.0, 2.0], 0.06)
+    assert good.verdict is judge.Verdict.PASS and good.detail == "max|Δ|/scale = 0.05 (limit 0.06)" and good.where == (1,)
+    assert judge.within([1.0, 2.0], [1.0, 2.1], 1.0, 0.06).verdict is judge.Verdict.FAIL
+    assert judge.within([1.0, np.nan], [1.0, 2.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
+    assert judge.within([1.0], [1.0, 1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL, "nothing is broadcast"
+    assert judge.within(1.0, [1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
+    assert judge.within([0.0], [0.0], 0.0, 1.0).verdict is judge.Verdict.PASS
+    assert judge.within([1e-9], [0.0], 0.0, 1.0).verdict is judge.Verdict.FAIL, "no allowance where there is no scale"

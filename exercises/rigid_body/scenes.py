@@ -114,8 +114,10 @@ def _given_retrograde(rng: np.random.Generator) -> Inputs:
 
 
 def _precessing(rng: np.random.Generator, i3: float) -> Inputs:
-    i1, w3, transverse, phase = rng.uniform([1.0, 1.0, 0.1, 0.0], [2.0, 4.0, 0.8, 6.0])
-    t, rate = np.linspace(0.0, 12.0, 1500), reference.free_precession_rate((i1, i1, i1 * i3), w3)
+    """ω of a symmetric top for two to five turns, so that a phase that is not unwrapped jumps."""
+    i1, w3, transverse, phase, whole = rng.uniform([1.0, 1.0, 0.1, 0.0, 2.2], [2.0, 4.0, 0.8, 6.0, 5.0])
+    rate = reference.free_precession_rate((i1, i1, i1 * i3), w3)
+    t = np.linspace(0.0, whole * 2 * np.pi / abs(rate), 1500)
     w = np.array([transverse * np.cos(rate * t + phase), transverse * np.sin(rate * t + phase), np.full_like(t, w3)])
     return {"t": t, "w": w}
 

@@ -4,7 +4,7 @@ import pytest
 
 from ecp.judge import Verdict
 from exercises.specimens import specimens
-from service.grading.grade import UnknownExercise, grade
+from service.grading.grade import UnknownExercise, draw_inputs, grade
 from service.grading.report import Report
 from service.grading.submission import Submission
 
@@ -66,6 +66,21 @@ def test_same_seed_same_report(files, rigid_body, sandbox):
     other = graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=8).report
     assert one.model_dump_json() == two.model_dump_json()
     assert [o.measured for o in one.outcomes()] != [o.measured for o in other.outcomes()]
+
+
+def test_same_seed_same_report_of_everything_drawn_and_animated(files, rigid_body, sandbox):
+    one, two = (graded(files, "right_all.py", rigid_body, sandbox, seed=12).report for _ in range(2))
+    assert one.passed and one.model_dump_json() == two.model_dump_json()
+    assert sum(o.hidden for o in one.outcomes()) >= 15
+
+
+def test_what_is_hidden_tells_no_inputs(files, rigid_body, sandbox):
+    report = graded(files, "wrong_factor.py", rigid_body, sandbox, numbers=["2"], seed=3).report
+    inputs = draw_inputs(rigid_body.scene("drawn-long"), 3)
+    (hidden,) = [o for o in report.outcomes() if o.id == "2-secret"]
+    assert hidden.hidden and hidden.verdict is Verdict.FAIL and hidden.tolerance.limit
+    told = report.model_dump_json()
+    assert not any(f"{x:.6g}" in told for x in [*inputs["w0"], *inputs["I"], inputs["t_end"]])
 
 
 def test_a_report_survives_storage_whole(files, rigid_body, sandbox):

@@ -68,7 +68,7 @@ def test_equations_right_for_one_body_only_fail_every_exercise_they_drive(wrong,
 
 def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigid_body, sandbox):
     only = grade(Submission("def animate_precession(t, R, L):\n    pass"), rigid_body, sandbox, 3).report
-    assert [e.number for e in only.exercises] == ["6"] and only.max_score == 5 and only.score == 0
+    assert [e.number for e in only.exercises] == ["6"] and only.max_score == 8 and only.score == 0
     rate = grade(Submission("def precession_rate(t, w):\n    return 1.0"), rigid_body, sandbox, 3).report
     assert [e.number for e in rate.exercises] == ["4"] and "4-function" in {o.id for o in rate.outcomes()}
 

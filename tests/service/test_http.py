@@ -86,7 +86,7 @@ def test_accepted_at_once_and_graded_soon(server):
         if document["status"] == "graded":
             break
         time.sleep(0.1)
-    assert document["report"]["score"] == 2 and document["report"]["max_score"] == 4
+    assert document["report"]["score"] == 2 and document["report"]["max_score"] == 5
 
 
 def test_files_are_taken_as_py_and_ipynb(server, rigid_body):

@@ -58,8 +58,9 @@ def _probes(rng: np.random.Generator) -> Inputs:
     moments = np.array([reference.box_moments(6.0, *edge) for edge in edges])
     rows = np.column_stack([rng.uniform(0.0, 20.0, PROBES), rng.uniform(-3.0, 3.0, (PROBES, 3)), moments])
     along = [_along(scene.inputs, rng) for scene in TRAJECTORIES]
-    later = rows[REPEATS : REPEATS + RETIMED] + [20.0, 0, 0, 0, 0, 0, 0]
-    rows = rng.permutation(np.concatenate([rows, rows[:REPEATS], later, *along]))
+    retimed = rows[REPEATS : REPEATS + RETIMED].copy()
+    retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
+    rows = rng.permutation(np.concatenate([rows, rows[:REPEATS], retimed, *along]))
     return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
 
 

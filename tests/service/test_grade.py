@@ -109,7 +109,7 @@ Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
-     worst at ω̇₁, probe 69 of 128
+     worst at ω̇₁, probe 78 of 128
      6.48e+12 times the allowed difference
      likely returns-zero: euler_eqs returns zeros whatever it is asked
 ✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]

@@ -20,7 +20,10 @@ class Drawn(NamedTuple):
 
 
 def drawn(figure: Any) -> list[Drawn]:
-    """What stands in the figure's axes. Artists are counted from the newest of their kind: old ones may stay behind."""
+    """What stands in the figure's axes; of polar ones as x and y.
+
+    Artists are counted from the newest of their kind: old ones may stay behind.
+    """
     from matplotlib.spines import Spine
 
     found = []
@@ -38,16 +41,18 @@ def drawn(figure: Any) -> list[Drawn]:
             key = (number, kind, seen[kind])
             full = np.zeros((len(points), 3))
             full[:, : points.shape[1]] = points
+            if axes.name == "polar":
+                full[:, 0], full[:, 1] = full[:, 1] * np.cos(full[:, 0]), full[:, 1] * np.sin(full[:, 0])
             found.append(Drawn(key, dimensions, _few(full)))
     return found
 
 
 def _few(points: Array) -> Array:
-    """At most MOST_POINTS of them: the first, the last, then evenly between."""
+    """At most MOST_POINTS of them: the first, the last (of one point the same), then evenly between."""
     between = np.arange(1, len(points) - 1)
     if len(between) > MOST_POINTS - 2:
         between = np.linspace(1, len(points) - 2, MOST_POINTS - 2).round().astype(int)
-    return points[[0, -1, *between]] if len(points) > 1 else points
+    return points[[0, -1, *between]] if len(points) else points
 
 
 def _points(artist: Any) -> Array | None:

@@ -2,7 +2,7 @@
 
 Every way to get a component wrong by its indices, signs and factors is of the form
 
-    (α₁ I₁ + α₂ I₂ + α₃ I₃) · ωₐ ω_b / D,      D one of 1, Iₐ, Iₐ I_b, 1/Iₐ, Iₐ + I_b, I₁ + I₂ + I₃,
+    (α₁ I₁ + α₂ I₂ + α₃ I₃) · ωₐ ω_b / D,      D one of 1, Iₐ, Iₐ I_b, 1/Iₐ, Iₐ + I_b, I₁ + I₂ + I₃, |I|,
 
 so that one linear fit for each product and divisor finds it, whatever the slips are and however many.
 """
@@ -23,7 +23,7 @@ PRODUCTS: tuple[tuple[int, ...], ...] = (
     (),
 )
 OTHERS = 10  # OTHERS + a stands for the sum of the two moments other than a
-TOTAL = 20  # for the sum of all three; and ~a for a moment that is multiplied by
+TOTAL, NORM = 20, 21  # for the sum of all three and the root of the sum of their squares; ~a for a moment that is multiplied by
 DIVISORS: tuple[tuple[int, ...], ...] = (
     (),
     *((a,) for a in range(3)),
@@ -31,6 +31,7 @@ DIVISORS: tuple[tuple[int, ...], ...] = (
     *((~a,) for a in range(3)),
     *((OTHERS + a,) for a in range(3)),
     (TOTAL,),
+    (NORM,),
 )
 
 
@@ -76,6 +77,8 @@ def _divisor(moments: Array, axes: tuple[int, ...]) -> Array:
             divisor = divisor / moments[:, ~a]
         elif a < OTHERS:
             divisor = divisor * moments[:, a]
+        elif a == NORM:
+            divisor = divisor * np.linalg.norm(moments, axis=1)
         else:
             divisor = divisor * (moments.sum(axis=1) - (moments[:, a - OTHERS] if a < TOTAL else 0.0))
     return divisor
@@ -118,4 +121,4 @@ def _relabelled_axis(a: int, back: dict[int, int]) -> int:
         return ~back[~a]
     if a < OTHERS:
         return back[a]
-    return a if a == TOTAL else OTHERS + back[a - OTHERS]
+    return a if a >= TOTAL else OTHERS + back[a - OTHERS]

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from exercises.outcome import Diagnosis
-from exercises.rigid_body.causes.form import OTHERS, TOTAL, Form
+from exercises.rigid_body.causes.form import NORM, OTHERS, TOTAL, Form
 
 COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")
 SPIN = ("ω₁", "ω₂", "ω₃")
@@ -137,8 +137,8 @@ def _divisor(form: Form, k: int) -> list[Slip]:
 
 
 def _named(divisor: tuple[int, ...]) -> str:
-    if divisor[0] == TOTAL:
-        return "(I₁ + I₂ + I₃)"
+    if divisor[0] in (TOTAL, NORM):
+        return "(I₁ + I₂ + I₃)" if divisor[0] == TOTAL else "|I|"
     if divisor[0] >= OTHERS:
         return "(" + " + ".join(m for a, m in enumerate(MOMENT) if a != divisor[0] - OTHERS) + ")"
     if len(divisor) == 2 and divisor[0] == divisor[1]:
@@ -155,5 +155,5 @@ def _offset(k: int, a: int) -> str:
     if a < 0:
         return f"*{(~a - k) % 3}"
     if a >= OTHERS:
-        return "+" if a == TOTAL else f"+{(a - OTHERS - k) % 3}"
+        return "+" if a == TOTAL else "|" if a == NORM else f"+{(a - OTHERS - k) % 3}"
     return str((a - k) % 3)

@@ -152,6 +152,10 @@ class Assignment:
         """The scene of that name."""
         return next(s for s in self.scenes if s.name == name)
 
+    def hidden(self, check: Check) -> bool:
+        """Whether a check reads something drawn for each attempt, which nobody is told."""
+        return any(callable(self.scene(name).inputs) for name in check.scenes)
+
     def exercise(self, number: str) -> Exercise:
         """The exercise of that number; KeyError if there is none."""
         for exercise in self.exercises:

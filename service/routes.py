@@ -50,14 +50,23 @@ async def list_assignments() -> list[dict[str, str]]:
 
 @router.get("/v1/assignments/{slug}")
 async def show_assignment(slug: str) -> dict[str, Any]:
-    """Exercises with their entry points and checks, each with its tolerance and the reason for it."""
+    """Exercises with their entry points and checks, each with its tolerance and the reason for it, and whether it is hidden."""
     assignment = find_assignment(slug)
     sections = [
         {
             "number": e.number,
             "title": e.title,
             "functions": list(e.functions),
-            "checks": [{"id": c.id, "label": c.label, "tolerance": c.tolerance.model_dump(exclude_none=True)} for c in e.checks],
+            "optional": list(e.optional),
+            "checks": [
+                {
+                    "id": c.id,
+                    "label": c.label,
+                    "hidden": assignment.hidden(c),
+                    "tolerance": c.tolerance.model_dump(exclude_none=True),
+                }
+                for c in e.checks
+            ],
         }
         for e in assignment.exercises
     ]

@@ -145,7 +145,7 @@ def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed
             outcome.diagnosis = [_unsteady(unsteady)]
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _likely(scenes, assignment, seen, attempt.inputs)
-        outcome.hidden = any(callable(s.inputs) for s in scenes)
+        outcome.hidden = assignment.hidden(check)
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
 

@@ -1,10 +1,10 @@
 """Grading files without a server: the same core, the same walls."""
 
-import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from exercises.assignment import Assignment
+from exercises.outcome import Swept
 from service import charts
 from service.grading import pictures
 from service.grading.grade import Graded, grade, select
@@ -43,8 +43,10 @@ def grade_files(
                 continue
             graded = grade(submission, assignment, sandbox, seed, exercises)
             if swept:
-                with contextlib.suppress(NotSwept):
+                try:
                     graded.report.sweep = sweep(submission, assignment, sandbox)
+                except NotSwept as reason:
+                    graded.report.sweep = Swept(scene="", points=[], line=f"not swept: {reason}")
             if out is not None:
                 _write(graded, assignment, out / folders[file])
             yield file, graded.report
@@ -66,7 +68,7 @@ def _write(graded: Graded, assignment: Assignment, folder: Path) -> None:
     for name, content in pictures.pack(graded).items():
         if name.endswith(".png"):
             (folder / Path(name).name).write_bytes(content)
-    if graded.report.sweep:
+    if graded.report.sweep and graded.report.sweep.points:
         points = graded.report.sweep.points
         chart = charts.draw_work_precision(charts.load_work_precision(), graded.report.sweep.scene, points)
         (folder / "sweep.svg").write_bytes(chart)

@@ -3,6 +3,7 @@
 import re
 import secrets
 import uuid
+from concurrent.futures.process import BrokenProcessPool
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
@@ -16,6 +17,7 @@ from service.grading.pictures import FORMATS
 from service.grading.pictures import find as find_figure
 from service.grading.sweep import NotSwept
 from service.problems import Problem
+from service.sandbox.seen import Fault
 from service.store.store import KeyReused, Listed, Store, Stored
 
 router = APIRouter()
@@ -151,10 +153,15 @@ async def speed_against_accuracy(id: str, form: Literal["json", "svg"], request:
     if not stored.finished:
         raise Problem(409, "not-ready", "the submission has not been graded yet")
     if (found := await store.artefact(stored.id, f"sweep.{form}")) is None:
+        if refused := await store.artefact(stored.id, "sweep.refused"):
+            raise Problem(404, "not-found", f"this function could not be swept: {refused[0].decode()}")
         try:
             document, chart = await _grader(request).sweep(stored)
         except NotSwept as reason:
+            await store.keep(stored.id, "sweep.refused", str(reason).encode())
             raise Problem(404, "not-found", f"this function could not be swept: {reason}") from reason
+        except (Fault, BrokenProcessPool) as error:
+            raise Problem(503, "fault", "the sweep failed on our side: ask again later") from error
         await store.keep(stored.id, "sweep.json", document.encode())
         await store.keep(stored.id, "sweep.svg", chart)
         found = await store.artefact(stored.id, f"sweep.{form}")

@@ -11,6 +11,7 @@ import reference
 from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 from exercises.assignment import Figure
 from exercises.checks import Arrays
+from exercises.rigid_body.allowance import as_closely
 from exercises.rigid_body.scenes import BODY, NUDGE, SPIN, SYMMETRIC
 from exercises.rigid_body.scenes import BOX as BOX_NUMBERS
 
@@ -55,7 +56,7 @@ def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None
     for i in range(3):
         delta = np.abs(seen[0]["w"][i] - truth[0]["w"][i])
         axes.semilogy(seen[0]["t"], np.maximum(delta, FLOOR), color=COLORS[i], lw=0.9, label=f"|Δω{'₁₂₃'[i]}|")
-    _tolerance_line(axes, 1e-8)
+    _tolerance_line(axes, float(as_closely(truth[0]).limit or 0.0) * float(np.linalg.norm(truth[0]["w"][:, 0])))
     axes.set(xlabel="t / s", ylabel="rad/s")
 
 
@@ -131,7 +132,7 @@ def _draw_box(axes: Any, R: np.ndarray) -> None:
 
 
 def _tolerance_line(axes: Any, limit: float) -> None:
-    axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:g}")
+    axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:.3g}")
     axes.legend(fontsize=8, loc="lower right")
 
 

@@ -58,7 +58,8 @@ def differs(source: str) -> bool:
     spins = rng.normal(size=(POINTS, 3)) * 10 ** rng.uniform(-3.0, 3.0, (POINTS, 1))
     names: dict[str, Any] = {}
     exec((Path(__file__).parent / "setup.py").read_text(), names)
-    signal.alarm(PATIENCE)  # ended by the default action or, where somebody handles it, by an exception
+    before = signal.signal(signal.SIGALRM, _ring)
+    signal.alarm(PATIENCE)
     try:
         with np.errstate(all="ignore"), contextlib.redirect_stdout(None):
             exec(source, names)
@@ -67,6 +68,11 @@ def differs(source: str) -> bool:
         return True
     finally:
         signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _ring(signum: int, frame: Any) -> None:
+    raise TimeoutError
 
 
 def _differs_at(function: Any, w: Any, I: Any) -> bool:

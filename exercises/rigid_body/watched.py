@@ -18,13 +18,17 @@ Array = NDArray[np.float64]
 
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
 MISFIT = 0.03  # root mean square, of the path's own: what interpolating between frames costs stays far below, noise far above
-MOVES = 1e-3  # of everything drawn
+MOVES = 1e-3  # of its distance from the origin
+LEAST_FRAMES, LEAST_PART = 10, 0.25  # of the motion's samples
+LARGEST = 1e100
 OWN = 0.05  # part of a point's place that must be along the axis asked for
+SPACE = (0, 1, 2)
 PLANES = tuple(itertools.permutations(range(3), 2))
 
 
 class Shown(NamedTuple):
-    """``found``: True where the body is followed, False where something moves otherwise, None where nothing drawn moves at all.
+    """``found``: True where the body is followed, False where it is not, None where a picture is painted that has no points.
+
     ``code`` and ``sentence`` say what is followed instead."""
 
     found: bool | None
@@ -41,32 +45,45 @@ class Paths(NamedTuple):
 
 def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None) -> Shown:
     """Whether something follows body axis ``axis``, or for None any point of the body; ``R`` (n, 3, 3) at times ``t`` (n,)."""
-    paths = moving(seen)
+    if not _sound(seen):
+        return Shown(False, None, "what came back does not fit together")
+    paths, painted = moving(seen), seen["cost"][4] > 0
     if not len(paths.places):
-        return Shown(None, None, "nothing that moves was found in the lines, arrows, polygons and markers of the axes")
+        return Shown(None if painted else False, None, "nothing that moves was found in lines, arrows, polygons and markers")
     attitudes = list(_attitudes(seen, t, R))
+    if not attitudes:
+        return Shown(False, None, f"too short to show the motion: {len(seen['at'])} frames, or too small a part of it")
+    shown = _compared(paths, attitudes, axis)
+    if painted and not shown.found:
+        return Shown(None, None, "what moves beside the painted picture says nothing about the body")
+    return shown
+
+
+def _compared(paths: Paths, attitudes: list[Array], axis: int | None) -> Shown:
     if any(_attached(paths, A, axis) for A in attitudes):
         return Shown(True, None, "drawn as it is")
     for code, sentence, wrong in _otherwise(attitudes, axis):
         if any(_attached(paths, A, k) for A, k in wrong):
             return Shown(False, code, sentence)
-    if any(_seen_from_elsewhere(paths, A, 2 if axis is None else axis) for A in attitudes):
+    axes = range(3) if axis is None else (axis,)
+    if any(_fits(paths, A[:, :, k]).any() for A in attitudes for k in axes):
         return Shown(True, None, "seen from another side, or projected")
     return Shown(False, "wrong-motion", "what moves does not move with the body")
 
 
 def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array) -> Shown:
-    """Whether a direction drawn along L stays there; True also of a point at the tip of L."""
-    every = _paths(seen)
-    solid = every.places[~every.flat]
-    along = np.linalg.norm(np.cross(solid[:, 0], L / np.linalg.norm(L)), axis=1) <= 1e-3 * np.linalg.norm(solid[:, 0], axis=1)
-    along &= solid[:, 0] @ L > 0
-    if np.any(along & (np.ptp(solid, axis=1).max(axis=1) <= MOVES * np.linalg.norm(solid[:, 0], axis=1))):
+    """Whether a direction drawn along L stays there, in space or in a plane of two coordinates.
+
+    Only what is drawn as it is, unshifted, is said to move.
+    """
+    if not _sound(seen):
+        return Shown(None, None, "what came back does not fit together")
+    paths = _paths(seen)
+    if any(_static_along(_drawn_in(paths, plane), L[list(plane)]) for plane in (SPACE, *PLANES)):
         return Shown(True, None, "a direction along L stays the same")
-    paths = moving(seen)
     for A in _attitudes(seen, t, R):
         for turned in (A @ L, np.einsum("fji,j->fi", A, L)):
-            if len(paths.places) and _fits(paths, turned).any():
+            if any(_along(_drawn_in(paths, plane), turned[:, list(plane)]) for plane in (SPACE, *PLANES)):
                 return Shown(
                     False, "moving-angular-momentum", "L moves with the body: it is fixed in space, and R belongs to the body"
                 )
@@ -77,8 +94,39 @@ def moving(seen: Arrays) -> Paths:
     """The paths that do not stand still."""
     paths = _paths(seen)
     extent = np.ptp(paths.places, axis=1).max(axis=1, initial=0.0)
-    chosen = extent > MOVES * max(float(np.abs(paths.places).max(initial=0.0)), 1e-12)
+    chosen = extent > np.maximum(MOVES * np.abs(paths.places).max(axis=(1, 2), initial=0.0), 1e-9)
     return Paths(*(x[chosen] for x in paths))
+
+
+def _sound(seen: Arrays) -> bool:
+    """Whether the arrays agree with each other: each may be forged by itself."""
+    tracks, owners, at = seen["tracks"], seen["owners"], seen["at"]
+    small = np.all(np.abs(tracks) < LARGEST) and np.all(np.abs(at) < LARGEST) and np.all(at[:, 2] >= 1)
+    return bool(tracks.shape[:2] == (len(at), len(owners)) and small)
+
+
+def _drawn_in(paths: Paths, plane: tuple[int, ...]) -> Array:
+    return paths.places[~paths.flat] if len(plane) == 3 else paths.places[paths.flat][:, :, :2]
+
+
+def _static_along(places: Array, direction: Array) -> bool:
+    """Whether one of ``places`` (q, f, d) stays, and stays along ``direction`` (d,)."""
+    if not len(places):
+        return False
+    length = np.linalg.norm(places[:, 0], axis=1)
+    stays = np.ptp(places, axis=1).max(axis=1) <= MOVES * length
+    along = places[:, 0] @ direction >= (1 - 1e-6) * length * np.linalg.norm(direction)
+    return bool(np.any((length > 0) & stays & along))
+
+
+def _along(places: Array, direction: Array) -> bool:
+    """Whether one of ``places`` (q, f, d) is ``direction`` (f, d), scaled."""
+    if not len(places):
+        return False
+    scale = np.einsum("qfd,fd->q", places, direction) / np.sum(direction**2)
+    left = np.mean((places - scale[:, None, None] * direction) ** 2, axis=(1, 2))
+    spread = np.mean((places - places.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2))
+    return bool(np.any((scale > 0) & (spread > 0) & (left <= MISFIT**2 * spread)))
 
 
 def _paths(seen: Arrays) -> Paths:
@@ -94,15 +142,18 @@ def _paths(seen: Arrays) -> Paths:
 
 
 def _attitudes(seen: Arrays, t: Array, R: Array) -> Iterator[Array]:
-    """R (f, 3, 3) at the frames, for each way in which frames may count time: evenly, by a whole stride, by index, by the time."""
+    """R (f, 3, 3) at the frames, for each way in which frames may count time: evenly, by a whole stride, by index, by the time;
+    held at the end or begun anew. Only those that show enough of the motion to tell it from another."""
     number, value, many = seen["at"].T
-    n, spline = len(t), CubicSpline(np.arange(len(t)), R.reshape(len(t), 9))
-    ways = [number * (n - 1) / max(many[0] - 1, 1), number * max(1, n // many[0])]
+    n, total, spline = len(t), int(many[0]), CubicSpline(np.arange(len(t)), R.reshape(len(t), 9))
+    ways = [number * (n - 1) / max(total - 1, 1)]
+    ways += [number * stride for stride in range(1, n) if total in (-(-n // stride), n // stride)]
     if np.all(value >= 0) and np.ptp(value) > 0:
         ways += [value, np.interp(value, t, np.arange(n)), value * (n - 1) / value.max()]
     for way in ways:
-        if way.max() <= n - 1 + 1e-9:
-            yield spline(np.clip(way, 0, n - 1)).reshape(-1, 3, 3)
+        for indices in (way,) if way.max() <= n - 1 + 1e-9 else (np.minimum(way, n - 1), way % n):
+            if len(np.unique(indices)) >= LEAST_FRAMES and np.ptp(indices) >= LEAST_PART * (n - 1):
+                yield spline(np.clip(indices, 0, n - 1)).reshape(-1, 3, 3)
 
 
 def _otherwise(attitudes: list[Array], axis: int | None) -> Iterator[tuple[str, str, list[tuple[Array, int | None]]]]:
@@ -116,8 +167,10 @@ def _otherwise(attitudes: list[Array], axis: int | None) -> Iterator[tuple[str, 
 
 
 def _attached(paths: Paths, A: Array, axis: int | None) -> bool:
-    """Whether paths are those of points of the body, c + A p, that have a part along ``axis`` or span the plane across it; flat
-    ones in a plane of two coordinates."""
+    """Whether paths are those of points of the body, c + A p, that have a part along ``axis`` or span the plane across it.
+
+    Flat ones are seen in a plane of two coordinates.
+    """
     solid = paths.places[~paths.flat]
     if len(solid) and _points_of_body(A, solid, axis):
         return True
@@ -136,10 +189,6 @@ def _points_of_body(A: Array, places: Array, axis: int | None) -> bool:
     points = points / np.maximum(np.linalg.norm(points, axis=0), 1e-300)
     across = np.delete(points, axis, axis=0)
     return bool(np.any(np.abs(points[axis]) >= OWN) or np.linalg.svd(across, compute_uv=False)[-1] >= OWN)
-
-
-def _seen_from_elsewhere(paths: Paths, A: Array, axis: int) -> bool:
-    return bool(_fits(paths, A[:, :, axis]).any())
 
 
 def _fits(paths: Paths, direction: Array) -> NDArray[np.bool_]:

@@ -49,7 +49,9 @@ def cross_check(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, seed
         elif proof not in found.unsteady and scene.drive.certified(
             attempt.inputs[proof], seen.arrays[proof], attempt.truths[proof]
         ):
-            found.how[scene.name] = f"played in the child; {scene.function} is certified by {proof}, also along the exact motion"
+            found.how[scene.name] = (
+                f"played in the child; {scene.function} is certified by {proof}, at random and along the notebook's motions"
+            )
         else:
             doubtful.append(scene)
     if doubtful:

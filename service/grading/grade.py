@@ -1,6 +1,7 @@
 """Grade a submission: draw the scenes, play them behind the wall, judge what comes back by the exact motion."""
 
 import functools
+import logging
 import platform
 import zlib
 from collections.abc import Iterable, Mapping
@@ -20,6 +21,7 @@ from service.sandbox.job import Job, Played
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Ending, SceneEnding, Seen
 
+log = logging.getLogger(__name__)
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 
@@ -161,7 +163,7 @@ def _outcome(check: Check, scenes: list[Scene], seen: Seen, truths: Mapping[str,
             return check.unmeasured(_cause(scene, seen))
     try:
         return check.judge([seen.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
-    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+    except (ArithmeticError, LookupError, TypeError, ValueError, np.linalg.LinAlgError) as error:
         # The arrays have the right shape and are finite, but their size is beyond arithmetic: that says nothing either way.
         return check.unmeasured(f"the numbers that came back are beyond what can be judged ({error})")
 
@@ -183,11 +185,21 @@ def _failed_cell(seen: Seen) -> SceneEnding | None:
     return next(iter(seen.cells.values())) if len(seen.cells) == 1 else None
 
 
+def _diagnosed(assignment: Assignment, scene: str, inputs: Inputs, arrays: Arrays) -> list[Diagnosis]:
+    """The causes found; none where looking for them fails, because a missing cause must not cost a report."""
+    try:
+        with np.errstate(all="ignore"):
+            return assignment.diagnose(scene, inputs, arrays)
+    except Exception:
+        log.exception("no cause could be looked for in scene %s", scene)
+        return []
+
+
 def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> list[Diagnosis]:
     """The likely cause: what the numbers of a scene or of the one before it single out, else how it ended."""
     for scene in scenes:
         for name in (scene.after, scene.name):
-            if name in seen.arrays and (found := assignment.diagnose(name, inputs[name], seen.arrays[name])):
+            if name in seen.arrays and (found := _diagnosed(assignment, name, inputs[name], seen.arrays[name])):
                 return found
     for scene in scenes:
         for name in (scene.after, scene.name):

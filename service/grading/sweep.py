@@ -21,4 +21,7 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
     if not seen.finished(scene.name):
         ending = seen.endings.get(scene.name)
         raise NotSwept(ending.sentence if ending else "your code stopped before this was played")
-    return assignment.sweep.read(seen.arrays[scene.name], truth(scene, scene.inputs))
+    try:
+        return assignment.sweep.read(seen.arrays[scene.name], truth(scene, scene.inputs))
+    except (ArithmeticError, ValueError) as error:
+        raise NotSwept(f"the numbers that came back are beyond what can be judged ({error})") from error

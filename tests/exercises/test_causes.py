@@ -122,3 +122,18 @@ def test_wrong_is_found_out_without_the_checks():
     assert not differs(right)
     assert differs(right + " * (1 + 1e-9)") and differs(right + " + 1e-9 * t") and differs("x = 1") and differs("def euler_eqs(:")
     assert differs("def euler_eqs(t, w, I):\n    return 0.0")
+
+
+@pytest.mark.parametrize(
+    "answer", ["np.full(3, 1e308)", "np.nan_to_num(w * np.inf)", "np.array([1e308, w[0], w[1]])", "w * 1e-320"]
+)
+def test_numbers_beyond_arithmetic_are_no_fault(answer, inputs):
+    with np.errstate(all="ignore"):
+        codes(f"def euler_eqs(t, w, I):\n    return {answer}", inputs)
+
+
+def test_moments_without_a_value_or_of_nothing(rigid_body):
+    boxes, tensors = (draw_inputs(rigid_body.scene(name), 1) for name in ("boxes", "tensors"))
+    for scene, asked in (("boxes", boxes), ("tensors", tensors)):
+        assert [d.code for d in diagnose_scene(scene, asked, {"moments": np.full((8, 3), np.nan)})] == ["not-finite"]
+        assert [d.code for d in diagnose_scene(scene, asked, {"moments": np.zeros((8, 3))})] == ["returns-zero"]

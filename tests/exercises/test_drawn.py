@@ -5,9 +5,8 @@ import pytest
 
 import reference
 from ecp.judge import Verdict
-from exercises.rigid_body import plays
+from exercises.rigid_body import allowance, plays
 from exercises.rigid_body.drawn import DRAWN
-from exercises.rigid_body.sections import wording
 from service.grading.grade import draw_inputs, truth
 
 SPELLINGS = {
@@ -61,10 +60,10 @@ def test_a_right_function_is_well_within_what_is_allowed(name, spelling, rigid_b
 
 
 def test_the_tolerance_is_the_product_it_says():
-    allowed = wording.as_closely({"kappa": np.array(40.0), "angle": np.array(20.0)})
-    assert allowed.limit == pytest.approx(wording.SAFETY * wording.RTOL * 60, rel=1e-2)
+    allowed = allowance.as_closely({"kappa": np.array(40.0), "angle": np.array(20.0)})
+    assert allowed.limit == pytest.approx(allowance.SAFETY * allowance.RTOL * 60, rel=1e-2)
     assert "rtol 1e-11 × (sensitivity 40 + 20 rad turned) × safety 10" in allowed.reason
-    assert wording.RTOL == plays.RTOL
+    assert allowance.RTOL == plays.RTOL
 
 
 def test_probes_ask_some_points_twice_and_some_at_another_time(rigid_body):

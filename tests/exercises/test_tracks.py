@@ -81,8 +81,10 @@ def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
         axes.plot([], [], [])
 
     seen = film.watch(FuncAnimation(figure, update, frames=30, cache_frame_data=False), seconds=60.0)
-    assert seen["tracks"].shape == (30, 4, 3) and seen["at"][-1].tolist() == [29, 29, 30]
-    assert seen["tracks"][:, 1, 0].tolist() == [k + 1 for k in range(30)], "the last point of the trail"
+    assert seen["at"][-1].tolist() == [29, 29, 30]
+    tips = seen["tracks"][:, :, 0].T.tolist()
+    assert [k + 1.0 for k in range(30)] in tips, "the last point of the trail"
+    assert [float(k) for k in range(30)] in tips, "the tip of the line drawn anew"
     assert seen["cost"][0] == 30 and seen["cost"][2] > 0
 
 
@@ -95,3 +97,36 @@ def test_within():
     assert judge.within(1.0, [1.0], 1.0, 1.0).verdict is judge.Verdict.FAIL
     assert judge.within([0.0], [0.0], 0.0, 1.0).verdict is judge.Verdict.PASS
     assert judge.within([1e-9], [0.0], 0.0, 1.0).verdict is judge.Verdict.FAIL, "no allowance where there is no scale"
+
+
+def test_frames_of_a_generator_are_drawn_as_they_come():
+    figure, axes = _axes(False)
+    (line,) = axes.plot([0, 1], [0, 0])
+
+    def frames():
+        for k in range(100):
+            line.set_ydata([0, k])
+            yield k
+
+    seen = film.watch(FuncAnimation(figure, lambda k: (line,), frames=frames, save_count=100), seconds=60.0)
+    assert len(seen["frames"]) == 24 and np.ptp(seen["tracks"], axis=0).max() > 90
+
+
+def test_what_cannot_be_read_is_left_out():
+    figure, axes = _axes(False)
+    axes.plot([0, 1], [0, 1])
+    axes.text(0.5, 0.5, "x").U = 3
+    axes.annotate("L", xy=("a", 0.5), annotation_clip=False)
+    assert [d.points.tolist() for d in tracks.drawn(figure)] == [[[0, 0, 0], [1, 1, 0]]]
+    assert tracks.painted(figure) == 0
+    axes.imshow(np.zeros((2, 2)))
+    assert tracks.painted(figure) == 1
+
+
+def test_invisible_artists_and_logarithmic_axes_are_not_followed():
+    figure, axes = _axes(False)
+    axes.plot([0, 1], [0, 1], alpha=0.0)
+    assert tracks.drawn(figure) == []
+    axes.plot([1, 2], [1, 2])
+    axes.set_xscale("log")
+    assert tracks.drawn(figure) == [] and tracks.painted(figure) == 1

@@ -23,7 +23,7 @@ def watched(*paths, dimensions=3, at=None):
     number = np.arange(frames) if at is None else at
     counted = np.column_stack([number, number, np.full(frames, frames)]).astype(float)
     owners = np.array([[k, dimensions] for k in range(len(paths))], dtype=float)
-    return {"tracks": tracks, "owners": owners, "at": counted}
+    return {"tracks": tracks, "owners": owners, "at": counted, "cost": np.array([frames, 1.0, 0.0, 0.0, 0.0])}
 
 
 def line(tip, tail=0.0):
@@ -76,11 +76,43 @@ def test_wrong_drawings(seen, code):
     assert shown.found is False and shown.code == code
 
 
-def test_what_stands_still_says_nothing():
+def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
     still = watched(np.ones_like(TIP))
-    assert body_shown(still, T, R, 2).found is None
-    nothing = {"tracks": np.zeros((96, 1, 3)), "owners": np.zeros((1, 2)), "at": still["at"]}
-    assert body_shown(nothing, T, R, 2).found is None and momentum_shown(nothing, T, R, L).found is None
+    nothing = still | {"tracks": np.zeros((96, 1, 3)), "owners": np.zeros((1, 2))}
+    for seen in (still, nothing):
+        assert body_shown(seen, T, R, 2).found is False and body_shown(seen, T, R, 2).code is None
+        assert body_shown(seen | {"cost": np.array([96, 1, 0, 0, 1.0])}, T, R, 2).found is None
+    assert momentum_shown(nothing, T, R, L).found is None
+
+
+@pytest.mark.parametrize("stride", [2, 7, 9])
+def test_every_so_many_samples(stride):
+    assert body_shown(watched(TIP[::stride]), T, R, 2).found is True
+
+
+def test_held_at_the_end_and_begun_anew():
+    for order in (np.minimum(np.arange(120), 95), np.arange(150) % 96):
+        assert body_shown(watched(TIP[order], at=np.arange(len(order))), T, R, 2).found is True
+
+
+def test_a_few_frames_show_nothing():
+    assert body_shown(line(np.random.default_rng(4).normal(size=(3, 3))), T, R, 2).found is False
+    part = body_shown(watched(TIP[:9]), T, R, 2)
+    assert part.found is False and "too short" in part.sentence
+
+
+def test_forged_arrays_are_no_fault():
+    good = line(TIP)
+    for forged in ({"owners": np.zeros((5, 2))}, {"at": np.zeros((3, 3))}, {"tracks": np.full((96, 2, 3), 1e200)}):
+        assert body_shown(good | forged, T, R, 2).found is False
+        assert momentum_shown(good | forged, T, R, L).found is None
+
+
+def test_a_box_seen_from_elsewhere():
+    edges = np.stack([R @ corner for corner in ([1, 0.7, 0.2], [-1, 0.7, 0.2], [-1, -0.7, 0.2])])
+    seen = watched(*[(e @ VIEW.T)[:, :2] for e in edges], dimensions=2)
+    seen["owners"][:, 0] = 0
+    assert body_shown(seen, T, R, None).found is True
 
 
 def test_momentum():
@@ -89,3 +121,7 @@ def test_momentum():
     for moving in (R @ L, np.einsum("fji,j->fi", R, L)):
         assert momentum_shown(line(moving), T, R, L).code == "moving-angular-momentum"
     assert momentum_shown(line(TIP), T, R, L).found is None
+    flat = watched(fixed[:, [0, 2]], dimensions=2)
+    assert momentum_shown(flat, T, R, L).found is True
+    short = watched(TIP[::8, :2] * 1.0, dimensions=2)
+    assert momentum_shown(short, T, R, L).found is not False, "a short arc accuses nobody"

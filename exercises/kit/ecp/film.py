@@ -1,6 +1,5 @@
 """A matplotlib animation watched: stills, the paths of what is drawn, and what the drawing costs. Endless ones are stopped."""
 
-import itertools
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.strict import WrongAnswer
-from ecp.tracks import Drawn, drawn
+from ecp.tracks import Drawn, drawn, painted
 
 FRAME_CAP = 600
 STILLS, FOLLOWED, POINTS = 24, 48, 256  # pictures kept, frames whose points are kept, points kept
@@ -25,7 +24,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     - ``tracks`` (f, p, 3): where the artists put their points in f ≤ FOLLOWED frames, in data coordinates
     - ``owners`` (p, 2): for each point the artist's number and whether its axes have 2 or 3 dimensions (0: there is no point)
     - ``at`` (f, 3): for each of those frames its number, the value the animation calls it by (−1: none), and how many there are
-    - ``cost`` (4,): frames drawn, seconds drawing them, of which in clearing axes, figures left open
+    - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
     Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds``.
     """
@@ -37,31 +36,39 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
         raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
     deadline = time.monotonic() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
-    left_open = len(plt.get_fignums())
     canvas = FigureCanvasAgg(figure)
     wide, high = figure.get_size_inches()
     figure.set_dpi(min(WIDTH / wide, HEIGHT / high))
     canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
     anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
-    frames = _frames(anim)
-    stills, followed = _spread(len(frames), STILLS), _spread(len(frames), FOLLOWED)
-    pictures, paths, drawing = [], [], 0.0
+    values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
     with _clearing() as cleared:
         anim._init_draw()  # type: ignore[attr-defined]
-        for number, frame in enumerate(frames):
+        for number, frame in enumerate(anim.new_frame_seq()):
+            if number == FRAME_CAP:
+                raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
             if time.monotonic() > deadline:
-                raise WrongAnswer("timeout", f"drawing stopped after {number} of {len(frames)} frames: {seconds:g} s were allowed")
+                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s were allowed")
             began = time.perf_counter()
             anim._draw_frame(frame)  # type: ignore[attr-defined]
             drawing += time.perf_counter() - began
-            if number in followed:
-                paths.append(drawn(figure))
-            if number in stills:
-                pictures.append(_picture(figure, canvas))
-    at = [[number, _number(frames[number]), len(frames)] for number in sorted(followed)]
-    tracks, owners = _tracks(paths)
-    cost = np.array([len(frames), drawing, sum(cleared), left_open], dtype=float)
-    return {"frames": np.stack(pictures), "tracks": tracks, "owners": owners, "at": np.array(at, dtype=float), "cost": cost}
+            values.append(_number(frame))
+            paths.append(drawn(figure))
+            if number % stride == 0:
+                pictures[number] = _picture(figure, canvas)
+                if len(pictures) == 2 * STILLS:  # how many there will be is not known before the last
+                    stride *= 2
+                    pictures = {k: picture for k, picture in pictures.items() if k % stride == 0}
+    if not values:
+        raise WrongAnswer("no-animation", "the animation has no frames")
+    followed = _spread(len(values), FOLLOWED)
+    at = [[number, values[number], len(values)] for number in followed]
+    tracks, owners = _tracks([paths[number] for number in followed])
+    left_open = plt.fignum_exists(getattr(figure, "number", -1))
+    cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
+    kept = [pictures[k] for k in sorted(pictures)]
+    stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
+    return {"frames": stills, "tracks": tracks, "owners": owners, "at": np.array(at, dtype=float), "cost": cost}
 
 
 def moving_share(frames: NDArray[np.uint8]) -> float:
@@ -80,27 +87,35 @@ def _picture(figure: Any, canvas: Any) -> NDArray[np.uint8]:
     return np.array(pixels[:HEIGHT, :WIDTH, :3])
 
 
+def _stack(pictures: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """One array; of a figure that changes its size the part that all pictures have."""
+    high, wide = (min(p.shape[k] for p in pictures) for k in (0, 1))
+    return np.stack([p[:high, :wide] for p in pictures])
+
+
 def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The points of the artists that are there in every frame; of those whose number of points changes the first and the last."""
-    by_key = [{d.key: d for d in frame} for frame in paths]
+    """The points of the artists that are there in every frame; of those whose number of points changes the first and the last.
+
+    Artists are told apart by their order from the newest on, and where their number changes also from the oldest on.
+    """
+    newest = [{d.key: d for d in frame} for frame in paths]
+    oldest = [{(*d.key[:2], -d.oldest): d for d in frame} for frame in paths]
     columns, owners = [], []
-    for number, first in enumerate(paths[0]):
-        if not all(first.key in frame for frame in by_key):
-            continue
-        points = [frame[first.key].points for frame in by_key]
-        same = min(map(len, points)) == max(map(len, points))
-        many = len(first.points) if same else min(2, *map(len, points))
-        if not many:
-            continue
-        columns.append(np.stack([p[:many] for p in points]))
-        owners += [[number, first.dimensions]] * many
-    if not columns:
-        return np.zeros((len(paths), 1, 3)), np.zeros((1, 2))
-    tracks = np.concatenate(columns, axis=1)[:, :POINTS]
-    finite = np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))
-    if not finite.any():
-        return np.zeros((len(paths), 1, 3)), np.zeros((1, 2))
-    return tracks[:, finite], np.array(owners[:POINTS], dtype=float)[finite]
+    for by_key in (newest, oldest):
+        for key, first in by_key[0].items():
+            seen = [frame[key] for frame in by_key if key in frame]
+            if len(seen) < len(by_key) or (by_key is oldest and all(d.key == first.key for d in seen)):
+                continue
+            points = [d.points for d in seen]
+            same = min(map(len, points)) == max(map(len, points))
+            many = len(first.points) if same else min(2, *map(len, points))
+            columns.append(np.stack([p[:many] for p in points]))
+            owners += [[len(columns), first.dimensions]] * many
+    tracks = np.concatenate([np.zeros((len(paths), 1, 3)), *columns], axis=1)
+    owned = np.array([[0, 0], *owners], dtype=float)
+    tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
+    chosen = np.sort(np.argsort(-np.ptp(tracks, axis=0).max(axis=1), kind="stable")[:POINTS])  # what moves before what stands
+    return tracks[:, chosen], owned[chosen]
 
 
 @contextmanager
@@ -126,8 +141,9 @@ def _clearing() -> Iterator[list[float]]:
         Axes._AxesBase__clear = clear  # type: ignore[attr-defined]
 
 
-def _spread(n: int, most: int) -> set[int]:
-    return set(np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(int)).tolist())
+def _spread(n: int, most: int) -> list[int]:
+    """At most ``most`` of n numbers, evenly spread."""
+    return np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(int)).tolist()
 
 
 def _number(frame: Any) -> float:
@@ -136,12 +152,3 @@ def _number(frame: Any) -> float:
     except (TypeError, ValueError):
         return -1.0
     return value if np.isfinite(value) else -1.0
-
-
-def _frames(anim: Any) -> list[Any]:
-    frames = list(itertools.islice(anim.new_frame_seq(), FRAME_CAP + 1))
-    if not frames:
-        raise WrongAnswer("no-animation", "the animation has no frames")
-    if len(frames) > FRAME_CAP:
-        raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
-    return frames

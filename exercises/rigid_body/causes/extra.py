@@ -36,7 +36,7 @@ def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[l
         found += _multiple(float(fitted[0]), k)
         for name, size in zip(names, fitted[1:], strict=True):
             if size:
-                sizes.setdefault(f"{size:+.6g} {name}", []).append(COMPONENT[k])
+                sizes.setdefault(f"{size:+.6g} {name}".rstrip(), []).append(COMPONENT[k])
     told_terms = [
         Diagnosis(
             code="extra-term",
@@ -83,6 +83,8 @@ def _fit(column: Array, design: Array) -> Array | None:
     used = np.flatnonzero(scale)
     for _ in range(design.shape[1]):  # drop what is nothing, until only what is there is fitted
         fitted = np.linalg.lstsq(design[:, used] / scale[used], column, rcond=None)[0]
+        if not fitted.size or not np.all(np.isfinite(fitted)):
+            return None  # numbers beyond arithmetic
         kept = used[np.abs(fitted) > 1e-9 * np.abs(fitted).max()]
         if len(kept) == len(used):
             break

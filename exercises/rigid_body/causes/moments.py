@@ -22,6 +22,8 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     truth = np.array([reference.box_moments(*row) for row in boxes])
     if _same(moments, truth):
         return []
+    if empty := _nothing(moments, "box_moments"):
+        return empty
     for order in itertools.permutations(range(3)):
         if _same(moments, truth[:, order]):
             stands = ", ".join(MOMENT[k] for k in order)
@@ -39,6 +41,8 @@ def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     """For ``principal_moments``, (n, 3) for the tensors asked; their order is free."""
     tensors = np.asarray(inputs["tensors"], dtype=float)
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
+    if empty := _nothing(seen, "principal_moments"):
+        return empty
     if _same(seen, np.sort(np.diagonal(tensors, axis1=1, axis2=2), axis=1)):
         return [_cause("diagonal-only", "the diagonal of the tensor: the principal moments are its eigenvalues")]
     factor = float(np.sum(seen * truth) / np.sum(truth * truth))
@@ -48,6 +52,12 @@ def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
         if _same(seen, value):
             return [_cause("wrong-quantity", f"{name} instead of the moments themselves")]
     return []
+
+
+def _nothing(moments: Array, function: str) -> list[Diagnosis]:
+    if not np.all(np.isfinite(moments)):
+        return [_cause("not-finite", f"{function} returns values that are not finite")]
+    return [] if moments.any() else [_cause("returns-zero", f"{function} returns zeros whatever it is asked")]
 
 
 def _read(boxes: Array, column: Array, k: int) -> list[Diagnosis] | None:

@@ -9,7 +9,7 @@ from exercises.rigid_body import figures
 from exercises.rigid_body.scenes import SYMMETRIC as TOP
 from exercises.rigid_body.sections.wording import NOTEBOOK, omega, pointwise
 
-EVEN = "a fit, a mean of differences and the first and last phase agree to 1e-9 on an even precession"
+EVEN = "the notebook's own tolerance: derivatives by differences are off by 1e-4, every known slip by far more"
 
 SYMMETRIC = Exercise(
     "4",
@@ -46,7 +46,7 @@ SYMMETRIC = Exercise(
             "rate",
             measured=lambda seen: seen["rate"],
             expected=lambda truth: truth["rate"],
-            rtol=1e-6,
+            rtol=1e-3,
             atol=0.0,
             reason=EVEN,
         ),
@@ -56,7 +56,7 @@ SYMMETRIC = Exercise(
             "rate-retrograde",
             measured=lambda seen: seen["rate"],
             expected=lambda truth: truth["rate"],
-            rtol=1e-6,
+            rtol=1e-3,
             atol=0.0,
             reason=EVEN,
         ),

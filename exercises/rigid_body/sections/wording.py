@@ -4,15 +4,13 @@ import numpy as np
 
 from ecp.film import moving_share
 from exercises.checks import Arrays, Check, holds, shows, within
-from exercises.outcome import Tolerance
+from exercises.rigid_body.allowance import as_closely
 from exercises.rigid_body.watched import STILL, body_shown
 
 NOTEBOOK = "the notebook's own tolerance"
 ROUNDING = "only rounding separates two spellings of the same algebra at these magnitudes"
 DRIVE = "the integrator, at rtol 1e-11, strays less than 1e-9 from the exact motion on this scene"
 
-RTOL = 1e-11  # with which plays.py integrates
-SAFETY = 10.0  # ten thousand motions of the right equations (make bench) use less than a tenth of what this allows
 SLOW = 0.3  # part of the drawing that clearing may take before it is worth a word
 PRODUCT = "rtol × (sensitivity + angle turned) × safety, worked out for each scene"
 
@@ -67,13 +65,6 @@ def attitude(id: str, label: str, scene: str) -> Check:
     )
 
 
-def as_closely(truth: Arrays) -> Tolerance:
-    """What is allowed for one scene: the integrator's tolerance for every radian, as magnified as the motion magnifies it."""
-    kappa, angle = float(truth["kappa"]), float(truth["angle"])
-    told = f"rtol {RTOL:g} × (sensitivity {kappa:.4g} + {angle:.4g} rad turned) × safety {SAFETY:g}"
-    return Tolerance(limit=float(f"{RTOL * (kappa + angle) * SAFETY:.2e}"), reason=told)
-
-
 def pointwise(id: str) -> Check:
     """``euler_eqs`` is right at secret (t, ω, I). Every exercise it drives makes this check: its own scene alone, with one body
     known to everybody, would accept equations that are right for that body only."""
@@ -126,11 +117,11 @@ def _moves(seen: Arrays) -> tuple[bool, str]:
 
 
 def _cost(seen: Arrays) -> list[str]:
-    frames, drawing, clearing, left_open = seen["cost"]
+    frames, drawing, clearing, left_open, _ = seen["cost"]
     hints = []
     if clearing > SLOW * drawing and clearing > 1e-3 * frames:
-        each, of = 1e3 * clearing / frames, 1e3 * drawing / frames
-        hints.append(f"clearing the axes takes {each:.1f} of {of:.1f} ms per frame: keep the artists and set their data instead")
+        part = "more than half" if clearing > drawing / 2 else "about a third"
+        hints.append(f"clearing the axes takes {part} of the drawing time: keep the artists and set their data instead")
     if left_open:
         hints.append("the figure stays open, and a notebook shows it once more as a still: plt.close(fig) before you return")
     return hints

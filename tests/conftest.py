@@ -94,5 +94,7 @@ def new_server():
 @pytest.fixture(scope="session")
 def server(tmp_path_factory, new_server):
     data = tmp_path_factory.mktemp("data") / "polhode"
-    yield new_server(data)
+    started = new_server(data)
+    yield started
+    started.stop()  # before its folder goes: with the number of its database in there it could not end that
     shutil.rmtree(data, ignore_errors=True)

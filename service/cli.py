@@ -1,4 +1,4 @@
-"""The command line: serve, grade, chart, mutants, doctor, assignments.
+"""The command line: serve, worker, grade, chart, mutants, db, queue, regrade, assign, doctor, assignments.
 
 Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure; of mutants: 0 where we accept what is right and nothing else.
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.assignment import assignments
+from service.commands import database, queue
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -22,6 +23,10 @@ def main(argv: list[str] | None = None) -> int:
     serve.add_argument("--host", help="address to listen on (POLHODE_HOST, default 127.0.0.1)")
     serve.add_argument("--port", type=int, help="port to listen on (POLHODE_PORT, default 8000)")
     serve.set_defaults(run=_serve)
+    worker = commands.add_parser("worker", help="grade for a server, on this machine or another: POLHODE_DATABASE_URL tells where")
+    worker.add_argument("--slots", type=int, dest="workers", help="how many at a time (POLHODE_WORKERS, default one per processor)")
+    worker.add_argument("--with-parent", action="store_true", help="end when the process that started it ends")
+    worker.set_defaults(run=_worker)
     grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
     grade.add_argument("files", nargs="+", type=Path, metavar="FILE")
     grade.add_argument("--assignment", default="rigid-body", choices=sorted(assignments()), help="default rigid-body")
@@ -42,6 +47,8 @@ def main(argv: list[str] | None = None) -> int:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
+    for more in (database, queue):
+        more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
     arguments = parser.parse_args(argv)
@@ -54,6 +61,25 @@ def _serve(arguments: argparse.Namespace) -> int:
 
     given = {name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}
     return serve(Settings(**given))
+
+
+def _worker(arguments: argparse.Namespace) -> int:
+    from service import logs
+    from service.sandbox.guest.lockdown import die_with_parent
+    from service.settings import Settings
+    from service.store.postgres import running_url
+    from service.workers.crew import Crew
+
+    settings = Settings() if arguments.workers is None else Settings(workers=arguments.workers)
+    logs.install(settings.log_level)
+    if arguments.with_parent:
+        die_with_parent()
+    if settings.database_url is None:
+        settings = settings.model_copy(update={"database_url": running_url(settings.data)})
+    if settings.database_url is None:
+        print(f"polhode: no server has its database in {settings.data}, and POLHODE_DATABASE_URL is not set", file=sys.stderr)
+        return 2
+    return Crew(settings).run()
 
 
 def _chart(arguments: argparse.Namespace) -> int:

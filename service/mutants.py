@@ -11,11 +11,11 @@ from typing import Any
 from ecp.judge import Verdict
 from exercises.assignment import Assignment
 from exercises.mutation import Mutant
-from service import worker
 from service.grading.report import Report
 from service.grading.submission import Submission
 from service.sandbox.choose import choose
 from service.settings import Settings
+from service.workers import hand
 
 SEED = 1
 OURS = "ours"
@@ -38,12 +38,10 @@ def fates(assignment: Assignment, most: int | None = None) -> Iterator[Fate]:
     source = importlib.import_module(f"exercises.{assignment.folder.name}.mutants")
     mutants = list(source.mutants())[:most]
     walls = choose(Settings().min_tier)
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), worker.start, (walls,)) as pool:
-        asked = [
-            pool.submit(worker.grade_one, Submission(m.source), assignment.slug, list(source.EXERCISES), SEED) for m in mutants
-        ]
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), hand.start, (walls,)) as pool:
+        asked = [pool.submit(hand.grade_one, Submission(m.source), assignment.slug, list(source.EXERCISES), SEED) for m in mutants]
         for mutant, job in zip(mutants, asked, strict=True):
-            yield _fate(mutant, source, Report.model_validate_json(job.result()[0]))
+            yield _fate(mutant, source, job.result()[0])
 
 
 def table(found: Sequence[Fate]) -> str:

@@ -1,37 +1,43 @@
-"""Running the server: an embedded database under it unless there is another, and a clean end."""
+"""Running the server: an embedded database under it unless there is another, a crew of workers beside it, and a clean end."""
 
 import signal
 import sys
 
 import uvicorn
+from sqlalchemy.exc import OperationalError
 
-from service.app import create_app
+from service import logs
+from service.keeper import Keeper
 from service.settings import Settings
 from service.store.account import DatabaseUnavailable
-from service.store.postgres import EmbeddedPostgres
+from service.web.app import create_app
+
+CLOSE_S = 2  # what a stopping server gives its open answers, event streams among them
 
 
 def serve(settings: Settings) -> int:
     """Serve until interrupted; exit code 2 if the database cannot be had, with the reason on stderr."""
-    database = None
+    logs.install(settings.log_level)
+    keeper = None
     signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
-        if settings.database_url is None:
-            database = EmbeddedPostgres(settings.data)
-            database.start()
-            settings = settings.model_copy(update={"database_url": database.url})
-        config = uvicorn.Config(create_app(settings), host=settings.host, port=settings.port, log_level="warning")
+        keeper = Keeper(settings)
+        keeper.begin()
+        app = create_app(settings.model_copy(update={"database_url": keeper.url}))
+        config = uvicorn.Config(
+            app, host=settings.host, port=settings.port, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S
+        )
         server = uvicorn.Server(config)
         server.run()
         return 0 if server.started else 2
-    except DatabaseUnavailable as error:
+    except (DatabaseUnavailable, OperationalError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 0
     finally:
-        if database is not None:
-            database.stop()
+        if keeper is not None:
+            keeper.stop()
 
 
 def _end(signum: int, frame: object) -> None:

@@ -19,6 +19,10 @@ class Settings(BaseSettings):
         "B",
         description="The least walls to grade behind: A with namespaces (bubblewrap), B without, as in an ordinary container.",
     )
-    workers: int = Field(os.cpu_count() or 1, ge=1, description="Submissions graded at the same time; each keeps one warm guest.")
+    workers: int = Field(os.cpu_count() or 1, ge=0, description="Submissions graded at the same time; each keeps one warm guest.")
+    drain: float = Field(3.0, ge=0, description="Seconds a stopping worker gives what it is grading, before it is queued again.")
+    postgres: Path | None = Field(None, description="Folder of PostgreSQL's programs, instead of the wheel's or the system's.")
+    person_header: str | None = Field(None, description="Header in which a proxy in front tells who submits.")
+    log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Log lines from this level on.")
     host: str = Field("127.0.0.1", description="Address the server listens on.")
     port: int = Field(8000, ge=0, le=65535, description="Port the server listens on.")

@@ -8,14 +8,18 @@ import subprocess
 import sys
 import time
 import urllib.request
+import uuid
 from pathlib import Path
 
+import psycopg
 import pytest
 
 from exercises.assignment import assignments
 from service.sandbox.choose import choose
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.tier_b import tier_b
+from service.store.migrate import migrate
+from service.store.postgres import EmbeddedPostgres
 
 
 @pytest.fixture(scope="session")
@@ -89,6 +93,35 @@ def new_server():
     yield start
     for server in servers:
         server.stop()
+
+
+@pytest.fixture(scope="session")
+def postgres(tmp_path_factory):
+    """A running embedded PostgreSQL with the tables of this version in a template."""
+    running = EmbeddedPostgres(tmp_path_factory.mktemp("postgres") / "data")
+    running.start()
+    migrate(running.url)
+    yield running
+    running.stop()
+
+
+def _new_database(postgres, template):
+    name = f"t{uuid.uuid4().hex}"
+    with psycopg.connect(postgres.url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
+        connection.execute(f"CREATE DATABASE {name} TEMPLATE {template}")
+    return postgres.url.replace("/polhode?", f"/{name}?")
+
+
+@pytest.fixture
+def database_url(postgres):
+    """A new database with this version's tables."""
+    return _new_database(postgres, "polhode")
+
+
+@pytest.fixture
+def empty_url(postgres):
+    """A new database with nothing in it."""
+    return _new_database(postgres, "template1")
 
 
 @pytest.fixture(scope="session")

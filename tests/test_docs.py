@@ -7,8 +7,8 @@ import pytest
 
 from exercises import checks
 from exercises.specimens import specimens
-from service import intake, pages, problems, routes
 from service.settings import Settings
+from service.web import app, intake, pages, problems
 
 ROOT = Path(__file__).parents[1]
 
@@ -23,14 +23,14 @@ def sources(*folders):
 
 def test_every_route_is_documented():
     told = doc("docs/http.md")
-    paths = [r.path for r in (*routes.router.routes, *pages.router.routes)]
+    paths = [r.path for router in (*app.ROUTERS, pages.router) for r in router.routes]
     assert len(paths) > 10
     for path in paths:
         assert f"`{path}`" in told or f" {path}`" in told or path == "/", path
 
 
 def test_every_problem_is_documented():
-    raised = set(re.findall(r"Problem\(\s*\d+, \"([a-z-]+)\"", sources("service"))) | set(problems.BY_STATUS.values())
+    raised = set(re.findall(r"(?:Problem\(\s*\d+, |Refused\()\"([a-z-]+)\"", sources("service"))) | set(problems.BY_STATUS.values())
     for kind in raised | set(problems.TITLES):
         assert f"`{kind}`" in doc("docs/http.md"), kind
     assert intake.MOST_BYTES == 256 * 1024 and "256 KiB" in doc("docs/http.md")
@@ -94,7 +94,7 @@ def test_links_and_rooms_of_the_readme_exist():
 def test_nothing_names_a_package_registry_and_no_page_names_another_host():
     for name in ("requirements.lock", "requirements-test.lock"):
         assert "://" not in doc(name)
-    for page in [*(ROOT / "service/templates").iterdir(), *(ROOT / "service/static").iterdir()]:
+    for page in [*(ROOT / "service/web/templates").iterdir(), *(ROOT / "service/web/static").iterdir()]:
         assert "://" not in page.read_text(), page
 
 

@@ -4,7 +4,7 @@ import functools
 import logging
 import platform
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
 
@@ -22,6 +22,8 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Ending, SceneEnding, Seen
 
 log = logging.getLogger(__name__)
+Tell = Callable[[str, int, int], None]
+"""Called with the phase, the scene's place in order and the number of scenes."""
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 
@@ -39,18 +41,27 @@ class UnknownExercise(ValueError):
 
 
 def grade(
-    submission: Submission, assignment: Assignment, sandbox: Sandbox, seed: int, numbers: Iterable[str] | None = None
+    submission: Submission,
+    assignment: Assignment,
+    sandbox: Sandbox,
+    seed: int,
+    numbers: Iterable[str] | None = None,
+    *,
+    tell: Tell = lambda phase, scene, scenes: None,
 ) -> Graded:
     """Grade the exercises ``numbers``, or without them every exercise the submission has attempted.
 
-    ``seed`` draws the scenes a student must not know; the same seed gives the same questions. Raises UnknownExercise, and
+    ``seed`` draws the scenes a student must not know; the same seed gives the same questions.
+    ``tell`` hears how far it is. Raises UnknownExercise, and
     Fault when the sandbox fails: then there is no report.
     """
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
     job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
-    seen = sandbox.play(job)
+    places = {played.name: k for k, played in enumerate(job.scenes, start=1)}
+    seen = sandbox.play(job, lambda scene: tell("playing", places[scene], len(places)))
+    tell("judging", len(places), len(places))
     truths = {name: truth(assignment.scene(name), inputs[name]) for name in seen.arrays}
     attempt = Attempt(job, inputs, truths, seen)
     crossed = cross_check(assignment, attempt, sandbox, seed)

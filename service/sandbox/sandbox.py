@@ -1,5 +1,7 @@
 """Playing jobs: one warm guest behind some walls, replaced after many plays, after an odd one and when it is lost."""
 
+from collections.abc import Callable
+
 from service.sandbox.job import Job
 from service.sandbox.probe import probe
 from service.sandbox.seen import Ending, Fault, SceneEnding, Seen
@@ -18,12 +20,14 @@ class Sandbox:
         self._walls = walls
         self._zygote: Zygote | None = None
         self._plays = 0
+        self.zygotes = 0  # started so far
         self.rehearsed = False
 
     def start(self) -> None:
         """Begin warming a guest; returns before it is warm."""
         if self._zygote is None:
             self._plays = 0
+            self.zygotes += 1
             self._zygote = Zygote(self._walls.command, self._walls.environment)
 
     def wait_ready(self) -> None:
@@ -41,25 +45,28 @@ class Sandbox:
             raise Fault(f"the probe ended as {seen.endings['probe'].ending}")
         self.rehearsed = True
 
-    def play(self, job: Job) -> Seen:
-        """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us."""
+    def play(self, job: Job, tell: Callable[[str], None] = lambda scene: None) -> Seen:
+        """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us.
+
+        ``tell`` is called with the name of each scene that begins.
+        """
         seen = Seen()
         while (left := job.without(set(seen.endings))).scenes:
             before = len(seen.endings)
-            self._play_once(left, seen)
+            self._play_once(left, seen, tell)
             if len(seen.endings) == before:
                 break
             self._skip_followers(job, seen)
         return seen
 
-    def _play_once(self, job: Job, seen: Seen) -> None:
+    def _play_once(self, job: Job, seen: Seen, tell: Callable[[str], None]) -> None:
         """One child's worth, with a second zygote if the first one is lost."""
         for attempt in range(TRIES):
             self.start()
             assert self._zygote is not None
             played = Seen()  # of this try alone: what a lost zygote had sent is forgotten
             try:
-                sound = self._zygote.play(job, played)
+                sound = self._zygote.play(job, played, tell)
             except ZygoteLost as lost:
                 self.close()
                 if attempt == TRIES - 1:

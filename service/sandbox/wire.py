@@ -10,7 +10,7 @@ import json
 import math
 import struct
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -35,11 +35,14 @@ class ProtocolError(Exception):
 class Reader:
     """Turns the byte stream of one play into ``seen``; ``started`` is the scene in progress.
 
+    ``tell`` is called with the name of each scene that begins.
+
     ``inside`` tells that the child stood behind its walls and our own code was loaded before anything of the submission ran,
     ``done`` that it said its last word.
     """
 
-    def __init__(self, job: Job, seen: Seen) -> None:
+    def __init__(self, job: Job, seen: Seen, tell: Callable[[str], None] = lambda scene: None) -> None:
+        self._tell = tell
         self.seen, self.inside, self.done, self.started = seen, False, False, None
         self._scenes = {s.name: s for s in job.scenes}
         self._functions = set(job.functions)
@@ -85,6 +88,7 @@ class Reader:
                 self.seen.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
             case "start":
                 self.started = self._next(event)
+                self._tell(self.started)
             case "scene":
                 begun = self.started
                 name = begun or self._known(event, self._scenes)

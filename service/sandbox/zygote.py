@@ -6,7 +6,7 @@ import signal
 import socket
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from service.sandbox.conversation import Conversation, Ended, Pipes
 from service.sandbox.guest.zygote import REAPED
@@ -53,8 +53,10 @@ class Zygote:
             self.kill()
             raise Fault(f"the guest did not start: {words or 'it said nothing'}")
 
-    def play(self, job: Job, seen: Seen) -> bool:
-        """Play the job once into ``seen``; False when the play ended so oddly that this zygote should be replaced.
+    def play(self, job: Job, seen: Seen, tell: Callable[[str], None] = lambda scene: None) -> bool:
+        """Play the job once into ``seen`` and ``tell`` which scene begins.
+
+        False when the play ended so oddly that this zygote should be replaced.
 
         ZygoteLost when the zygote does not answer: it must be killed, and the play may be tried again with another.
         """
@@ -69,7 +71,7 @@ class Zygote:
         except BaseException:
             _close(*ours)
             raise
-        talk = Conversation(job, Reader(job, seen), Pipes(self._control, *ours))
+        talk = Conversation(job, Reader(job, seen, tell), Pipes(self._control, *ours))
         try:
             talk.hold()
         except OSError as error:

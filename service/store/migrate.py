@@ -4,6 +4,7 @@ from pathlib import Path
 
 from alembic import command
 from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
 from sqlalchemy import create_engine, text
 
 # Any constant of our own: PostgreSQL's advisory locks are named by a number.
@@ -15,8 +16,8 @@ def driver_url(url: str) -> str:
     return url.replace("postgresql://", "postgresql+psycopg://", 1).replace("postgres://", "postgresql+psycopg://", 1)
 
 
-def migrate(url: str) -> None:
-    """Run the missing revisions in one transaction under a lock."""
+def migrate(url: str) -> str:
+    """Run the missing revisions in one transaction under a lock; the revision reached."""
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     engine = create_engine(driver_url(url))
@@ -25,5 +26,6 @@ def migrate(url: str) -> None:
             connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK})
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
+            return str(MigrationContext.configure(connection).get_current_revision())
     finally:
         engine.dispose()

@@ -19,6 +19,7 @@ USER = DATABASE = "polhode"
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
 PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)  # a comma separates socket folders, and an address would have to escape the rest
 START_S, STOP_S = 30.0, 20.0
+SIZES = {"shared_buffers": "32MB", "max_connections": "60", "jit": "off", "autovacuum_naptime": "20s"}
 
 
 class EmbeddedPostgres:
@@ -36,6 +37,7 @@ class EmbeddedPostgres:
         self._short = len(str(run)) > LONGEST_SOCKET_PATH - 20 or not PLAIN_PATH.fullmatch(str(run))
         self._run = Path(tempfile.mkdtemp(prefix="polhode-")) if self._short else run
         self._process: subprocess.Popen[bytes] | None = None
+        self._lock: int | None = None
 
     @property
     def url(self) -> str:
@@ -45,13 +47,27 @@ class EmbeddedPostgres:
     def start(self) -> None:
         """Create the cluster if there is none, start the server and return when it answers a query."""
         self._take_folder()
+        (self._cluster.parent / "socket").write_text(str(self._run))
+        try:
+            self.restart()
+        except BaseException:
+            self.stop()
+            raise
+
+    @property
+    def alive(self) -> bool:
+        """Whether the server that was started still runs."""
+        return self._process is not None and self._process.poll() is None
+
+    def restart(self) -> None:
+        """Start a server on the folder that is ours already, in place of one that is gone."""
         self._end_orphan()
         self._run.mkdir(mode=0o700, exist_ok=True)
         if not (self._cluster / "PG_VERSION").exists():
             self._create()
         self._check_major_version()
         own(self._run)
-        options = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"}
+        options = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"} | SIZES
         arguments = [part for name, value in options.items() for part in ("-c", f"{name}={value}")]
         command = [*as_server(self._programs, self._cluster, self._run), str(self._programs / "postgres"), "-D", str(self._cluster)]
         with self._log.open("ab") as log:
@@ -61,7 +77,15 @@ class EmbeddedPostgres:
         self._wait_until_it_answers()
 
     def stop(self) -> None:
-        """Shut down after the running statements (fast shutdown), at once if that takes too long."""
+        """Shut down after the running statements (fast shutdown), at once if that takes too long, and leave the folder."""
+        self._end()
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+        if self._short:
+            shutil.rmtree(self._run, ignore_errors=True)
+
+    def _end(self) -> None:
         if self._process is None:
             return
         for how in (signal.SIGINT, signal.SIGQUIT, signal.SIGKILL):
@@ -72,9 +96,6 @@ class EmbeddedPostgres:
             except subprocess.TimeoutExpired:
                 continue
         self._process = None
-        os.close(self._lock)
-        if self._short:
-            shutil.rmtree(self._run, ignore_errors=True)
 
     def _signal(self, how: signal.Signals) -> None:
         """Signal the postmaster itself, which under bubblewrap is a child of the process we started."""
@@ -93,11 +114,12 @@ class EmbeddedPostgres:
             return None
 
     def _take_folder(self) -> None:
-        self._lock = os.open(self._cluster.parent / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+        lock = os.open(self._cluster.parent / "lock", os.O_RDWR | os.O_CREAT, 0o600)
         try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock = lock
         except OSError:
-            os.close(self._lock)
+            os.close(lock)
             raise DatabaseUnavailable(f"another polhode is using the folder {self._cluster.parent}") from None
 
     def _end_orphan(self) -> None:
@@ -125,8 +147,9 @@ class EmbeddedPostgres:
         ours, theirs = told.split()[2].split(".")[0], (self._cluster / "PG_VERSION").read_text().strip()
         if ours != theirs:
             raise DatabaseUnavailable(
-                f"the data in {self._cluster} was written by PostgreSQL {theirs}, the programs in {self._programs} are {ours}: "
-                f"dump it with the old programs and restore it into a new folder"
+                f"the data in {self._cluster} was written by PostgreSQL {theirs}, the programs in {self._programs} are {ours}. "
+                f"With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{theirs}/bin polhode db backup old.dump; then move "
+                f"{self._cluster} away, and with the new ones: polhode db restore old.dump"
             )
 
     def _wait_until_it_answers(self) -> None:
@@ -141,10 +164,20 @@ class EmbeddedPostgres:
                 return
             except psycopg.OperationalError as error:
                 if self._process.poll() is not None or time.monotonic() > deadline:
-                    self.stop()
+                    self._end()
                     words = self._log.read_text(errors="replace").strip().split("\n")[-5:]
                     raise DatabaseUnavailable("PostgreSQL did not start: " + " | ".join(words)) from error
                 time.sleep(0.02)
+
+
+def running_url(data: Path) -> str | None:
+    """Where the embedded server of that folder can be reached, if it runs."""
+    try:
+        url = f"postgresql://{USER}@/{DATABASE}?host={(data / 'socket').read_text()}"
+        psycopg.connect(url, connect_timeout=2).close()
+        return url
+    except (OSError, psycopg.OperationalError):
+        return None
 
 
 def find_programs() -> Path:

@@ -1,38 +1,167 @@
-"""The tables. A submission is never altered; its result is written once; artefacts belong to the result's transaction."""
+"""The tables. A submission is never altered, an attempt has one result, artefacts belong to the result's transaction.
 
-from sqlalchemy import JSON, BigInteger, Column, DateTime, ForeignKey, LargeBinary, MetaData, Table, Text, Uuid, func
+An *attempt* is one grading of a submission, a *run* is one worker's try at it: the first run that ends gives the result.
+"""
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    DateTime,
+    Float,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    Table,
+    Text,
+    UniqueConstraint,
+    Uuid,
+    func,
+    text,
+)
 from sqlalchemy.dialects.postgresql import JSONB
 
 metadata = MetaData()
+
+
+def _id() -> Column[object]:
+    return Column("id", Uuid, primary_key=True, server_default=text("gen_random_uuid()"))
+
+
+def _at(name: str, *, now: bool = False) -> Column[object]:
+    return Column(name, DateTime(timezone=True), nullable=not now, server_default=func.now() if now else None)
+
+
+course = Table(
+    "course", metadata, _id(), Column("slug", Text, nullable=False, unique=True), Column("title", Text, nullable=False),
+)  # fmt: skip
+
+person = Table("person", metadata, _id(), Column("name", Text, nullable=False, unique=True), _at("created_at", now=True))
+
+member = Table(
+    "member",
+    metadata,
+    Column("course_id", Uuid, ForeignKey("course.id"), primary_key=True),
+    Column("person_id", Uuid, ForeignKey("person.id"), primary_key=True),
+    Column("role", Text, nullable=False),
+)
+
+assignment = Table(
+    "assignment",
+    metadata,
+    _id(),
+    Column("course_id", Uuid, ForeignKey("course.id"), nullable=False),
+    Column("slug", Text, nullable=False),
+    _at("due_at"),
+    Column("grace_s", Float, nullable=False, server_default="0"),
+    Column("most_submissions", Integer, nullable=True),
+    UniqueConstraint("course_id", "slug"),
+)
+
+assignment_version = Table(
+    "assignment_version",
+    metadata,
+    Column("assignment_id", Uuid, ForeignKey("assignment.id"), primary_key=True),
+    Column("version", Text, primary_key=True),
+    _at("since", now=True),
+)
 
 submission = Table(
     "submission",
     metadata,
     Column("id", Uuid, primary_key=True),
-    Column("assignment", Text, nullable=False),
+    Column("assignment_id", Uuid, ForeignKey("assignment.id"), nullable=False),
+    Column("person_id", Uuid, ForeignKey("person.id"), nullable=False),
     Column("source", Text, nullable=False),
+    Column("sha256", Text, nullable=False),
     Column("filename", Text, nullable=False),
-    Column("exercises", JSON, nullable=True),
-    Column("seed", BigInteger, nullable=False),
+    Column("exercises", JSONB(none_as_null=True), nullable=True),
+    Column("late", Boolean, nullable=False, server_default="false"),
     Column("fingerprint", Text, nullable=False),
-    Column("idempotency_key", Text, nullable=True, unique=True),
-    Column("submitted_at", DateTime(timezone=True), nullable=False, server_default=func.now()),
+    Column("idempotency_key", Text, nullable=True),
+    _at("submitted_at", now=True),
+    UniqueConstraint("person_id", "idempotency_key"),
 )
+Index("submission_person_assignment", submission.c.person_id, submission.c.assignment_id)
+Index("submission_submitted_at", submission.c.submitted_at)
+
+attempt = Table(
+    "attempt",
+    metadata,
+    Column("id", Uuid, primary_key=True),
+    Column("submission_id", Uuid, ForeignKey("submission.id"), nullable=False),
+    Column("number", Integer, nullable=False),
+    Column("kind", Text, nullable=False),
+    Column("seed", BigInteger, nullable=False),
+    Column("most_runs", Integer, nullable=False),
+    _at("requested_at", now=True),
+    UniqueConstraint("submission_id", "number"),
+)
+
+run = Table(
+    "run",
+    metadata,
+    Column("id", Uuid, primary_key=True),
+    Column("attempt_id", Uuid, ForeignKey("attempt.id"), nullable=False, index=True),
+    Column("worker", Text, nullable=False),
+    _at("started_at", now=True),
+    _at("beat_at", now=True),
+    Column("phase", Text, nullable=False, server_default=""),
+    Column("scene", Integer, nullable=False, server_default="0"),
+    Column("scenes", Integer, nullable=False, server_default="0"),
+    _at("ended_at"),
+    Column("ending", Text, nullable=True),
+    Column("note", Text, nullable=True),
+)
+Index("run_open", run.c.beat_at, postgresql_where=run.c.ended_at.is_(None))
 
 result = Table(
     "result",
     metadata,
-    Column("submission_id", Uuid, ForeignKey("submission.id"), primary_key=True),
-    Column("report", JSONB, nullable=True),
+    Column("attempt_id", Uuid, ForeignKey("attempt.id"), primary_key=True),
+    Column("run_id", Uuid, ForeignKey("run.id"), nullable=True),
+    Column("report", JSONB(none_as_null=True), nullable=True),
     Column("fault", Text, nullable=True),
-    Column("finished_at", DateTime(timezone=True), nullable=False, server_default=func.now()),
+    Column("score", Integer, nullable=True),
+    Column("max_score", Integer, nullable=True),
+    Column("version", Text, nullable=True),
+    Column("walls", Text, nullable=True),
+    Column("grading_s", Float, nullable=True),
+    _at("finished_at", now=True),
 )
 
 artefact = Table(
-    "artefact",
+    "artefact", metadata, Column("sha256", Text, primary_key=True), Column("content", LargeBinary, nullable=False),
+)  # fmt: skip
+
+kept = Table(
+    "kept",
     metadata,
-    Column("submission_id", Uuid, ForeignKey("submission.id"), primary_key=True),
+    Column("attempt_id", Uuid, ForeignKey("attempt.id"), primary_key=True),
     Column("name", Text, primary_key=True),
-    Column("sha256", Text, nullable=False),
-    Column("content", LargeBinary, nullable=False),
+    Column("sha256", Text, ForeignKey("artefact.sha256"), nullable=False),
+)
+
+worker = Table(
+    "worker",
+    metadata,
+    Column("name", Text, primary_key=True),
+    Column("walls", Text, nullable=True),
+    Column("refusal", Text, nullable=True),
+    Column("zygotes", Integer, nullable=False, server_default="0"),
+    _at("since", now=True),
+    _at("seen_at", now=True),
+)
+
+audit = Table(
+    "audit",
+    metadata,
+    Column("id", BigInteger, primary_key=True),
+    _at("at", now=True),
+    Column("who", Text, nullable=False),
+    Column("action", Text, nullable=False),
+    Column("subject", Text, nullable=False),
+    Column("detail", JSONB, nullable=False, server_default="{}"),
 )

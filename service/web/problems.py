@@ -1,16 +1,28 @@
 """One shape for every error: problem+json (RFC 9457) with a stable type, and where in the request it lies."""
 
+import logging
+
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as NoConnection
 from starlette.exceptions import HTTPException
+
+from service.store.database import is_outage
+
+log = logging.getLogger(__name__)
+RETRY_AFTER_S = "5"
 
 TITLES = {
     "bad-submission": "This cannot be graded",
-    "busy": "The server cannot grade now",
+    "busy": "The server cannot answer this now",
+    "deadline-over": "The deadline is over",
     "invalid-request": "The request is not understood",
     "key-reused": "This idempotency key was used for another submission",
     "no-walls": "The server has no walls to grade behind",
+    "nobody": "The request does not tell whose it is",
+    "none-left": "No submission is left",
     "not-found": "There is nothing here",
     "not-ready": "The result is not there yet",
     "too-large": "The request is too large",
@@ -33,6 +45,8 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
+    for outage in (DBAPIError, NoConnection):
+        app.add_exception_handler(outage, _outage)
     app.add_exception_handler(Exception, _crash)
 
 
@@ -52,7 +66,8 @@ def _plain(words: str) -> str:
 async def _problem(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, Problem)
     errors = [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
-    return answer(error.status, error.kind, error.detail, errors)
+    headers = {"Retry-After": RETRY_AFTER_S} if error.status == 503 else {}
+    return answer(error.status, error.kind, error.detail, errors, **headers)
 
 
 async def _http(request: Request, error: Exception) -> JSONResponse:
@@ -65,6 +80,15 @@ async def _validation(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
     errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
     return answer(422, "invalid-request", errors[0]["detail"] if errors else "invalid", errors)
+
+
+async def _outage(request: Request, error: Exception) -> JSONResponse:
+    """The database is away for a moment; whatever else the database objects to is a fault of ours."""
+    if not is_outage(error):
+        log.error("fault", exc_info=error)
+        return await _crash(request, error)
+    log.warning("the database is out: %s", type(error).__name__)
+    return answer(503, "busy", "the database does not answer: try again in a moment", None, **{"Retry-After": RETRY_AFTER_S})
 
 
 async def _crash(request: Request, error: Exception) -> JSONResponse:

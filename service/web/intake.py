@@ -9,7 +9,7 @@ from starlette.datastructures import UploadFile
 from exercises.assignment import Assignment
 from service.grading.grade import UnknownExercise, select
 from service.grading.submission import MOST_BYTES, BadSubmission, Submission
-from service.problems import Problem
+from service.web.problems import Problem
 
 MOST_BODY = 2 * MOST_BYTES + 64 * 1024  # a source may double in size when JSON escapes it
 

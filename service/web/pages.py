@@ -10,8 +10,10 @@ from jinja2 import Environment, FileSystemLoader, select_autoescape
 
 from exercises.assignment import assignments
 from service import charts
-from service.problems import Problem
-from service.routes import find_submission, status
+from service.store.reading import recent
+from service.web.health import crew
+from service.web.problems import Problem
+from service.web.routes import find_submission
 
 router = APIRouter()
 LATEST = 100
@@ -27,9 +29,13 @@ _templates = Jinja2Templates(env=_environment)
 @router.get("/", response_class=HTMLResponse)
 async def index(request: Request) -> HTMLResponse:
     """The latest submissions and the assignments."""
-    stored = await request.app.state.store.recent(LATEST)
-    rows = [(s, status(request, s)) for s in stored]
-    context = {"rows": rows, "assignments": list(assignments().values()), "walls": request.app.state.grader.walls}
+    database = request.app.state.database
+    walls, refusal = await crew(database)
+    context = {
+        "rows": await recent(database, LATEST),
+        "assignments": list(assignments().values()),
+        "walls": walls or refusal or "none",
+    }
     return _templates.TemplateResponse(request, "index.html", context)
 
 
@@ -47,7 +53,7 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
     known = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
     if not 0 <= number < known:
         raise Problem(404, "not-found", f"there is no chart {number}")
-    return Response(await request.app.state.grader.draw_chart(kind, number), media_type="image/svg+xml")
+    return Response(await request.app.state.draughtsman.chart(kind, number), media_type="image/svg+xml")
 
 
 @router.get("/submissions/{id}", response_class=HTMLResponse)
@@ -55,4 +61,4 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
 async def report(id: str, request: Request) -> HTMLResponse:
     """One submission: its lines, causes, figures and animations."""
     stored = await find_submission(request, id)
-    return _templates.TemplateResponse(request, "report.html", {"stored": stored, "status": status(request, stored)})
+    return _templates.TemplateResponse(request, "report.html", {"stored": stored})

@@ -1,4 +1,4 @@
-"""What runs in a worker process: one warm sandbox, grading and drawing. Everything here is called from the grader's pool."""
+"""What a worker's hands do: grade and sweep with one warm sandbox, draw. Blocking work, for a thread or a process of its own."""
 
 import atexit
 import time
@@ -6,7 +6,8 @@ import time
 from exercises.assignment import assignments
 from service import charts
 from service.grading import pictures
-from service.grading.grade import grade
+from service.grading.grade import Tell, grade
+from service.grading.report import Report
 from service.grading.submission import Submission
 from service.grading.sweep import sweep
 from service.sandbox.guest.lockdown import die_with_parent
@@ -17,14 +18,13 @@ from service.sandbox.walls import Walls
 _sandbox: Sandbox | None = None
 
 
-def start(walls: Walls | None) -> None:
-    """Prepare this process: a sandbox behind those walls if there are any, and no life after the server's."""
+def start(walls: Walls) -> None:
+    """Prepare this process: a sandbox behind those walls, and no life after the process that started it."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
-    if walls is not None:
-        _sandbox = Sandbox(walls)
-        _sandbox.start()
-        atexit.register(_sandbox.close)
+    _sandbox = Sandbox(walls)
+    _sandbox.start()
+    atexit.register(_sandbox.close)
     assignments()  # imported while the guest warms up
 
 
@@ -33,14 +33,21 @@ def ready() -> None:
     _own()
 
 
-def grade_one(submission: Submission, slug: str, exercises: list[str] | None, seed: int) -> tuple[str, dict[str, bytes]]:
-    """The report as JSON and the artefacts to keep."""
+def zygotes() -> int:
+    """Warm guests that had to be replaced so far."""
+    return max(0, _sandbox.zygotes - 1) if _sandbox else 0
+
+
+def grade_one(
+    submission: Submission, slug: str, exercises: list[str] | None, seed: int, tell: Tell = lambda phase, scene, scenes: None
+) -> tuple[Report, dict[str, bytes]]:
+    """The report and the artefacts to keep."""
     began = time.perf_counter()
-    graded = grade(submission, assignments()[slug], _own(), seed, exercises)
+    graded = grade(submission, assignments()[slug], _own(), seed, exercises, tell=tell)
     judged = time.perf_counter()
     packed = pictures.pack(graded)
     graded.report.provenance.phases_ms = {"grade": 1e3 * (judged - began), "pack": 1e3 * (time.perf_counter() - judged)}
-    return graded.report.model_dump_json(), packed
+    return graded.report, packed
 
 
 def sweep_one(submission: Submission, slug: str) -> tuple[str, bytes]:

@@ -1,0 +1,1 @@
+"""Commands for who operates a server: its database, its queue, its assignments."""

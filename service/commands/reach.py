@@ -1,0 +1,47 @@
+"""Reaching the database from the command line: the one set, the embedded one that runs, or the embedded one started for this.
+
+What talks to a database is imported when a command needs it, so that ``polhode grade`` starts without.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import ParamSpec
+
+from service.settings import Settings
+
+P = ParamSpec("P")
+
+
+@contextmanager
+def database_url(settings: Settings) -> Iterator[str]:
+    """Where the database is, for the duration of the block."""
+    from service.store.postgres import EmbeddedPostgres, running_url
+
+    if url := settings.database_url or running_url(settings.data):
+        yield url
+        return
+    embedded = EmbeddedPostgres(settings.data, settings.postgres)
+    embedded.start()
+    try:
+        yield embedded.url
+    finally:
+        embedded.stop()
+
+
+def telling_why(command: Callable[P, int]) -> Callable[P, int]:
+    """Exit code 2 and a sentence where the database does not do what is asked."""
+
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> int:
+        import psycopg
+        from sqlalchemy.exc import DBAPIError
+
+        from service.store.account import DatabaseUnavailable
+
+        try:
+            return command(*args, **kwargs)
+        except (DatabaseUnavailable, psycopg.Error, DBAPIError) as error:
+            print(f"polhode: {error}", file=sys.stderr)
+            return 2
+
+    return wrapped

@@ -1,0 +1,36 @@
+"""Logs: one JSON object a line on stderr, with the ids of the request and of the attempt it is about."""
+
+import logging
+import sys
+from contextvars import ContextVar
+
+from pythonjsonlogger.core import RESERVED_ATTRS
+from pythonjsonlogger.json import JsonFormatter
+
+request_id: ContextVar[str | None] = ContextVar("request_id", default=None)
+attempt_id: ContextVar[str | None] = ContextVar("attempt_id", default=None)
+
+
+def install(level: str) -> None:
+    """Log from ``level`` on; a library's routine words only from warnings on."""
+    handler = logging.StreamHandler(sys.stderr)
+    fields = ["levelname", "name", "message"]
+    handler.setFormatter(
+        JsonFormatter(
+            fields,
+            timestamp=True,
+            reserved_attrs=[*RESERVED_ATTRS, "color_message"],
+            rename_fields={"levelname": "level", "name": "logger"},
+        )
+    )
+    handler.addFilter(_with_ids)
+    logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
+    for library in ("procrastinate", "alembic", "psycopg.pool", "uvicorn.access", "asyncio"):
+        logging.getLogger(library).setLevel(max(logging.WARNING, logging.root.level))
+
+
+def _with_ids(record: logging.LogRecord) -> bool:
+    for name, value in (("request", request_id.get()), ("attempt", attempt_id.get())):
+        if value is not None:
+            setattr(record, name, value)
+    return True

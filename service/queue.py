@@ -1,0 +1,48 @@
+"""The queue: Procrastinate's jobs in our own database. A job holds the id of an attempt and nothing else.
+
+The queue only wakes workers; the tables are the truth. Whatever was accepted and has no result gets a job again, see
+``service.store.rescue``.
+"""
+
+from uuid import UUID
+
+from procrastinate import App, PsycopgConnector
+from sqlalchemy import text
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from service.store.database import POOL_S, connect_options
+
+QUEUE = "grade"
+KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
+STEP = 1000  # between kinds; within one, a person's n-th open attempt ranks n lower
+
+
+def new_app(url: str, name: str) -> App:
+    """A Procrastinate application on the database; whoever takes jobs from it opens it."""
+    return App(connector=PsycopgConnector(conninfo=url, kwargs=connect_options(name), min_size=1, max_size=3, timeout=POOL_S))
+
+
+_sender = App(connector=PsycopgConnector())  # never opened: it writes through the transactions it is handed
+
+
+async def send(connection: AsyncConnection, attempt: UUID, *, task: str = "grade", priority: int) -> None:
+    """Add a job in this transaction."""
+    raw = (await connection.get_raw_connection()).driver_connection
+    job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=raw)
+    await job.defer_async(attempt=str(attempt))
+
+
+async def send_attempt(connection: AsyncConnection, attempt: UUID) -> None:
+    """Add the job of an attempt, ranked by its kind and by how many attempts its person has open before it."""
+    await send(connection, attempt, priority=(await connection.execute(_PRIORITY, {"attempt": attempt})).scalar_one())
+
+
+_PRIORITY = text(f"""
+SELECT CASE a.kind {" ".join(f"WHEN '{kind}' THEN {STEP * rank}" for kind, rank in KINDS.items())} END
+    - LEAST({STEP - 1}, (
+        SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
+        WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.attempt_id IS NULL
+            AND (b.requested_at, b.id) < (a.requested_at, a.id)
+    ))
+FROM attempt a JOIN submission s ON s.id = a.submission_id WHERE a.id = :attempt
+""")

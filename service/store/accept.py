@@ -1,0 +1,126 @@
+"""Accepting a submission: it, its first attempt and its job in one transaction, where limits and deadline are decided too."""
+
+from collections.abc import Iterable
+from datetime import timedelta
+from hashlib import sha256
+from uuid import UUID, uuid4
+
+from sqlalchemy import Row, func, select, text
+from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from exercises.assignment import Assignment
+from service.queue import send_attempt
+from service.store.database import Database
+from service.store.records import New
+from service.store.tables import assignment, assignment_version, attempt, course, member, person, submission
+
+COURSE = "local"
+MOST_RUNS = 3  # of one attempt that end without result, before it is a fault
+
+
+class KeyReused(Exception):
+    """An idempotency key came with another body than the first time."""
+
+
+class Refused(Exception):
+    """The submission is not taken; the message tells the student why, ``kind`` is "deadline-over" or "none-left"."""
+
+    def __init__(self, kind: str, sentence: str) -> None:
+        super().__init__(sentence)
+        self.kind = kind
+
+
+async def register(database: Database, known: Iterable[Assignment]) -> None:
+    """Enter the assignments and their versions, where they are not entered yet."""
+    async with database.begin() as connection:
+        home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
+        for one in known:
+            await connection.execute(insert(assignment).values(course_id=home, slug=one.slug).on_conflict_do_nothing())
+            where = assignment.c.slug == one.slug, assignment.c.course_id == home
+            id = (await connection.execute(select(assignment.c.id).where(*where))).scalar_one()
+            values = {"assignment_id": id, "version": one.version}
+            await connection.execute(insert(assignment_version).values(values).on_conflict_do_nothing())
+
+
+async def accept(database: Database, new: New, key: str | None = None) -> UUID:
+    """Store a submission and send its job; the id, or under a known key the id of the one stored before.
+
+    Raises KeyReused if that one was different, Refused if the deadline is over or no submission is left. A request with the
+    same key that is in flight is waited for.
+    """
+    async with database.begin() as connection:
+        who = await _person(connection, new.person)
+        rules = (await connection.execute(_RULES, {"slug": new.assignment, "course": COURSE, "person": str(who)})).one()
+        values = {
+            "id": new.id,
+            "assignment_id": rules.id,
+            "person_id": who,
+            "source": new.submission.source,
+            "sha256": sha256(new.submission.source.encode()).hexdigest(),
+            "filename": new.submission.filename,
+            "exercises": new.exercises,
+            "late": rules.late,
+            "fingerprint": new.fingerprint,
+            "idempotency_key": key,
+        }
+        statement = insert(submission).values(values).on_conflict_do_nothing(index_elements=["person_id", "idempotency_key"])
+        if (await connection.execute(statement.returning(submission.c.id))).first() is None:
+            return await _known(connection, new, who, key)
+        await _check(connection, rules, who)
+        await add_attempt(connection, new.id, "interactive", new.seed)
+        return new.id
+
+
+async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
+    """The next attempt of a submission, with its job."""
+    id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
+    values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
+    await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
+    await send_attempt(connection, id)
+    return id
+
+
+async def _person(connection: AsyncConnection, name: str) -> UUID:
+    found = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar()
+    if found is not None:
+        return UUID(str(found))
+    await connection.execute(insert(person).values(name=name).on_conflict_do_nothing())
+    id: UUID = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar_one()
+    home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
+    await connection.execute(insert(member).values(course_id=home, person_id=id, role="student").on_conflict_do_nothing())
+    return id
+
+
+# One person's submissions to one assignment are accepted one after the other, so that two at once cannot both be the last.
+_RULES = text("""
+SELECT a.id, a.due_at, a.grace_s, a.most_submissions, coalesce(now() > a.due_at, false) AS late,
+    coalesce(now() > a.due_at + make_interval(secs => a.grace_s), false) AS over,
+    pg_advisory_xact_lock(hashtextextended(:person || a.id, 0))
+FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug AND c.slug = :course
+""")
+
+_USED = text("""
+SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment AND NOT coalesce((
+    SELECT r.fault IS NOT NULL FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+    WHERE a.submission_id = s.id ORDER BY a.number DESC LIMIT 1), false)
+""")
+
+
+async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], who: UUID) -> None:
+    """Refused, and nothing stored, where the deadline is over or this is one submission too many; faults do not count."""
+    if rules.over:
+        until = rules.due_at + timedelta(seconds=rules.grace_s)
+        raise Refused("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
+    if rules.most_submissions is not None:
+        used = (await connection.execute(_USED, {"person": who, "assignment": rules.id})).scalar_one()
+        if used > rules.most_submissions:
+            raise Refused("none-left", f"all {rules.most_submissions} submissions allowed have been used")
+
+
+async def _known(connection: AsyncConnection, new: New, who: UUID, key: str | None) -> UUID:
+    mine = submission.c.person_id == who, submission.c.idempotency_key == key
+    found = (await connection.execute(select(submission.c.id, submission.c.fingerprint).where(*mine))).one()
+    if found.fingerprint != new.fingerprint:
+        raise KeyReused
+    return UUID(str(found.id))

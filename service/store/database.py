@@ -1,0 +1,97 @@
+"""The connection to PostgreSQL: one engine per process, every wait bounded, an outage told apart from a mistake."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from contextlib import asynccontextmanager
+from typing import Any, TypeVar
+
+import psycopg
+from procrastinate.exceptions import ConnectorException
+from sqlalchemy import Executable, Row, text
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as NoConnection
+from sqlalchemy.ext.asyncio import AsyncConnection, create_async_engine
+
+from service.store.migrate import driver_url
+
+T = TypeVar("T")
+CONNECT_S, POOL_S = 3, 5.0
+# What a server does with a client that is cut off or frozen: it gives up its locks within seconds.
+SERVER_SIDE = {
+    "statement_timeout": "20s",
+    "lock_timeout": "10s",
+    "idle_in_transaction_session_timeout": "5s",
+    "tcp_user_timeout": "4s",
+    "tcp_keepalives_idle": "2",
+    "tcp_keepalives_interval": "1",
+    "tcp_keepalives_count": "2",
+}
+
+
+def connect_options(name: str) -> dict[str, Any]:
+    """Arguments of every connection: ``name`` as it shows in pg_stat_activity, and timeouts on both sides."""
+    return {
+        "application_name": name,
+        "connect_timeout": CONNECT_S,
+        "keepalives_idle": 2,
+        "keepalives_interval": 1,
+        "keepalives_count": 2,
+        "tcp_user_timeout": 4000,
+        "options": " ".join(f"-c {option}={value}" for option, value in SERVER_SIDE.items()),
+    }
+
+
+class Database:
+    """The database behind ``url``; its tables must be up to date. ``connections`` is the most it opens at a time."""
+
+    def __init__(self, url: str, name: str, connections: int = 8) -> None:
+        self.url = url
+        self._engine = create_async_engine(
+            driver_url(url),
+            pool_size=1,
+            max_overflow=connections - 1,
+            pool_timeout=POOL_S,
+            pool_pre_ping=True,
+            hide_parameters=True,  # an error that is logged must not hold a student's source
+            connect_args=connect_options(name),
+        )
+
+    async def close(self) -> None:
+        """Close all connections."""
+        await self._engine.dispose()
+
+    @asynccontextmanager
+    async def begin(self) -> AsyncIterator[AsyncConnection]:
+        """A transaction, committed at the end of the block."""
+        async with self._engine.begin() as connection:
+            yield connection
+
+    async def rows(self, query: Executable | str, values: Mapping[str, Any] | None = None) -> Sequence[Row[Any]]:
+        """All rows of a query; SQL text names its ``values`` with a colon."""
+        async with self._engine.connect() as connection:
+            return (await connection.execute(text(query) if isinstance(query, str) else query, values)).all()
+
+    async def ping(self) -> None:
+        """Raise unless the database answers."""
+        await self.rows("SELECT 1")
+
+
+def is_outage(error: BaseException) -> bool:
+    """Whether the database could not be reached or went away, so that the same may work later."""
+    if isinstance(error, DBAPIError):
+        return error.connection_invalidated or isinstance(error.orig, psycopg.OperationalError | psycopg.InterfaceError)
+    return isinstance(error, NoConnection | psycopg.OperationalError | ConnectorException | OSError)
+
+
+async def patiently(action: Callable[[], Awaitable[T]], most_s: float) -> T:
+    """Repeat ``action`` while the database is out, for at most ``most_s``; it must be harmless to do twice."""
+    until, pause = time.monotonic() + most_s, 0.1
+    while True:
+        try:
+            return await action()
+        except Exception as error:
+            if not is_outage(error) or time.monotonic() + pause > until:
+                raise
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, 2.0)

@@ -1,0 +1,94 @@
+"""What an operator sees of the queue and may ask of it: who waits, who works, what failed, and to grade again."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import Row, insert, text, update
+
+from service.store.accept import add_attempt
+from service.store.database import Database
+from service.store.tables import assignment, audit
+
+
+@dataclass(frozen=True)
+class Queue:
+    """Waiting jobs by kind, runs under way, workers, and attempts that ended in a fault."""
+
+    waiting: Sequence[Row[tuple[object, ...]]]
+    going: Sequence[Row[tuple[object, ...]]]
+    workers: Sequence[Row[tuple[object, ...]]]
+    faults: Sequence[Row[tuple[object, ...]]]
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Until when, and how often, a person may submit; None: no deadline, any number."""
+
+    due_at: datetime | None
+    grace_s: float
+    most_submissions: int | None
+
+
+async def look(database: Database) -> Queue:
+    """The queue as it is now."""
+    return Queue(*[await database.rows(query) for query in (_WAITING, _GOING, _WORKERS, _FAULTS)])
+
+
+async def grade_again(database: Database, which: Sequence[UUID] | str, who: str) -> int:
+    """A new attempt with the same seed for these submissions, for "faults" (those without a report) or for "all"; how many.
+
+    What is being graded is left alone. What was shown stays until the new result is there.
+    """
+    async with database.begin() as connection:
+        values = {"ids": [] if isinstance(which, str) else list(which), "which": which if isinstance(which, str) else "ids"}
+        found = (await connection.execute(_AGAIN, values)).all()
+        for row in found:
+            await add_attempt(connection, row.id, "regrade", row.seed)
+            entry = {"who": who, "action": "regrade", "subject": str(row.id), "detail": {"fault": row.fault}}
+            await connection.execute(insert(audit).values(entry))
+    return len(found)
+
+
+async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bool:
+    """Set the rules of an assignment. False if there is no such assignment."""
+    async with database.begin() as connection:
+        changed = (await connection.execute(update(assignment).where(assignment.c.slug == slug).values(asdict(rules)))).rowcount
+        told = {name: str(value) for name, value in asdict(rules).items()}
+        await connection.execute(insert(audit).values(who=who, action="rules", subject=slug, detail=told))
+    return changed > 0
+
+
+_WAITING = """
+SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch FROM now() - min(a.requested_at)) AS waited_s
+FROM procrastinate_jobs j JOIN attempt a ON a.id::text = j.args->>'attempt'
+WHERE j.status = 'todo' AND j.task_name = 'grade' GROUP BY a.kind ORDER BY max(j.priority) DESC
+"""
+
+_GOING = """
+SELECT run.worker, run.phase, run.scene, run.scenes, a.kind, a.number, s.id AS submission, p.name AS person,
+    extract(epoch FROM now() - run.started_at) AS running_s, extract(epoch FROM now() - run.beat_at) AS silent_s
+FROM run JOIN attempt a ON a.id = run.attempt_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+WHERE run.ended_at IS NULL ORDER BY run.started_at
+"""
+
+_WORKERS = "SELECT name, walls, refusal, zygotes, extract(epoch FROM now() - seen_at) AS silent_s FROM worker ORDER BY name"
+
+_FAULTS = """
+SELECT s.id AS submission, p.name AS person, r.fault, r.finished_at
+FROM submission s JOIN person p ON p.id = s.person_id
+    JOIN LATERAL (SELECT * FROM attempt WHERE submission_id = s.id ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.attempt_id = a.id
+WHERE r.fault IS NOT NULL ORDER BY r.finished_at DESC LIMIT 50
+"""
+
+_AGAIN = text("""
+SELECT s.id, a.seed, r.fault FROM submission s
+    JOIN LATERAL (SELECT * FROM attempt WHERE submission_id = s.id ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.attempt_id = a.id
+WHERE (:which = 'ids' AND s.id = ANY(CAST(:ids AS uuid[]))) OR :which = 'all'
+    OR (:which = 'faults' AND r.fault IS NOT NULL AND NOT EXISTS (
+        SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id WHERE b.submission_id = s.id AND q.report IS NOT NULL))
+ORDER BY s.submitted_at
+""")

@@ -1,0 +1,121 @@
+"""Reading what is stored: submissions with what became of them, artefacts, and who waits."""
+
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from uuid import UUID
+
+from sqlalchemy import Executable, Row, select
+from sqlalchemy.dialects.postgresql import insert
+
+from service.grading.report import Report
+from service.grading.submission import Submission
+from service.store.database import Database
+from service.store.records import Listed, Progress, Stored
+from service.store.tables import artefact, kept
+
+# The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was.
+_SHOWN = """
+LATERAL (
+    SELECT a.id AS attempt, a.number, a.seed, r.fault, r.score, r.max_score, r.report, r.attempt_id IS NOT NULL AS finished
+    FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+    WHERE a.submission_id = s.id ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
+) shown ON true
+LEFT JOIN LATERAL (
+    SELECT phase, scene, scenes FROM run
+    WHERE run.attempt_id = shown.attempt AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
+) going ON true
+"""
+
+_ONE = f"""
+SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, s.late, shown.*, going.*
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {_SHOWN}
+WHERE s.id = :id
+"""
+
+_LIST = f"""
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.finished, shown.fault, going.phase
+FROM submission s JOIN person p ON p.id = s.person_id JOIN {_SHOWN} ORDER BY s.submitted_at DESC LIMIT :most
+"""
+
+_STATE = f"""
+SELECT s.id, shown.finished, shown.fault, shown.score, shown.max_score, shown.attempt, shown.number, going.phase, going.scene,
+    going.scenes FROM submission s JOIN {_SHOWN} WHERE s.id = :id
+"""
+
+_POSITIONS = """
+SELECT args->>'attempt' AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position
+FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
+"""
+
+
+async def read(database: Database, id: UUID) -> Stored | None:
+    """The submission of that id, or None."""
+    rows = await database.rows(_ONE, {"id": id})
+    return _stored(rows[0]) if rows else None
+
+
+async def recent(database: Database, most: int) -> Sequence[Listed]:
+    """The latest submissions, newest first, without their source and report."""
+    return [
+        Listed(r.id, r.filename, r.person, r.submitted_at, _status(r), r.score, r.max_score)
+        for r in await database.rows(_LIST, {"most": most})
+    ]
+
+
+async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
+    """What of a submission changes while it is graded: a row with ``finished``, ``fault``, scores, ``attempt`` and progress."""
+    rows = await database.rows(_STATE, {"id": id})
+    return rows[0] if rows else None
+
+
+async def positions(database: Database) -> Mapping[str, int]:
+    """By attempt, which place in the queue it has; the next to start is at 1."""
+    return {row.attempt: row.position for row in await database.rows(_POSITIONS)}
+
+
+async def find_artefact(database: Database, attempt: UUID, name: str) -> tuple[bytes, str] | None:
+    """Content and SHA-256 of an artefact, or None."""
+    query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, kept)
+    rows = await database.rows(query.where(kept.c.attempt_id == attempt, kept.c.name == name))
+    return (rows[0].content, rows[0].sha256) if rows else None
+
+
+async def keep(database: Database, attempt: UUID, artefacts: Mapping[str, bytes]) -> None:
+    """Keep artefacts made later, such as a figure drawn when somebody looked."""
+    async with database.begin() as connection:
+        for statement in keeping(attempt, artefacts):
+            await connection.execute(statement)
+
+
+def keeping(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
+    """The statements that keep them, each content once however many attempts share it."""
+    marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
+    contents = {marks[name]: content for name, content in artefacts.items()}
+    return [
+        *(insert(artefact).values(sha256=mark, content=contents[mark]).on_conflict_do_nothing() for mark in sorted(contents)),
+        *(insert(kept).values(attempt_id=attempt, name=n, sha256=mark).on_conflict_do_nothing() for n, mark in marks.items()),
+    ]
+
+
+def _status(row: Row[tuple[object, ...]]) -> str:
+    if row.finished:
+        return "graded" if row.fault is None else "faulted"
+    return "queued" if row.phase is None else "running"
+
+
+def _stored(row: Row[tuple[object, ...]]) -> Stored:
+    return Stored(
+        id=row.id,
+        assignment=row.assignment,
+        person=row.person,
+        submission=Submission(row.source, row.filename),
+        exercises=row.exercises,
+        submitted_at=row.submitted_at,
+        late=row.late,
+        attempt=row.attempt,
+        number=row.number,
+        seed=row.seed,
+        report=None if row.report is None else Report.model_validate(row.report),
+        fault=row.fault,
+        progress=None if row.finished else Progress(_status(row), row.phase or "", row.scene or 0, row.scenes or 0),
+    )

@@ -1,0 +1,84 @@
+"""What is read from the tables: a submission with what became of it, and a line of a list."""
+
+import hashlib
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from service.grading.report import Report
+from service.grading.submission import Submission
+
+
+@dataclass(frozen=True)
+class New:
+    """A submission about to be stored."""
+
+    id: UUID
+    assignment: str
+    person: str
+    submission: Submission
+    exercises: list[str] | None
+    seed: int
+
+    @property
+    def fingerprint(self) -> str:
+        """What two requests must share to be the same submission."""
+        parts = [self.assignment, self.submission.filename, self.submission.source, repr(self.exercises)]
+        return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far an attempt without result is: "queued" or "running" with a phase, and scene ``scene`` of ``scenes``."""
+
+    status: str
+    phase: str = ""
+    scene: int = 0
+    scenes: int = 0
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A submission as accepted, with the result shown for it, if there is one: a report, or the fault that kept us from making it.
+
+    ``attempt`` is the one shown: the last with a report, else the last one. ``progress`` is None once it has its result.
+    """
+
+    id: UUID
+    assignment: str
+    person: str
+    submission: Submission
+    exercises: list[str] | None
+    submitted_at: datetime
+    late: bool
+    attempt: UUID
+    number: int
+    seed: int
+    report: Report | None
+    fault: str | None
+    progress: Progress | None
+
+    @property
+    def finished(self) -> bool:
+        """Whether there is a result."""
+        return self.progress is None
+
+    @property
+    def status(self) -> str:
+        """queued, running, graded or faulted."""
+        if self.progress is not None:
+            return self.progress.status
+        return "graded" if self.fault is None else "faulted"
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A submission as a list shows it; ``score`` and ``max_score`` are None where there is no report."""
+
+    id: UUID
+    filename: str
+    person: str
+    submitted_at: datetime
+    status: str
+    score: int | None
+    max_score: int | None

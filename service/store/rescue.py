@@ -1,0 +1,77 @@
+"""What keeps accepted work from being forgotten: attempts whose worker is gone, or that have no job, are queued again.
+
+Any worker may do this at any time: a row is locked by one of them, the others pass it by.
+"""
+
+from uuid import UUID
+
+from sqlalchemy import text
+
+from service.queue import send_attempt
+from service.store.database import Database
+
+LEASE_S = 2.0  # a run that has told nothing for so long is lost: its worker is dead, frozen or cut off
+SWEPT_AFTER_S = 5.0  # an open attempt older than this has a job, or gets one
+
+
+async def rescue(database: Database) -> list[UUID]:
+    """Queue attempts again whose runs are lost, and forget jobs of attempts that have their result; the attempts queued again."""
+    again = []
+    async with database.begin() as connection:
+        for job in (await connection.execute(_STALE, {"lease": LEASE_S})).all():
+            if job.finished or job.task_name != "grade":
+                continue
+            attempt = UUID(job.attempt)
+            await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
+            await send_attempt(connection, attempt)
+            again.append(attempt)
+    return again
+
+
+async def sweep(database: Database) -> list[UUID]:
+    """Queue attempts without result that have no job at all, and forget workers long gone; the attempts queued again."""
+    async with database.begin() as connection:
+        if not (await connection.execute(_ALONE)).scalar():
+            return []
+        found = [row.id for row in (await connection.execute(_JOBLESS, {"after": SWEPT_AFTER_S})).all()]
+        for attempt in found:
+            await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
+            await send_attempt(connection, attempt)
+        await connection.execute(_FORGET_WORKERS)
+    return found
+
+
+# Jobs in the hands of a worker whose run says nothing any more, or that never began one, or whose attempt is finished. The
+# worker's own heartbeat is not asked: Procrastinate may leave a job with a live worker that has forgotten it. A sweep of a
+# submission's function has no run and may take its time.
+_STALE = text("""
+DELETE FROM procrastinate_jobs WHERE id IN (
+    SELECT j.id FROM procrastinate_jobs j
+        JOIN LATERAL (SELECT max(at) AS at FROM procrastinate_events e WHERE e.job_id = j.id AND e.type = 'started') taken ON true
+        LEFT JOIN LATERAL (
+            SELECT max(greatest(beat_at, ended_at)) FILTER (WHERE ending IS DISTINCT FROM 'lost') AS at
+            FROM run WHERE run.attempt_id = (j.args->>'attempt')::uuid
+        ) beat ON true
+    WHERE j.status = 'doing' AND greatest(taken.at, beat.at) < now() - make_interval(
+        secs => CASE WHEN j.task_name = 'grade' THEN CAST(:lease AS float) ELSE 120 END)
+    FOR UPDATE OF j SKIP LOCKED
+) RETURNING args->>'attempt' AS attempt, task_name,
+    EXISTS (SELECT 1 FROM result WHERE attempt_id = (args->>'attempt')::uuid) AS finished
+""")
+
+_LOSE = text("""
+UPDATE run SET ended_at = now(), ending = 'lost', note = 'the worker was not heard of any more'
+WHERE attempt_id = :attempt AND ended_at IS NULL AND beat_at < now() - make_interval(secs => :lease)
+""")
+
+_ALONE = text("SELECT pg_try_advisory_xact_lock(2626)")
+
+_JOBLESS = text("""
+SELECT a.id FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+WHERE r.attempt_id IS NULL AND a.requested_at < now() - make_interval(secs => :after) AND NOT EXISTS (
+    SELECT 1 FROM procrastinate_jobs j
+    WHERE j.status IN ('todo', 'doing') AND j.task_name = 'grade' AND j.args->>'attempt' = a.id::text)
+ORDER BY a.requested_at
+""")
+
+_FORGET_WORKERS = text("DELETE FROM worker WHERE seen_at < now() - interval '1 hour'")

@@ -1,0 +1,181 @@
+"""A worker's side of an attempt: claim it, tell that it is alive and how far it is, and write the one result.
+
+Every function is one transaction and harmless to repeat, because a lost connection leaves open whether it was committed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import Row, text
+from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from service.grading.report import Report
+from service.grading.submission import Submission
+from service.queue import send_attempt
+from service.store.database import Database
+from service.store.reading import keeping
+from service.store.tables import result, run
+
+CHANNEL = "polhode"
+
+
+@dataclass(frozen=True)
+class Question:
+    """What an attempt asks: everything that grading it needs, so that no more is read while it runs."""
+
+    attempt: UUID
+    submission_id: UUID
+    assignment: str
+    submission: Submission
+    exercises: list[str] | None
+    seed: int
+
+
+@dataclass(frozen=True)
+class Claim(Question):
+    """An attempt that this worker grades, as its run ``run``."""
+
+    run: UUID
+
+
+async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -> Claim | None:
+    """Begin run ``new_run`` of the attempt; None where there is nothing to do, as it has its result.
+
+    Where too many runs were lost or failed, the result is a fault, with what is known of them.
+    """
+    async with database.begin() as connection:
+        found = (await connection.execute(_CLAIM, {"attempt": attempt})).first()
+        if found is None or found.finished:
+            return None
+        lost = (await connection.execute(_LOST, {"attempt": attempt, "run": new_run})).all()
+        if len(lost) >= found.most_runs:
+            known = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
+            fault = f"grading was begun {len(lost)} times and never ended ({known})"
+            await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
+            await _tell(connection, found.submission_id)
+            return None
+        values = {"id": new_run, "attempt_id": attempt, "worker": worker, "phase": "starting"}
+        await connection.execute(insert(run).values(values).on_conflict_do_nothing())
+        await _tell(connection, found.submission_id)
+    return Claim(**_asked(attempt, found), run=new_run)
+
+
+async def question(database: Database, attempt: UUID) -> Question:
+    """What an attempt asks, without claiming it."""
+    async with database.begin() as connection:
+        return Question(**_asked(attempt, (await connection.execute(_CLAIM, {"attempt": attempt})).one()))
+
+
+async def beat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> None:
+    """Tell that the run is alive and how far it is."""
+    values = {"run": claimed.run, "phase": phase, "scene": scene, "scenes": scenes}
+    async with database.begin() as connection:
+        if (await connection.execute(_BEAT, values)).scalar():
+            await _tell(connection, claimed.submission_id)
+
+
+async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
+    """Write the result and its artefacts together. False if another run was first: then nothing of this one is kept."""
+    values = {
+        "attempt_id": claimed.attempt,
+        "run_id": claimed.run,
+        "report": report.model_dump(mode="json"),
+        "score": report.score,
+        "max_score": report.max_score,
+        "version": report.version,
+        "walls": report.provenance.walls,
+        "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
+    }
+    async with database.begin() as connection:
+        await connection.execute(insert(result).values(values).on_conflict_do_nothing())
+        owner = (await connection.execute(_OWNER, {"attempt": claimed.attempt})).scalar()
+        first = owner == claimed.run
+        for statement in keeping(claimed.attempt, artefacts) if first else []:
+            await connection.execute(statement)
+        await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
+        if first:
+            await _tell(connection, claimed.submission_id)
+        return first
+
+
+async def give_back(database: Database, claimed: Claim, ending: str, note: str) -> None:
+    """End a run without result: "released" when the worker stops, "failed" by a failure of ours; the attempt is queued again."""
+    async with database.begin() as connection:
+        values = {"run": claimed.run, "ending": ending, "note": note[:600]}
+        open = (await connection.execute(_END_IF_OPEN, values)).rowcount  # else it was lost, and is queued already
+        if open and (await connection.execute(_OWNER, {"attempt": claimed.attempt})).first() is None:
+            await connection.execute(_DROP_JOBS, {"attempt": str(claimed.attempt)})
+            await send_attempt(connection, claimed.attempt)
+            await _tell(connection, claimed.submission_id)
+
+
+async def enrol(database: Database, worker: str, walls: str | None, refusal: str | None, zygotes: int = 0) -> None:
+    """Tell that a worker is there and what it grades behind, or why it cannot grade."""
+    values = {"name": worker, "walls": walls, "refusal": refusal, "zygotes": zygotes}
+    async with database.begin() as connection:
+        await connection.execute(_ENROL, values)
+
+
+async def leave(database: Database, worker: str) -> None:
+    """Tell that a worker is not there any more."""
+    async with database.begin() as connection:
+        await connection.execute(text("DELETE FROM worker WHERE name = :name"), {"name": worker})
+
+
+async def tell(database: Database, submission_id: UUID) -> None:
+    """Wake whoever follows that submission, on any server."""
+    async with database.begin() as connection:
+        await _tell(connection, submission_id)
+
+
+def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
+    return {
+        "attempt": attempt,
+        "submission_id": row.submission_id,
+        "assignment": row.assignment,
+        "submission": Submission(row.source, row.filename),
+        "exercises": row.exercises,
+        "seed": row.seed,
+    }
+
+
+async def _tell(connection: AsyncConnection, submission_id: UUID) -> None:
+    """The same when this transaction is committed."""
+    await connection.execute(text("SELECT pg_notify(:channel, :id)"), {"channel": CHANNEL, "id": str(submission_id)})
+
+
+_CLAIM = text("""
+SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.most_runs,
+    r.attempt_id IS NOT NULL AS finished
+FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
+    LEFT JOIN result r ON r.attempt_id = a.id
+WHERE a.id = :attempt FOR UPDATE OF a
+""")
+
+# A run that came back late is no loss: its worker lives, it was only slow.
+_LOST = text("""
+SELECT started_at, worker, note FROM run
+WHERE attempt_id = :attempt AND id <> :run AND ending IN ('lost', 'failed') ORDER BY started_at
+""")
+
+_BEAT = text("""
+WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
+UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes FROM before
+WHERE run.id = before.id AND run.ended_at IS NULL RETURNING (before.phase, before.scene) <> (run.phase, run.scene)
+""")
+
+_OWNER = text("SELECT run_id FROM result WHERE attempt_id = :attempt")
+
+_END = text("UPDATE run SET ended_at = now(), ending = :ending, note = NULL WHERE id = :run AND ending IS DISTINCT FROM 'finished'")
+
+_END_IF_OPEN = text("UPDATE run SET ended_at = now(), ending = :ending, note = :note WHERE id = :run AND ended_at IS NULL")
+
+_DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :attempt AND task_name = 'grade'")
+
+_ENROL = text("""
+INSERT INTO worker (name, walls, refusal, zygotes) VALUES (:name, :walls, :refusal, :zygotes)
+ON CONFLICT (name) DO UPDATE SET walls = :walls, refusal = :refusal, zygotes = :zygotes, seen_at = now()
+""")

@@ -1,0 +1,1 @@
+"""The street door: the web application and everything that knows HTTP."""

@@ -1,0 +1,87 @@
+"""What is counted, for Prometheus: requests in this process, and the queue, the results and the workers as the tables have them.
+
+Counts of results come from the tables, so that they are the same whichever server is asked and survive its restart.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from prometheus_client import CollectorRegistry, Counter, Histogram, disable_created_metrics, generate_latest
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
+from sqlalchemy import Row
+
+from service.store.database import Database
+
+disable_created_metrics()  # type: ignore[no-untyped-call]
+PROCESS = CollectorRegistry()
+REQUESTS = Counter("polhode_http_requests", "Requests answered.", ["method", "route", "status"], registry=PROCESS)
+SECONDS = Histogram("polhode_http_seconds", "Time to answer.", ["route"], registry=PROCESS)
+BUCKETS = (0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300, 900, 3600)
+
+_DEPTH = "SELECT status::text, task_name, count(*) AS n FROM procrastinate_jobs GROUP BY 1, 2"
+_RESULTS = """
+SELECT count(*) FILTER (WHERE fault IS NULL) AS graded, count(*) FILTER (WHERE fault IS NOT NULL) AS faulted,
+    coalesce(sum(score), 0) AS passed, coalesce(sum(max_score - score), 0) AS others FROM result
+"""
+_RUNS = "SELECT ending, count(*) AS n FROM run WHERE ending IS NOT NULL GROUP BY 1"
+_WORKERS = """
+SELECT count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND refusal IS NULL) AS ready,
+    count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND refusal IS NOT NULL) AS refusing,
+    coalesce(sum(zygotes), 0) AS zygotes FROM worker
+"""
+_WAITS = """
+SELECT extract(epoch FROM first.at - a.requested_at) AS s
+FROM attempt a JOIN LATERAL (SELECT min(started_at) AS at FROM run WHERE run.attempt_id = a.id) first ON first.at IS NOT NULL
+"""
+_HISTOGRAM = "SELECT {} , count(*), coalesce(sum(s), 0) FROM ({}) AS measured"
+
+
+async def exposition(database: Database) -> bytes:
+    """Everything in Prometheus's text format."""
+    registry = CollectorRegistry()
+    registry.register(_Fixed(await _from_tables(database)))
+    return generate_latest(PROCESS) + generate_latest(registry)
+
+
+class _Fixed:
+    """Metrics that have been read already."""
+
+    def __init__(self, metrics: Sequence[Metric]) -> None:
+        self._metrics = metrics
+
+    def collect(self) -> Iterable[Metric]:
+        return self._metrics
+
+
+async def _from_tables(database: Database) -> Sequence[Metric]:
+    jobs = GaugeMetricFamily("polhode_queue_jobs", "Jobs by task, waiting (todo) or taken (doing).", labels=["task", "status"])
+    for row in await database.rows(_DEPTH):
+        jobs.add_metric([row.task_name, row.status], row.n)
+    (sums,) = await database.rows(_RESULTS)
+    results = CounterMetricFamily("polhode_results", "Results by status.", labels=["status"])
+    verdicts = CounterMetricFamily("polhode_verdicts", "Checks that count, by whether they passed.", labels=["verdict"])
+    for family, name, value in (
+        (results, "graded", sums.graded), (results, "faulted", sums.faulted),
+        (verdicts, "pass", sums.passed), (verdicts, "other", sums.others),
+    ):  # fmt: skip
+        family.add_metric([name], value)
+    runs = CounterMetricFamily("polhode_runs", "Runs by ending.", labels=["ending"])
+    for row in await database.rows(_RUNS):
+        runs.add_metric([row.ending], row.n)
+    (crew,) = await database.rows(_WORKERS)
+    workers = GaugeMetricFamily("polhode_workers", "Workers heard of in the last ten seconds.", labels=["state"])
+    workers.add_metric(["ready"], crew.ready)
+    workers.add_metric(["refusing"], crew.refusing)
+    zygotes = GaugeMetricFamily("polhode_zygote_restarts", "Warm guests replaced, over the workers known.", value=crew.zygotes)
+    wait = await _histogram(database, "polhode_wait_seconds", "From accepted to first begun.", _WAITS)
+    took = await _histogram(
+        database, "polhode_grading_seconds", "Time to grade.", "SELECT grading_s AS s FROM result WHERE grading_s IS NOT NULL"
+    )
+    return [jobs, results, verdicts, runs, workers, zygotes, wait, took]
+
+
+async def _histogram(database: Database, name: str, words: str, query: str) -> Metric:
+    counts = ", ".join(f"count(*) FILTER (WHERE s <= {edge})" for edge in BUCKETS)
+    row: Row[Any] = (await database.rows(_HISTOGRAM.format(counts, query)))[0]
+    buckets = [(str(float(edge)), row[k]) for k, edge in enumerate(BUCKETS)] + [("+Inf", row[len(BUCKETS)])]
+    return HistogramMetricFamily(name, words, buckets=buckets, sum_value=float(row[len(BUCKETS) + 1]))

@@ -1,0 +1,56 @@
+"""Drawing beside the event loop: one process, started when somebody looks at a picture that has not been drawn yet."""
+
+import asyncio
+import functools
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+from service.sandbox.guest.lockdown import die_with_parent
+from service.store.records import Stored
+from service.workers import hand
+
+DRAW_S = 60.0
+
+
+class NotDrawn(Exception):
+    """The drawing process was lost or took too long; the next picture gets a new one."""
+
+
+class Draughtsman:
+    """Draws figures and charts; a process that is lost is replaced at the next picture."""
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        self._charts: dict[tuple[str, int], bytes] = {}
+
+    async def figure(self, stored: Stored, name: str, packed: bytes, form: str) -> bytes:
+        """A figure of a graded submission. ArithmeticError or ValueError where its numbers cannot be drawn."""
+        return await self._call(hand.draw_one, stored.assignment, name, packed, stored.seed, form)
+
+    async def chart(self, kind: str, number: int) -> bytes:
+        """A chart of the reference methods, drawn once."""
+        if (kind, number) not in self._charts:
+            self._charts[kind, number] = await self._call(hand.draw_chart, kind, number)
+        return self._charts[kind, number]
+
+    def stop(self) -> None:
+        """End the process."""
+        if self._pool is not None:
+            for process in list((self._pool._processes or {}).values()):
+                process.kill()
+            self._pool.shutdown(wait=True, cancel_futures=True)
+
+    async def _call(self, function: Callable[..., bytes], *args: Any) -> bytes:
+        if self._pool is None:
+            spawn = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=die_with_parent)
+        try:
+            work = asyncio.get_running_loop().run_in_executor(self._pool, functools.partial(function, *args))
+            return await asyncio.wait_for(work, DRAW_S)
+        except (BrokenProcessPool, TimeoutError) as error:
+            self.stop()
+            self._pool = None
+            raise NotDrawn from error

@@ -1,0 +1,51 @@
+"""Server-sent events: how far a submission is, from whichever worker grades it, until its result is there."""
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Header, Request
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.store import reading
+from service.store.records import Stored
+from service.web.listener import Listener
+from service.web.routes import find_submission
+
+router = APIRouter()
+LONGEST_S = 3600.0
+
+
+@router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse)
+async def events(
+    request: Request,
+    stored: Annotated[Stored, Depends(find_submission)],
+    last_event_id: Annotated[str | None, Header()] = None,
+) -> AsyncIterator[ServerSentEvent]:
+    """``queued`` with its position, ``running`` with scene k of n, at last ``graded`` or ``faulted``: then the stream ends.
+
+    An event's id is what it tells, so who comes back with ``Last-Event-ID`` is not told the same twice.
+    """
+    told, listener = last_event_id, request.app.state.listener
+    async for _ in listener.looks(str(stored.id), LONGEST_S):
+        now = await _now(request, stored, listener)
+        id = " ".join(str(value) for value in now.values())
+        if id != told:
+            yield ServerSentEvent(event=now["status"], id=id, data=now)
+            told = id
+        if now["status"] in ("graded", "faulted"):
+            return
+
+
+async def _now(request: Request, stored: Stored, listener: Listener) -> dict[str, Any]:
+    row = await reading.state(request.app.state.database, stored.id)
+    assert row is not None
+    if row.finished:
+        return {
+            "status": "faulted" if row.fault else "graded",
+            "attempt": row.number,
+            "score": row.score,
+            "max_score": row.max_score,
+        }
+    if row.phase is None:
+        return {"status": "queued", "attempt": row.number, "position": await listener.position(str(row.attempt))}
+    return {"status": "running", "attempt": row.number, "phase": row.phase, "scene": row.scene, "scenes": row.scenes}

@@ -1,0 +1,52 @@
+"""Around every request: an id to find it by, a log line, the counters, and headers that keep a page to itself."""
+
+import logging
+import time
+import uuid
+
+from fastapi import FastAPI
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.logs import request_id
+from service.web.counters import REQUESTS, SECONDS
+
+log = logging.getLogger("polhode.access")
+CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+OWN = {"content-security-policy": CONTENT_SECURITY, "x-content-type-options": "nosniff"}
+
+
+def install(app: FastAPI) -> None:
+    """Guard every request of ``app``."""
+    app.add_middleware(Guard)
+
+
+class Guard:
+    """ASGI middleware; an event stream passes through it unbuffered."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let one request through."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        id, began, status = uuid.uuid4().hex[:16], time.perf_counter(), 500
+        token = request_id.set(id)
+
+        async def tell(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                MutableHeaders(scope=message).update({**OWN, "x-request-id": id})
+            await send(message)
+
+        try:
+            await self.app(scope, receive, tell)
+        finally:
+            took, route = time.perf_counter() - began, getattr(scope.get("route"), "path", "other")
+            REQUESTS.labels(scope["method"], route, status).inc()
+            SECONDS.labels(route).observe(took)
+            log.info("request", extra={"method": scope["method"], "route": route, "status": status, "ms": round(1e3 * took, 1)})
+            request_id.reset(token)

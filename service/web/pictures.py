@@ -1,0 +1,93 @@
+"""Pictures of a report: figures drawn when somebody looks, contact sheets, and the sweep of a submission's own function."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, Request, Response
+from sqlalchemy import text
+
+from service.grading.pictures import FORMATS
+from service.grading.pictures import find as find_figure
+from service.queue import KINDS, STEP, send
+from service.store.database import Database
+from service.store.reading import find_artefact, keep
+from service.store.records import Stored
+from service.web.drawing import NotDrawn
+from service.web.problems import Problem
+from service.web.routes import find_assignment, find_submission
+
+router = APIRouter()
+Submission = Annotated[Stored, Depends(find_submission)]
+SWEPT_IN_S = 50.0
+
+
+@router.get("/v1/submissions/{id}/figures/{name}.{form}")
+async def figure(stored: Submission, name: str, form: Literal["png", "svg"], request: Request) -> Response:
+    """A figure of the report, drawn when first asked for and kept."""
+    database = request.app.state.database
+    known = {f.name for f in stored.report.figures} if stored.report else set()
+    if name not in known or find_figure(find_assignment(stored.assignment), name) is None:
+        raise Problem(404, "not-found", f"the report has no figure {name[:80]}")
+    kept = f"figures/{name}.{form}"
+    if (found := await find_artefact(database, stored.attempt, kept)) is None:
+        packed = await find_artefact(database, stored.attempt, "arrays.npz")
+        if packed is None:
+            raise Problem(404, "not-found", "the arrays of this submission are gone")
+        try:
+            content = await request.app.state.draughtsman.figure(stored, name, packed[0], form)
+        except (ArithmeticError, ValueError) as error:
+            raise Problem(404, "not-found", f"these numbers cannot be drawn: {error}") from error
+        except NotDrawn as error:
+            raise Problem(503, "busy", "the picture could not be drawn: ask again") from error
+        await keep(database, stored.attempt, {kept: content})
+        found = await find_artefact(database, stored.attempt, kept)
+        assert found is not None
+    return _cached(request, found, FORMATS[form])
+
+
+@router.get("/v1/submissions/{id}/sweep.{form}")
+async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"], request: Request) -> Response:
+    """Speed against accuracy of the submission's own function, played by a worker when first asked for, and kept."""
+    if stored.report is None:
+        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
+    database = request.app.state.database
+    async for _ in request.app.state.listener.looks(str(stored.id), SWEPT_IN_S):
+        if found := await find_artefact(database, stored.attempt, f"sweep.{form}"):
+            return _cached(request, found, FORMATS.get(form, "application/json"))
+        if refused := await find_artefact(database, stored.attempt, "sweep.refused"):
+            raise Problem(404, "not-found", f"this function could not be swept: {refused[0].decode()}")
+        await _send_sweep(database, stored)
+    raise Problem(503, "busy", "the sweep has not been played yet: ask again later")
+
+
+async def _send_sweep(database: Database, stored: Stored) -> None:
+    """A job to sweep this submission, unless there is one: a person waits, so it goes before regrades."""
+    async with database.begin() as connection:
+        await connection.execute(_ONE_ASKS, {"attempt": str(stored.attempt)})
+        if (await connection.execute(_SENT, {"attempt": str(stored.attempt)})).first() is None:
+            await send(connection, stored.attempt, task="sweep", priority=STEP * KINDS["interactive"] - STEP // 2)
+
+
+_ONE_ASKS = text("SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :attempt, 0))")
+_SENT = text("""
+SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing') AND args->>'attempt' = :attempt
+""")
+
+
+@router.get("/v1/submissions/{id}/animations/{name}.png")
+async def animation(stored: Submission, name: str, request: Request) -> Response:
+    """The contact sheet of an animation."""
+    known = {a.name for a in stored.report.animations} if stored.report else set()
+    database = request.app.state.database
+    found = await find_artefact(database, stored.attempt, f"animations/{name}.png") if name in known else None
+    if found is None:
+        raise Problem(404, "not-found", f"the report has no animation {name[:80]}")
+    return _cached(request, found, FORMATS["png"])
+
+
+def _cached(request: Request, found: tuple[bytes, str], media_type: str) -> Response:
+    content, digest = found
+    headers = {"ETag": f'"{digest}"', "Cache-Control": "private, max-age=31536000, immutable"}
+    wanted = {tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")}
+    if wanted & {headers["ETag"], "*"}:
+        return Response(status_code=304, headers=headers)
+    return Response(content, media_type=media_type, headers=headers)

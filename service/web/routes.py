@@ -1,0 +1,154 @@
+"""The HTTP interface, version 1: assignments, submissions and their reports. Pictures and events have files of their own."""
+
+import re
+import secrets
+import uuid
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Request
+from fastapi.responses import JSONResponse, PlainTextResponse
+
+from exercises.assignment import Assignment, assignments
+from service.store import reading
+from service.store.accept import KeyReused, Refused, accept
+from service.store.database import Database
+from service.store.records import New, Stored
+from service.web import intake
+from service.web.health import crew
+from service.web.problems import Problem
+
+router = APIRouter()
+LONGEST_WAIT_S = 60.0
+LONGEST_NAME = 200
+LOCAL = "local"  # whoever submits, where nothing tells persons apart
+
+
+@router.get("/v1/assignments")
+async def list_assignments() -> list[dict[str, str]]:
+    """Slug, title and version of every assignment."""
+    return [{"slug": a.slug, "title": a.title, "version": a.version} for a in assignments().values()]
+
+
+@router.get("/v1/assignments/{slug}")
+async def show_assignment(slug: str) -> dict[str, Any]:
+    """Exercises with their entry points and checks, each with its tolerance and the reason for it, and whether it is hidden."""
+    assignment = find_assignment(slug)
+    sections = [
+        {
+            "number": e.number,
+            "title": e.title,
+            "functions": list(e.functions),
+            "optional": list(e.optional),
+            "checks": [
+                {
+                    "id": c.id,
+                    "label": c.label,
+                    "hidden": assignment.hidden(c),
+                    "tolerance": c.tolerance.model_dump(exclude_none=True),
+                }
+                for c in e.checks
+            ],
+        }
+        for e in assignment.exercises
+    ]
+    return {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
+
+
+@router.post("/v1/assignments/{slug}/submissions", status_code=202)
+async def submit(
+    slug: str,
+    request: Request,
+    prefer: Annotated[str | None, Header()] = None,
+    idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
+) -> JSONResponse:
+    """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
+    assignment, database = find_assignment(slug), _database(request)
+    walls, refusal = await crew(database)
+    if refusal and not walls:
+        raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
+    received = await intake.receive(request, assignment)
+    new = New(uuid.uuid4(), slug, _person(request), received.submission, received.exercises, secrets.randbits(48))
+    try:
+        id = await accept(database, new, idempotency_key or None)
+    except KeyReused:
+        raise Problem(422, "key-reused", "the key came with another body before: use a new one") from None
+    except Refused as reason:
+        raise Problem(403, reason.kind, str(reason)) from reason
+    wait_s = _seconds(prefer)
+    stored = await _wait(request, id, wait_s)
+    location = f"/v1/submissions/{id}"
+    if stored.finished and wait_s > 0:
+        return JSONResponse(_document(stored), 200, {"Location": location})
+    return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
+
+
+@router.get("/v1/submissions/{id}")
+async def show_submission(id: str, request: Request) -> dict[str, Any]:
+    """Status of a submission, and its report once there is one."""
+    return _document(await find_submission(request, id))
+
+
+@router.get("/v1/submissions/{id}/report.txt")
+async def report_text(id: str, request: Request) -> PlainTextResponse:
+    """The report as the notebook prints it."""
+    stored = await find_submission(request, id)
+    if stored.report is None:
+        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
+    return PlainTextResponse(stored.report.text())
+
+
+def find_assignment(slug: str) -> Assignment:
+    """The assignment, or a 404 problem."""
+    if (assignment := assignments().get(slug)) is None:
+        raise Problem(404, "not-found", f"there is no assignment {slug[:80]}")
+    return assignment
+
+
+async def find_submission(request: Request, id: str) -> Stored:
+    """The submission, or a 404 problem."""
+    try:
+        stored = await reading.read(_database(request), uuid.UUID(id))
+    except ValueError:
+        stored = None
+    if stored is None:
+        raise Problem(404, "not-found", f"there is no submission {id[:80]}")
+    return stored
+
+
+def _document(stored: Stored) -> dict[str, Any]:
+    report = stored.report.model_dump(mode="json") if stored.report else None
+    document = {"id": str(stored.id), "status": stored.status, "submitted_at": stored.submitted_at.isoformat(), "late": stored.late}
+    return document | {"report": report} | ({"fault": stored.fault} if stored.fault else {})
+
+
+async def _wait(request: Request, id: uuid.UUID, seconds: float) -> Stored:
+    """The submission as soon as it has its result, or as it is after ``seconds``."""
+    database = _database(request)
+    async for _ in request.app.state.listener.looks(str(id), seconds):
+        row = await reading.state(database, id)
+        if row is None or row.finished:
+            break
+    stored = await reading.read(database, id)
+    assert stored is not None
+    return stored
+
+
+def _person(request: Request) -> str:
+    """Who submits, by the header in which a proxy tells it; everybody is the same person where no such header is set."""
+    header = request.app.state.settings.person_header
+    if header is None:
+        return LOCAL
+    name = request.headers.get(header, "").strip()
+    if not name or len(name) > LONGEST_NAME or not name.isprintable():
+        raise Problem(401, "nobody", f"the header {header} names nobody")
+    return name
+
+
+def _database(request: Request) -> Database:
+    database: Database = request.app.state.database
+    return database
+
+
+def _seconds(prefer: str | None) -> float:
+    wanted = re.search(r"\bwait=(\d{1,9})\b", prefer or "")
+    return min(float(wanted[1]), LONGEST_WAIT_S) if wanted else 0.0

@@ -1,0 +1,196 @@
+"""One worker process: takes jobs from the queue, grades them with its own warm guest, and looks after work that others lost.
+
+Grading runs in one thread that lives as long as the process, as a guest dies with the thread that started it. The event loop
+beside it tells every half second that the run is alive.
+"""
+
+import asyncio
+import contextlib
+import logging
+import os
+import signal
+import uuid
+from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any
+
+from service import logs
+from service.grading.sweep import NotSwept
+from service.queue import QUEUE, new_app
+from service.sandbox.choose import WallsMissing, choose
+from service.sandbox.seen import Fault
+from service.sandbox.wire import text
+from service.settings import Settings
+from service.store import rescue, runs
+from service.store.database import Database, is_outage, patiently
+from service.store.reading import keep
+from service.workers import hand
+
+log = logging.getLogger(__name__)
+BEAT_S, LOOK_S, SWEEP_EVERY, RETRY_WALLS_S = 0.5, 1.0, 30, 5.0
+PATIENCE_S = 3600.0  # a result in hand outlives an hour without database
+MOST_S = 900.0  # far beyond every budget of a submission: a worker that has not come back by then ends itself
+
+
+class Slot:
+    """``name`` tells the host and the process; ``settings.database_url`` is set."""
+
+    def __init__(self, settings: Settings, name: str) -> None:
+        assert settings.database_url is not None
+        self.name, self._settings, self._url = name, settings, settings.database_url
+        self._database = Database(self._url, f"polhode worker {name}", connections=3)
+        self._thread = ThreadPoolExecutor(1)
+        self._stopping = asyncio.Event()
+        self._work: asyncio.Task[None] | None = None
+        self._claimed: runs.Claim | None = None
+        self._progress = ("starting", 0, 0)
+
+    async def run(self) -> None:
+        """Work until told to stop by SIGTERM or SIGINT; then finish within the time to drain, or give back."""
+        for how in (signal.SIGTERM, signal.SIGINT):
+            asyncio.get_running_loop().add_signal_handler(how, self._stopping.set)
+        if not await self._put_up_walls():
+            return
+        aside = [asyncio.create_task(self._look_after()), asyncio.create_task(self._take_jobs())]
+        await self._stopping.wait()
+        for task in aside:
+            task.cancel()
+        await self._drain()
+        await self._database.close()
+
+    async def _put_up_walls(self) -> bool:
+        """Warm a guest and let it play the probe; where walls are missing, say so and try again. False if told to stop."""
+        while not self._stopping.is_set():
+            try:
+                walls = await asyncio.to_thread(choose, self._settings.min_tier)
+                await self._call(hand.start, walls)
+                await self._call(hand.ready)
+                self._walls = walls.name
+                return True
+            except (WallsMissing, Fault) as reason:
+                log.error("nothing is graded here: %s", reason)
+                await self._enrol(None, str(reason))
+                with contextlib.suppress(TimeoutError):
+                    await asyncio.wait_for(self._stopping.wait(), RETRY_WALLS_S)
+        return False
+
+    async def _take_jobs(self) -> None:
+        """Take jobs one at a time; begin anew when the database was out."""
+        while True:
+            app = new_app(self._url, f"polhode queue {self.name}")
+            app.task(name="grade", queue=QUEUE)(self._grade)
+            app.task(name="sweep", queue=QUEUE)(self._sweep)
+            try:
+                async with app.open_async():
+                    await app.run_worker_async(
+                        queues=[QUEUE], name=self.name, fetch_job_polling_interval=1.0, delete_jobs="always",
+                        install_signal_handlers=False, stalled_worker_timeout=3600,
+                    )  # fmt: skip
+            except Exception as error:
+                log.log(logging.WARNING if is_outage(error) else logging.ERROR, "taking jobs again after %r", error)
+            await asyncio.sleep(0.3)
+
+    async def _grade(self, attempt: str) -> None:
+        """The job of an attempt."""
+        await self._alone(self._attempt(uuid.UUID(attempt)))
+
+    async def _sweep(self, attempt: str) -> None:
+        """The job of a sweep that somebody looks for."""
+        await self._alone(self._swept(uuid.UUID(attempt)))
+
+    async def _alone(self, work: Awaitable[None]) -> None:
+        self._work = asyncio.ensure_future(work)
+        await asyncio.shield(self._work)
+
+    async def _attempt(self, attempt: uuid.UUID) -> None:
+        logs.attempt_id.set(str(attempt))
+        claimed = await patiently(partial(runs.claim, self._database, attempt, uuid.uuid4(), self.name), PATIENCE_S)
+        if claimed is None:
+            return
+        self._claimed, self._progress = claimed, ("starting", 0, 0)
+        beats = asyncio.create_task(self._beat(claimed))
+        try:
+            report, artefacts = await self._call(
+                hand.grade_one, claimed.submission, claimed.assignment, claimed.exercises, claimed.seed, self._tell
+            )
+            first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
+            log.info("graded" if first else "came second")
+        except Exception as error:
+            log.exception("grading failed")
+            words = text(str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}", 400)
+            await patiently(partial(runs.give_back, self._database, claimed, "failed", words), PATIENCE_S)
+        finally:
+            beats.cancel()
+            self._claimed = None
+
+    async def _swept(self, attempt: uuid.UUID) -> None:
+        asked = await patiently(partial(runs.question, self._database, attempt), PATIENCE_S)
+        try:
+            document, chart = await self._call(hand.sweep_one, asked.submission, asked.assignment)
+            artefacts = {"sweep.json": document.encode(), "sweep.svg": chart}
+        except NotSwept as reason:
+            artefacts = {"sweep.refused": str(reason).encode()}
+        await patiently(partial(keep, self._database, attempt, artefacts), PATIENCE_S)
+        await patiently(partial(runs.tell, self._database, asked.submission_id), PATIENCE_S)
+
+    def _tell(self, phase: str, scene: int, scenes: int) -> None:
+        """Called in the grading thread."""
+        self._progress = phase, scene, scenes
+
+    async def _beat(self, claimed: runs.Claim) -> None:
+        while True:
+            await asyncio.sleep(BEAT_S)
+            with _bearing_outages():
+                await runs.beat(self._database, claimed, *self._progress)
+
+    async def _look_after(self) -> None:
+        """Tell that this worker is there, and rescue what others lost."""
+        for round in range(1 << 62):
+            with _bearing_outages():
+                if round % 3 == 0:
+                    await self._enrol(self._walls, None)
+                if again := await rescue.rescue(self._database):
+                    log.warning("queued again: %s", ", ".join(map(str, again)))
+                if round % SWEEP_EVERY == 0 and (found := await rescue.sweep(self._database)):
+                    log.warning("without a job: %s", ", ".join(map(str, found)))
+            await asyncio.sleep(LOOK_S)
+
+    async def _enrol(self, walls: str | None, refusal: str | None) -> None:
+        with _bearing_outages():
+            await runs.enrol(self._database, self.name, walls, refusal, hand.zygotes())
+
+    async def _drain(self) -> None:
+        """Wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""
+        with _bearing_outages():
+            await runs.leave(self._database, self.name)
+        if self._work is None or self._work.done():
+            return
+        await asyncio.wait([self._work], timeout=self._settings.drain)
+        if not self._work.done() and self._claimed is not None:
+            with _bearing_outages():
+                await runs.give_back(self._database, self._claimed, "released", "the worker was stopped")
+
+    async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
+        """Run in the grading thread. A thread that does not come back cannot be ended but with its process."""
+        try:
+            return await asyncio.wait_for(asyncio.get_running_loop().run_in_executor(self._thread, function, *args), MOST_S)
+        except TimeoutError:
+            log.critical("%s did not come back in %g s: this worker ends", function.__name__, MOST_S)
+            os._exit(1)
+
+
+@contextlib.contextmanager
+def _bearing_outages():  # type: ignore[no-untyped-def]
+    """What is done again soon anyway may fail while the database is out."""
+    try:
+        yield
+    except Exception as error:
+        if not is_outage(error):
+            log.exception("a worker's housekeeping failed")
+
+
+def work(settings: Settings, name: str) -> None:
+    """The life of a worker process."""
+    asyncio.run(Slot(settings, name).run())
+    os._exit(0)  # a grading thread that is still at it would be waited for

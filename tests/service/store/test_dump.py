@@ -1,0 +1,80 @@
+"""Backup under load, restore into an empty database and across major versions, and a check that finds what is wrong."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from service.store import dump
+from service.store.accept import accept
+from service.store.account import DatabaseUnavailable
+from service.store.migrate import migrate
+from service.store.postgres import EmbeddedPostgres, find_programs
+from tests.stored import new, run, sql
+
+
+def test_a_backup_under_load_restores_to_a_consistent_state(database_url, empty_url, tmp_path):
+    async def write_and_back_up(database):
+        writing = asyncio.create_task(_keep_writing(database))
+        await asyncio.sleep(0.3)
+        await asyncio.to_thread(dump.backup, database_url, find_programs(), tmp_path / "b.dump")
+        writing.cancel()
+
+    async def _keep_writing(database):
+        while True:
+            await asyncio.gather(*(accept(database, new(f"p{k}")) for k in range(4)))
+
+    run(database_url, write_and_back_up)
+    dump.restore(empty_url, find_programs(), tmp_path / "b.dump")
+    ((kept,),), ((all_,),) = (sql(url, "SELECT count(*) FROM submission") for url in (empty_url, database_url))
+    assert 0 < kept <= all_ and sql(empty_url, "SELECT count(*) FROM procrastinate_jobs") == [(kept,)]
+    assert not any(dump.check(empty_url).values())
+    assert run(empty_url, lambda d: accept(d, new()))  # and it works on
+
+
+def test_restoring_over_something_needs_to_be_asked_for(database_url, tmp_path):
+    run(database_url, lambda d: accept(d, new()))
+    dump.backup(database_url, find_programs(), tmp_path / "b.dump")
+    run(database_url, lambda d: accept(d, new()))
+    with pytest.raises(DatabaseUnavailable, match="not empty"):
+        dump.restore(database_url, find_programs(), tmp_path / "b.dump")
+    dump.restore(database_url, find_programs(), tmp_path / "b.dump", replace=True)
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)]
+
+
+def test_what_is_no_backup_is_refused(empty_url, tmp_path):
+    (tmp_path / "b.dump").write_text("no dump")
+    for name, words in (("none.dump", "no file"), ("b.dump", "pg_restore failed")):
+        with pytest.raises(DatabaseUnavailable, match=words):
+            dump.restore(empty_url, find_programs(), tmp_path / name)
+
+
+def test_the_check_finds_what_does_not_fit(database_url):
+    run(database_url, lambda d: accept(d, new()))
+    sql(database_url, "INSERT INTO artefact VALUES ('0123', 'x')")
+    sql(database_url, "DELETE FROM procrastinate_jobs")
+    sql(database_url, "UPDATE attempt SET requested_at = now() - interval '1 hour'")
+    found = {sentence for sentence, count in dump.check(database_url).items() if count}
+    assert {s.split()[0] for s in found} == {"artefacts", "open"}
+
+
+def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
+    old = sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_dump"))
+    if not old or old[0].parts[-3] >= "18":
+        pytest.skip("no older PostgreSQL here")
+    before = EmbeddedPostgres(tmp_path / "data", programs=old[0].parent)
+    before.start()
+    migrate(before.url)
+    run(before.url, lambda d: accept(d, new()))
+    before.stop()
+    with pytest.raises(DatabaseUnavailable, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"):
+        EmbeddedPostgres(tmp_path / "data").start()
+    before.start()
+    dump.backup(before.url, old[0].parent, tmp_path / "old.dump")
+    before.stop()
+    (tmp_path / "data" / "postgres").rename(tmp_path / "data" / "postgres.old")
+    after = EmbeddedPostgres(tmp_path / "data")
+    after.start()
+    dump.restore(after.url, find_programs(), tmp_path / "old.dump")
+    assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(dump.check(after.url).values())
+    after.stop()

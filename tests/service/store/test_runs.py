@@ -1,0 +1,153 @@
+"""Runs: the first result stays, what is lost is queued again and counted, what is released is not."""
+
+import uuid
+
+import psycopg
+import pytest
+
+from service.grading.report import Provenance, Report
+from service.store import reading, rescue, runs
+from service.store.accept import accept
+from service.store.queueing import grade_again
+from tests.stored import new, run, sql
+
+
+def report(seed=7):
+    made = Provenance(seed=seed, versions={}, walls="tier B", phases_ms={"grade": 250.0})
+    return Report(assignment="rigid-body", version="1", exercises=[], provenance=made)
+
+
+@pytest.fixture
+def attempt(database_url):
+    one = new()
+    run(database_url, lambda d: accept(d, one))
+    return sql(database_url, "SELECT id FROM attempt")[0][0], one.id
+
+
+def claim(url, attempt, worker="w1"):
+    return run(url, lambda d: runs.claim(d, attempt, uuid.uuid4(), worker))
+
+
+def finish(url, claimed, seed=7, **artefacts):
+    return run(url, lambda d: runs.finish(d, claimed, report(seed), {k: v.encode() for k, v in artefacts.items()}))
+
+
+def endings(url):
+    return [e for (e,) in sql(url, "SELECT ending FROM run ORDER BY started_at")]
+
+
+def fall_silent(url):
+    sql(url, "UPDATE run SET beat_at = beat_at - interval '1 minute'")
+    sql(url, "UPDATE procrastinate_events SET at = at - interval '1 minute'")
+
+
+def take_jobs(url):
+    """As a worker takes them from the queue; how many."""
+    taken = 0
+    while sql(url, "SELECT id FROM procrastinate_fetch_job_v2(NULL, NULL)")[0][0]:
+        taken += 1
+    return taken
+
+
+def test_a_result_and_its_artefacts(database_url, attempt):
+    claimed = claim(database_url, attempt[0])
+    assert (claimed.submission_id, claimed.seed, claimed.assignment) == (attempt[1], 7, "rigid-body")
+    assert run(database_url, lambda d: reading.read(d, attempt[1])).status == "running"
+    assert finish(database_url, claimed, a="same", b="same", c="other")
+    assert finish(database_url, claimed, a="same")  # the answer to the first got lost
+    stored = run(database_url, lambda d: reading.read(d, attempt[1]))
+    assert stored.status == "graded" and stored.report.provenance.seed == 7
+    assert sql(database_url, "SELECT count(*) FROM artefact") == [(2,)] and endings(database_url) == ["finished"]
+    content, digest = run(database_url, lambda d: reading.find_artefact(d, attempt[0], "b"))
+    assert content == b"same" and len(digest) == 64
+    assert claim(database_url, attempt[0]) is None
+    with pytest.raises(psycopg.errors.RaiseException, match="never altered"):
+        sql(database_url, "UPDATE result SET score = 100")
+
+
+def test_who_comes_second_changes_nothing(database_url, attempt):
+    first, second = claim(database_url, attempt[0]), claim(database_url, attempt[0], "w2")
+    assert finish(database_url, second, seed=2, a="two")
+    assert not finish(database_url, first, seed=1, a="one", z="one")
+    assert run(database_url, lambda d: reading.read(d, attempt[1])).report.provenance.seed == 2
+    assert endings(database_url) == ["superseded", "finished"] and sql(database_url, "SELECT name FROM kept") == [("a",)]
+
+
+def test_a_silent_run_is_lost_and_queued_again_and_a_living_one_is_not(database_url, attempt):
+    assert take_jobs(database_url) == 1
+    claim(database_url, attempt[0])
+    assert run(database_url, rescue.rescue) == []
+    fall_silent(database_url)
+    assert run(database_url, rescue.rescue) == [attempt[0]]
+    assert endings(database_url) == ["lost"] and take_jobs(database_url) == 1
+
+
+def test_a_job_that_was_taken_and_never_begun_is_queued_again(database_url, attempt):
+    take_jobs(database_url)
+    fall_silent(database_url)
+    assert run(database_url, rescue.rescue) == [attempt[0]]
+    assert take_jobs(database_url) == 1
+
+
+def test_a_job_left_behind_by_a_finished_attempt_goes(database_url, attempt):
+    take_jobs(database_url)
+    finish(database_url, claim(database_url, attempt[0]))
+    sql(database_url, "UPDATE run SET beat_at = beat_at - interval '1 minute', ended_at = ended_at - interval '1 minute'")
+    sql(database_url, "UPDATE procrastinate_events SET at = at - interval '1 minute'")
+    assert run(database_url, rescue.rescue) == []
+    assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)]
+
+
+def test_three_lost_runs_are_a_fault_that_can_be_graded_again(database_url, attempt):
+    for k in range(3):
+        assert claim(database_url, attempt[0], f"host/{k}") is not None
+        fall_silent(database_url)
+        take_jobs(database_url)
+        fall_silent(database_url)
+        run(database_url, rescue.rescue)
+    assert claim(database_url, attempt[0]) is None
+    stored = run(database_url, lambda d: reading.read(d, attempt[1]))
+    assert stored.status == "faulted" and "begun 3 times" in stored.fault and "host/2" in stored.fault
+    assert run(database_url, lambda d: grade_again(d, "faults", "an instructor")) == 1
+    assert run(database_url, lambda d: reading.read(d, attempt[1])).status == "queued"
+    ((again,),) = sql(database_url, "SELECT id FROM attempt WHERE number = 2")
+    finish(database_url, claim(database_url, again))
+    assert run(database_url, lambda d: reading.read(d, attempt[1])).status == "graded"
+    assert sql(database_url, "SELECT who, action FROM audit") == [("an instructor", "regrade")]
+
+
+def test_a_run_that_comes_back_late_gives_the_result_and_is_no_loss(database_url, attempt):
+    slow = claim(database_url, attempt[0])
+    fall_silent(database_url)
+    take_jobs(database_url)
+    fall_silent(database_url)
+    run(database_url, rescue.rescue)
+    assert endings(database_url) == ["lost"] and finish(database_url, slow) and endings(database_url) == ["finished"]
+
+
+def test_released_runs_do_not_count_and_failed_ones_do(database_url, attempt):
+    for _ in range(5):
+        claimed = claim(database_url, attempt[0])
+        run(database_url, lambda d, c=claimed: runs.give_back(d, c, "released", "stopped"))
+    assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs WHERE status = 'todo'") == [(1,)]
+    for _ in range(3):
+        claimed = claim(database_url, attempt[0])
+        run(database_url, lambda d, c=claimed: runs.give_back(d, c, "failed", "no room left"))
+    assert claim(database_url, attempt[0]) is None
+    assert "no room left" in run(database_url, lambda d: reading.read(d, attempt[1])).fault
+
+
+def test_what_has_no_job_gets_one(database_url, attempt):
+    sql(database_url, "DELETE FROM procrastinate_jobs")
+    assert run(database_url, rescue.sweep) == []  # it may be on its way
+    sql(database_url, "UPDATE attempt SET requested_at = now() - interval '1 minute'")
+    assert run(database_url, rescue.sweep) == [attempt[0]] and run(database_url, rescue.sweep) == []
+
+
+def test_a_regrade_does_not_hide_what_there_was(database_url, attempt):
+    finish(database_url, claim(database_url, attempt[0]))
+    assert run(database_url, lambda d: grade_again(d, "all", "x")) == 1
+    assert run(database_url, lambda d: grade_again(d, "all", "x")) == 0  # one is under way
+    stored = run(database_url, lambda d: reading.read(d, attempt[1]))
+    assert stored.status == "graded" and stored.number == 1
+    assert run(database_url, lambda d: reading.recent(d, 5))[0].status == "graded"

@@ -1,0 +1,36 @@
+"""For tests of what is stored: a new submission, an action on the database, a statement."""
+
+import asyncio
+import uuid
+
+import psycopg
+
+from exercises.assignment import assignments
+from service.grading.submission import Submission
+from service.store.accept import register
+from service.store.database import Database
+from service.store.records import New
+
+
+def new(person="ann", source="def euler_eqs(t, w, I): return w", seed=7, **more):
+    return New(uuid.uuid4(), "rigid-body", person, Submission(source), more.get("exercises"), seed)
+
+
+def run(url, action):
+    """What ``action(database)`` gives, with the assignments entered."""
+
+    async def main():
+        database = Database(url, "test", connections=12)
+        try:
+            await register(database, assignments().values())
+            return await action(database)
+        finally:
+            await database.close()
+
+    return asyncio.run(main())
+
+
+def sql(url, statement, *values):
+    with psycopg.connect(url, autocommit=True) as connection:
+        cursor = connection.execute(statement, values)
+        return cursor.fetchall() if cursor.description else []

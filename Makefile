@@ -5,7 +5,7 @@ BIN := .venv/bin
 INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help env demo serve test lint bench lock clean
+.PHONY: help env demo serve test lint bench chaos lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
@@ -44,6 +44,9 @@ bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what wall
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
 	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
+
+chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
+	@$(CLEAN_ENV) $(BIN)/python -m tests.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
 
 lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
 	uv lock $(UPGRADE)

@@ -14,12 +14,14 @@ from service.store.database import POOL_S, connect_options
 
 QUEUE = "grade"
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
+RECONNECT_S = 0.5  # the pool's pause between attempts doubles: after a long outage it would sleep long into the day
 STEP = 1000  # between kinds; within one, a person's n-th open attempt ranks n lower
 
 
 def new_app(url: str, name: str) -> App:
     """A Procrastinate application on the database; whoever takes jobs from it opens it."""
-    return App(connector=PsycopgConnector(conninfo=url, kwargs=connect_options(name), min_size=1, max_size=3, timeout=POOL_S))
+    options = {"min_size": 1, "max_size": 3, "timeout": POOL_S, "reconnect_timeout": RECONNECT_S}
+    return App(connector=PsycopgConnector(conninfo=url, kwargs=connect_options(name), **options))
 
 
 _sender = App(connector=PsycopgConnector())  # never opened: it writes through the transactions it is handed

@@ -73,7 +73,10 @@ FROM run JOIN attempt a ON a.id = run.attempt_id JOIN submission s ON s.id = a.s
 WHERE run.ended_at IS NULL ORDER BY run.started_at
 """
 
-_WORKERS = "SELECT name, walls, refusal, zygotes, extract(epoch FROM now() - seen_at) AS silent_s FROM worker ORDER BY name"
+_WORKERS = """
+SELECT name, walls, refusal, zygotes, extract(epoch FROM now() - seen_at) AS silent_s FROM worker
+WHERE seen_at > now() - interval '30 s' ORDER BY name
+"""
 
 _FAULTS = """
 SELECT s.id AS submission, p.name AS person, r.fault, r.finished_at

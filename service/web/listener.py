@@ -63,18 +63,22 @@ class Listener:
         return self._positions[1].get(attempt)
 
     async def _listen(self) -> None:
+        told = False  # of this outage
         while True:
             try:
                 options = connect_options("polhode listener")
                 async with await psycopg.AsyncConnection.connect(self._database.url, autocommit=True, **options) as connection:
                     await connection.execute(f"LISTEN {CHANNEL}")
                     self._wake_all()
+                    told = False
                     while True:
                         async for news in connection.notifies(timeout=5):
                             self._wake(news.payload)
                         await connection.execute("SELECT 1")
             except Exception as error:
-                log.log(logging.WARNING if is_outage(error) else logging.ERROR, "listening again after %s", type(error).__name__)
+                if not told or not is_outage(error):
+                    log.warning("listening again after %s", type(error).__name__)
+                told = True
                 await asyncio.sleep(0.5)
 
     def _wake(self, submission: str) -> None:

@@ -82,6 +82,7 @@ class Slot:
             app.task(name="grade", queue=QUEUE)(self._grade)
             app.task(name="sweep", queue=QUEUE)(self._sweep)
             try:
+                await self._database.ping()  # a pool that opens while the database is out waits for half a minute
                 async with app.open_async():
                     await app.run_worker_async(
                         queues=[QUEUE], name=self.name, fetch_job_polling_interval=1.0, delete_jobs="always",

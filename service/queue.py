@@ -20,8 +20,11 @@ STEP = 1000  # between kinds; within one, a person's n-th open attempt ranks n l
 
 def new_app(url: str, name: str) -> App:
     """A Procrastinate application on the database; whoever takes jobs from it opens it."""
-    options = {"min_size": 1, "max_size": 3, "timeout": POOL_S, "reconnect_timeout": RECONNECT_S}
-    return App(connector=PsycopgConnector(conninfo=url, kwargs=connect_options(name), **options))
+    return App(
+        connector=PsycopgConnector(
+            conninfo=url, kwargs=connect_options(name), min_size=1, max_size=3, timeout=POOL_S, reconnect_timeout=RECONNECT_S
+        )
+    )
 
 
 _sender = App(connector=PsycopgConnector())  # never opened: it writes through the transactions it is handed
@@ -38,6 +41,26 @@ async def send_attempt(connection: AsyncConnection, attempt: UUID) -> None:
     """Add the job of an attempt, ranked by its kind and by how many attempts its person has open before it."""
     await send(connection, attempt, priority=(await connection.execute(_PRIORITY, {"attempt": attempt})).scalar_one())
 
+
+async def send_next(connection: AsyncConnection, done: UUID) -> None:
+    """When an attempt has its result, its person's next one moves up, to the end of those of the same rank.
+
+    So persons take turns however many each has sent, and whoever sends again early need not wait for everybody who comes later.
+    """
+    row = (await connection.execute(_NEXT, {"attempt": done})).first()
+    if row is not None:
+        await connection.execute(text("DELETE FROM procrastinate_jobs WHERE id = :id"), {"id": row.job})
+        await send_attempt(connection, row.attempt)
+
+
+_NEXT = text(f"""
+SELECT j.id AS job, b.id AS attempt
+FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN submission t ON t.person_id = s.person_id
+    JOIN attempt b ON b.submission_id = t.id AND b.kind = a.kind
+    JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade' AND j.status = 'todo'
+WHERE a.id = :attempt AND mod(j.priority, {STEP}) <> 0
+ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
+""")
 
 _PRIORITY = text(f"""
 SELECT CASE a.kind {" ".join(f"WHEN '{kind}' THEN {STEP * rank}" for kind, rank in KINDS.items())} END

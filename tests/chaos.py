@@ -293,6 +293,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--port", type=int, default=8765)
     given = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what was started is stopped, however this ends
     with tempfile.TemporaryDirectory(prefix="polhode-chaos-") as folder:
         chaos = Chaos(Path(folder) / "data", given.port, given.seed)
         began = time.monotonic()

@@ -76,6 +76,7 @@ async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: in
     """The next attempt of a submission, with its job."""
     id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
+    values["requested_at"] = func.clock_timestamp()  # a transaction begins before it has its turn, and the order is that of turns
     await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
     await send_attempt(connection, id)
     return id

@@ -14,7 +14,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.grading.report import Report
 from service.grading.submission import Submission
-from service.queue import send_attempt
+from service.queue import send_attempt, send_next
 from service.store.database import Database
 from service.store.reading import keeping
 from service.store.tables import result, run
@@ -55,6 +55,7 @@ async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -
             known = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
             fault = f"grading was begun {len(lost)} times and never ended ({known})"
             await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
+            await send_next(connection, attempt)
             await _tell(connection, found.submission_id)
             return None
         values = {"id": new_run, "attempt_id": attempt, "worker": worker, "phase": "starting"}
@@ -97,6 +98,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
             await connection.execute(statement)
         await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
         if first:
+            await send_next(connection, claimed.attempt)
             await _tell(connection, claimed.submission_id)
         return first
 

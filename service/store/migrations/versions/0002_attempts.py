@@ -26,6 +26,7 @@ def upgrade() -> None:
     op.execute("DROP TABLE old_artefact, old_result, old_submission")
     run(_UNALTERED)
     run(SchemaManager.get_schema())
+    run("CREATE INDEX job_of_attempt ON procrastinate_jobs ((args->>'attempt'))")
 
 
 _TABLES = """

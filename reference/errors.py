@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reference.exact import Exact, Sampled
-from reference.methods import Run, Scene
+from reference.method import Run, Scene
 from reference.observables import kinetic_energy, momentum_norm, orthonormality_error
 
 

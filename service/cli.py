@@ -1,4 +1,4 @@
-"""The command line: serve, worker, grade, chart, mutants, db, queue, regrade, assign, doctor, assignments.
+"""The command line: serve, worker, grade, chart, mutants, db, queue, regrade, assign, plan, doctor, assignments.
 
 Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure; of mutants: 0 where we accept what is right and nothing else.
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from exercises.assignment import assignments
-from service.commands import database, queue
+from service.commands import database, plan, queue
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -47,7 +47,7 @@ def main(argv: list[str] | None = None) -> int:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
-    for more in (database, queue):
+    for more in (database, queue, plan):
         more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)

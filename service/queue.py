@@ -37,9 +37,15 @@ async def send(connection: AsyncConnection, attempt: UUID, *, task: str = "grade
     await job.defer_async(attempt=str(attempt))
 
 
+def rank(kind: str, open_before: int) -> int:
+    """The priority of an attempt whose person has so many open ones of that kind before it."""
+    return STEP * KINDS[kind] - min(STEP - 1, open_before)
+
+
 async def send_attempt(connection: AsyncConnection, attempt: UUID) -> None:
     """Add the job of an attempt, ranked by its kind and by how many attempts its person has open before it."""
-    await send(connection, attempt, priority=(await connection.execute(_PRIORITY, {"attempt": attempt})).scalar_one())
+    found = (await connection.execute(_OPEN_BEFORE, {"attempt": attempt})).one()
+    await send(connection, attempt, priority=rank(found.kind, found.open))
 
 
 async def send_next(connection: AsyncConnection, done: UUID) -> None:
@@ -47,11 +53,22 @@ async def send_next(connection: AsyncConnection, done: UUID) -> None:
 
     So persons take turns however many each has sent, and whoever sends again early need not wait for everybody who comes later.
     """
+    await take_turn(connection, done)
     row = (await connection.execute(_NEXT, {"attempt": done})).first()
     if row is not None:
         await connection.execute(text("DELETE FROM procrastinate_jobs WHERE id = :id"), {"id": row.job})
         await send_attempt(connection, row.attempt)
 
+
+async def take_turn(connection: AsyncConnection, attempt: UUID) -> None:
+    """Wait until nobody else ranks this person's attempts, to the end of the transaction: a rank counts what others may change."""
+    await connection.execute(_TURN, {"attempt": attempt})
+
+
+PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
+_TURN = text(
+    f"SELECT {PERSON_LOCK.format('s.person_id')} FROM attempt a JOIN submission s ON s.id = a.submission_id WHERE a.id = :attempt"
+)
 
 _NEXT = text(f"""
 SELECT j.id AS job, b.id AS attempt
@@ -62,12 +79,10 @@ WHERE a.id = :attempt AND mod(j.priority, {STEP}) <> 0
 ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
 """)
 
-_PRIORITY = text(f"""
-SELECT CASE a.kind {" ".join(f"WHEN '{kind}' THEN {STEP * rank}" for kind, rank in KINDS.items())} END
-    - LEAST({STEP - 1}, (
-        SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
-        WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.attempt_id IS NULL
-            AND (b.requested_at, b.id) < (a.requested_at, a.id)
-    ))
+_OPEN_BEFORE = text("""
+SELECT a.kind, (
+    SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
+    WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.attempt_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
+) AS open
 FROM attempt a JOIN submission s ON s.id = a.submission_id WHERE a.id = :attempt
 """)

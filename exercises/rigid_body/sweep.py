@@ -9,8 +9,8 @@ from exercises.outcome import Swept, SweptPoint
 from exercises.rigid_body.scenes import BODY, TORQUE_FREE
 from reference.errors import errors
 from reference.exact import Sampled
-from reference.methods import Run
-from reference.methods import Scene as Charted
+from reference.method import Run
+from reference.method import Scene as Charted
 
 CHARTED = Charted("exercise 2", TORQUE_FREE, BODY, 20.0)
 SOLVERS = ("DOP853", "RK45", "LSODA")

@@ -4,12 +4,12 @@ One file per family: a table of coefficients, the algorithm once. Fixed-step ker
 chart of CPU time would show the interpreter; this package is not imported by ``import reference``.
 """
 
+from reference.method import Method, Run, Scene
 from reference.methods.adaptive import ADAPTIVE
 from reference.methods.closed import CLOSED
 from reference.methods.explicit import EXPLICIT
 from reference.methods.gauss import GAUSS
 from reference.methods.liegroup import LIEGROUP
-from reference.methods.method import Method, Run, Scene
 from reference.methods.moser_veselov import MOSER_VESELOV
 from reference.methods.splitting import SPLITTING
 

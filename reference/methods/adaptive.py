@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from reference.euler import euler_rhs
-from reference.methods.method import Array, Method, Run, Scene
+from reference.method import Array, Method, Run, Scene
 
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 ATOL = 1e-2  # of rtol, the notebook's proportion

@@ -2,7 +2,7 @@
 
 from reference.compiled import compiled_motion
 from reference.exact import Exact
-from reference.methods.method import Method, Run, Scene
+from reference.method import Method, Run, Scene
 
 
 def _compiled(scene: Scene, _: float) -> Run:

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from scipy.integrate._ivp import dop853_coefficients as dop853
 
-from reference.methods.method import Array, fixed
+from reference.method import Array, fixed
 
 EULER = (np.zeros((1, 1)), np.array([1.0]))
 RK4 = (np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]), np.array([1, 2, 2, 1]) / 6)  # Kutta, 1901

@@ -5,8 +5,8 @@ from functools import partial
 import numpy as np
 from numba import njit
 
+from reference.method import Array, fixed
 from reference.methods.explicit import advance, keep, rates, start
-from reference.methods.method import Array, fixed
 
 MOST_ITERATIONS = 60
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from reference.methods.method import Array, fixed
+from reference.method import Array, fixed
 from reference.methods.rotation import keep, normalise, start, turn
 
 

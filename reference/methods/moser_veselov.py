@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-from reference.methods.method import Array, fixed
+from reference.method import Array, fixed
 from reference.methods.rotation import keep, multiply, normalise, start
 
 MOST_ITERATIONS = 60

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from reference.methods.method import Array
+from reference.method import Array
 
 
 @njit(cache=True)

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-from reference.methods.method import Array, fixed
+from reference.method import Array, fixed
 from reference.methods.rotation import keep, normalise, start, turn
 
 _FIFTH = 1 / (4 - 4 ** (1 / 3))

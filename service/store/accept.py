@@ -1,7 +1,9 @@
 """Accepting a submission: it, its first attempt and its job in one transaction, where limits and deadline are decided too."""
 
+import json
 from collections.abc import Iterable
-from datetime import timedelta
+from dataclasses import dataclass
+from datetime import datetime, timedelta
 from hashlib import sha256
 from uuid import UUID, uuid4
 
@@ -10,7 +12,7 @@ from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from exercises.assignment import Assignment
-from service.queue import send_attempt
+from service.queue import PERSON_LOCK, rank, send, send_attempt, take_turn
 from service.store.database import Database
 from service.store.records import New
 from service.store.tables import assignment, assignment_version, attempt, course, member, person, submission
@@ -43,49 +45,64 @@ async def register(database: Database, known: Iterable[Assignment]) -> None:
             await connection.execute(insert(assignment_version).values(values).on_conflict_do_nothing())
 
 
-async def accept(database: Database, new: New, key: str | None = None) -> UUID:
-    """Store a submission and send its job; the id, or under a known key the id of the one stored before.
+@dataclass(frozen=True)
+class Accepted:
+    """A submission that is stored. Not ``fresh``: it was before, and may have its result already."""
+
+    id: UUID
+    submitted_at: datetime
+    late: bool
+    fresh: bool
+
+
+async def accept(database: Database, new: New, key: str | None = None) -> Accepted:
+    """Store a submission and send its job; under a known key, find the one stored before.
 
     Raises KeyReused if that one was different, Refused if the deadline is over or no submission is left. A request with the
     same key that is in flight is waited for.
     """
     async with database.begin() as connection:
-        who = await _person(connection, new.person)
+        who = await _person(connection, database, new.person)
         rules = (await connection.execute(_RULES, {"slug": new.assignment, "course": COURSE, "person": str(who)})).one()
         values = {
             "id": new.id,
-            "assignment_id": rules.id,
-            "person_id": who,
+            "assignment": rules.id,
+            "person": who,
             "source": new.submission.source,
             "sha256": sha256(new.submission.source.encode()).hexdigest(),
             "filename": new.submission.filename,
-            "exercises": new.exercises,
+            "exercises": None if new.exercises is None else json.dumps(new.exercises),
             "late": rules.late,
             "fingerprint": new.fingerprint,
-            "idempotency_key": key,
+            "key": key,
+            "attempt": uuid4(),
+            "seed": new.seed,
+            "most_runs": MOST_RUNS,
         }
-        statement = insert(submission).values(values).on_conflict_do_nothing(index_elements=["person_id", "idempotency_key"])
-        if (await connection.execute(statement.returning(submission.c.id))).first() is None:
+        stored = (await connection.execute(_STORE, values)).first()
+        if stored is None:
             return await _known(connection, new, who, key)
         await _check(connection, rules, who)
-        await add_attempt(connection, new.id, "interactive", new.seed)
-        return new.id
+        await send(connection, values["attempt"], priority=rank("interactive", stored.open))
+    database.persons[new.person] = who  # only now is it certain that the person is entered
+    return Accepted(new.id, rules.now, rules.late, fresh=True)
 
 
 async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
     """The next attempt of a submission, with its job."""
     id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
-    values["requested_at"] = func.clock_timestamp()  # a transaction begins before it has its turn, and the order is that of turns
+    values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
     await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
+    await take_turn(connection, id)
     await send_attempt(connection, id)
     return id
 
 
-async def _person(connection: AsyncConnection, name: str) -> UUID:
-    found = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar()
-    if found is not None:
-        return UUID(str(found))
+async def _person(connection: AsyncConnection, database: Database, name: str) -> UUID:
+    """The person of that name, entered as a student when first seen; a person's id never changes, so it is asked for once."""
+    if name in database.persons:
+        return database.persons[name]
     await connection.execute(insert(person).values(name=name).on_conflict_do_nothing())
     id: UUID = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar_one()
     home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
@@ -94,11 +111,26 @@ async def _person(connection: AsyncConnection, name: str) -> UUID:
 
 
 # One person's submissions to one assignment are accepted one after the other, so that two at once cannot both be the last.
-_RULES = text("""
+_RULES = text(f"""
 SELECT a.id, a.due_at, a.grace_s, a.most_submissions, coalesce(now() > a.due_at, false) AS late,
-    coalesce(now() > a.due_at + make_interval(secs => a.grace_s), false) AS over,
-    pg_advisory_xact_lock(hashtextextended(:person || a.id, 0))
+    coalesce(now() > a.due_at + make_interval(secs => a.grace_s), false) AS over, now() AS now,
+    {PERSON_LOCK.format("CAST(:person AS text)")}
 FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug AND c.slug = :course
+""")
+
+# A statement sees what was committed when it began: the count of the open ones, after the lock, is one of its own.
+_STORE = text("""
+WITH stored AS (
+    INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, exercises, late, fingerprint, idempotency_key)
+    VALUES (:id, :assignment, :person, :source, :sha256, :filename, CAST(:exercises AS jsonb), :late, :fingerprint, :key)
+    ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
+)
+INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at)
+SELECT :attempt, id, 1, 'interactive', :seed, :most_runs, clock_timestamp() FROM stored
+RETURNING (
+    SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
+    WHERE t.person_id = :person AND b.kind = 'interactive' AND r.attempt_id IS NULL
+) AS open
 """)
 
 _USED = text("""
@@ -119,9 +151,9 @@ async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], wh
             raise Refused("none-left", f"all {rules.most_submissions} submissions allowed have been used")
 
 
-async def _known(connection: AsyncConnection, new: New, who: UUID, key: str | None) -> UUID:
+async def _known(connection: AsyncConnection, new: New, who: UUID, key: str | None) -> Accepted:
     mine = submission.c.person_id == who, submission.c.idempotency_key == key
-    found = (await connection.execute(select(submission.c.id, submission.c.fingerprint).where(*mine))).one()
+    found = (await connection.execute(select(submission).where(*mine))).one()
     if found.fingerprint != new.fingerprint:
         raise KeyReused
-    return UUID(str(found.id))
+    return Accepted(found.id, found.submitted_at, found.late, fresh=False)

@@ -5,6 +5,7 @@ import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from typing import Any, TypeVar
+from uuid import UUID
 
 import psycopg
 from procrastinate.exceptions import ConnectorException
@@ -47,15 +48,16 @@ class Database:
 
     def __init__(self, url: str, name: str, connections: int = 8) -> None:
         self.url = url
+        self.persons: dict[str, UUID] = {}  # ids known to be entered, by name
         self._engine = create_async_engine(
             driver_url(url),
             pool_size=1,
             max_overflow=connections - 1,
             pool_timeout=POOL_S,
-            pool_pre_ping=True,
             hide_parameters=True,  # an error that is logged must not hold a student's source
             connect_args=connect_options(name),
         )
+        self._reading = self._engine.execution_options(isolation_level="AUTOCOMMIT")  # one statement needs no transaction
 
     async def close(self) -> None:
         """Close all connections."""
@@ -68,9 +70,21 @@ class Database:
             yield connection
 
     async def rows(self, query: Executable | str, values: Mapping[str, Any] | None = None) -> Sequence[Row[Any]]:
-        """All rows of a query; SQL text names its ``values`` with a colon."""
-        async with self._engine.connect() as connection:
-            return (await connection.execute(text(query) if isinstance(query, str) else query, values)).all()
+        """All rows of a query, which changes nothing; SQL text names its ``values`` with a colon.
+
+        Asked once more if the connection has died in the pool, which then lets go of all that are as old.
+        """
+        asked = text(query) if isinstance(query, str) else query
+        try:
+            return await self._ask(asked, values)
+        except DBAPIError as error:
+            if not error.connection_invalidated:
+                raise
+            return await self._ask(asked, values)
+
+    async def _ask(self, query: Executable, values: Mapping[str, Any] | None) -> Sequence[Row[Any]]:
+        async with self._reading.connect() as connection:
+            return (await connection.execute(query, values)).all()
 
     async def ping(self) -> None:
         """Raise unless the database answers."""

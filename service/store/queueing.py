@@ -93,5 +93,5 @@ SELECT s.id, a.seed, r.fault FROM submission s
 WHERE (:which = 'ids' AND s.id = ANY(CAST(:ids AS uuid[]))) OR :which = 'all'
     OR (:which = 'faults' AND r.fault IS NOT NULL AND NOT EXISTS (
         SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id WHERE b.submission_id = s.id AND q.report IS NOT NULL))
-ORDER BY s.submitted_at
+ORDER BY s.person_id, s.submitted_at -- two regrades at once take their turns in one order
 """)

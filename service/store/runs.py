@@ -50,8 +50,8 @@ async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -
         found = (await connection.execute(_CLAIM, {"attempt": attempt})).first()
         if found is None or found.finished:
             return None
-        lost = (await connection.execute(_LOST, {"attempt": attempt, "run": new_run})).all()
-        if len(lost) >= found.most_runs:
+        if found.lost >= found.most_runs:
+            lost = (await connection.execute(_LOST, {"attempt": attempt})).all()
             known = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
             fault = f"grading was begun {len(lost)} times and never ended ({known})"
             await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
@@ -80,6 +80,7 @@ async def beat(database: Database, claimed: Claim, phase: str, scene: int, scene
 
 async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
     """Write the result and its artefacts together. False if another run was first: then nothing of this one is kept."""
+    of = {"attempt": claimed.attempt}
     values = {
         "attempt_id": claimed.attempt,
         "run_id": claimed.run,
@@ -91,8 +92,8 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
     }
     async with database.begin() as connection:
-        await connection.execute(insert(result).values(values).on_conflict_do_nothing())
-        owner = (await connection.execute(_OWNER, {"attempt": claimed.attempt})).scalar()
+        written = insert(result).values(values).on_conflict_do_nothing().returning(result.c.run_id)
+        owner = (await connection.execute(written)).scalar() or (await connection.execute(_OWNER, of)).scalar()
         first = owner == claimed.run
         for statement in keeping(claimed.attempt, artefacts) if first else []:
             await connection.execute(statement)
@@ -151,7 +152,8 @@ async def _tell(connection: AsyncConnection, submission_id: UUID) -> None:
 
 _CLAIM = text("""
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.most_runs,
-    r.attempt_id IS NOT NULL AS finished
+    r.attempt_id IS NOT NULL AS finished,
+    (SELECT count(*) FROM run WHERE run.attempt_id = a.id AND ending IN ('lost', 'failed')) AS lost
 FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
     LEFT JOIN result r ON r.attempt_id = a.id
 WHERE a.id = :attempt FOR UPDATE OF a
@@ -160,7 +162,7 @@ WHERE a.id = :attempt FOR UPDATE OF a
 # A run that came back late is no loss: its worker lives, it was only slow.
 _LOST = text("""
 SELECT started_at, worker, note FROM run
-WHERE attempt_id = :attempt AND id <> :run AND ending IN ('lost', 'failed') ORDER BY started_at
+WHERE attempt_id = :attempt AND ending IN ('lost', 'failed') ORDER BY started_at
 """)
 
 _BEAT = text("""

@@ -41,6 +41,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     migrate(settings.database_url)
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
     await register(database, assignments().values())
+    app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
     app.state.listener.start()
     try:

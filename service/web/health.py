@@ -1,5 +1,7 @@
 """Is the server alive, can it grade, and how is it doing."""
 
+import time
+
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 
@@ -7,6 +9,7 @@ from service.store.database import Database
 from service.web.counters import exposition
 
 router = APIRouter()
+KNOWN_FOR_S = 1.0
 
 _CREW = """
 SELECT name, walls, refusal FROM worker WHERE seen_at > now() - interval '10 s' ORDER BY refusal IS NOT NULL, name
@@ -24,7 +27,8 @@ async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
     checks = {"walls": "no worker has been heard of", "database": "ok"}
     try:
-        walls, refusal = await crew(request.app.state.database)
+        await request.app.state.database.ping()
+        walls, refusal = await request.app.state.crew.known()
         checks["walls"] = walls or refusal or checks["walls"]
     except Exception as error:
         walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
@@ -39,7 +43,18 @@ async def metrics(request: Request) -> Response:
     return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")
 
 
-async def crew(database: Database) -> tuple[str | None, str | None]:
-    """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
-    found = await database.rows(_CREW)
-    return next((w.walls for w in found if w.walls), None), next((w.refusal for w in found if w.refusal), None)
+class Crew:
+    """Who grades, as the workers tell it; asked for at most once a second."""
+
+    def __init__(self, database: Database) -> None:
+        self._database, self._asked = database, float("-inf")
+        self._known: tuple[str | None, str | None] = None, None
+
+    async def known(self) -> tuple[str | None, str | None]:
+        """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
+        now = time.monotonic()
+        if now - self._asked > KNOWN_FOR_S:
+            found = await self._database.rows(_CREW)
+            self._known = next((w.walls for w in found if w.walls), None), next((w.refusal for w in found if w.refusal), None)
+            self._asked = now
+        return self._known

@@ -11,7 +11,6 @@ from jinja2 import Environment, FileSystemLoader, select_autoescape
 from exercises.assignment import assignments
 from service import charts
 from service.store.reading import recent
-from service.web.health import crew
 from service.web.problems import Problem
 from service.web.routes import find_submission
 
@@ -30,7 +29,7 @@ _templates = Jinja2Templates(env=_environment)
 async def index(request: Request) -> HTMLResponse:
     """The latest submissions and the assignments."""
     database = request.app.state.database
-    walls, refusal = await crew(database)
+    walls, refusal = await request.app.state.crew.known()
     context = {
         "rows": await recent(database, LATEST),
         "assignments": list(assignments().values()),

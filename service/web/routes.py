@@ -3,6 +3,7 @@
 import re
 import secrets
 import uuid
+from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Request
@@ -14,7 +15,6 @@ from service.store.accept import KeyReused, Refused, accept
 from service.store.database import Database
 from service.store.records import New, Stored
 from service.web import intake
-from service.web.health import crew
 from service.web.problems import Problem
 
 router = APIRouter()
@@ -63,20 +63,22 @@ async def submit(
 ) -> JSONResponse:
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     assignment, database = find_assignment(slug), _database(request)
-    walls, refusal = await crew(database)
+    walls, refusal = await request.app.state.crew.known()
     if refusal and not walls:
         raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
     received = await intake.receive(request, assignment)
     new = New(uuid.uuid4(), slug, _person(request), received.submission, received.exercises, secrets.randbits(48))
     try:
-        id = await accept(database, new, idempotency_key or None)
+        accepted = await accept(database, new, idempotency_key or None)
     except KeyReused:
         raise Problem(422, "key-reused", "the key came with another body before: use a new one") from None
     except Refused as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
-    wait_s = _seconds(prefer)
-    stored = await _wait(request, id, wait_s)
-    location = f"/v1/submissions/{id}"
+    wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
+    if accepted.fresh and wait_s == 0:  # nothing more can be known yet
+        told = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late) | {"report": None}
+        return JSONResponse(told, 202, {"Location": location, "Retry-After": "1"})
+    stored = await _wait(request, accepted.id, wait_s)
     if stored.finished and wait_s > 0:
         return JSONResponse(_document(stored), 200, {"Location": location})
     return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
@@ -117,8 +119,12 @@ async def find_submission(request: Request, id: str) -> Stored:
 
 def _document(stored: Stored) -> dict[str, Any]:
     report = stored.report.model_dump(mode="json") if stored.report else None
-    document = {"id": str(stored.id), "status": stored.status, "submitted_at": stored.submitted_at.isoformat(), "late": stored.late}
+    document = _told(stored.id, stored.status, stored.submitted_at, late=stored.late)
     return document | {"report": report} | ({"fault": stored.fault} if stored.fault else {})
+
+
+def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool) -> dict[str, Any]:
+    return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late}
 
 
 async def _wait(request: Request, id: uuid.UUID, seconds: float) -> Stored:

@@ -1,20 +1,19 @@
 """Accepting: one transaction, one submission per key, limits that hold for many at once."""
 
 import asyncio
-import uuid
 
 import psycopg
 import pytest
 
 from service.store import reading
-from service.store.accept import KeyReused, Refused, accept
+from service.store.accept import Accepted, KeyReused, Refused, accept
 from service.store.rescue import sweep
 from tests.stored import new, run, sql
 
 
 def test_a_submission_its_attempt_and_its_job_are_there_together(database_url):
     one = new(source="print('ω')", exercises=["2"])
-    assert run(database_url, lambda d: accept(d, one)) == one.id
+    assert run(database_url, lambda d: accept(d, one)).id == one.id
     stored = run(database_url, lambda d: reading.read(d, one.id))
     assert (stored.submission, stored.exercises, stored.person, stored.seed) == (one.submission, ["2"], "ann", 7)
     assert stored.status == "queued" and not stored.finished and not stored.late
@@ -24,23 +23,28 @@ def test_a_submission_its_attempt_and_its_job_are_there_together(database_url):
 
 def test_a_key_means_one_submission_for_one_person(database_url):
     one, again, other = new(), new(), new(source="x = 1")
-    assert run(database_url, lambda d: accept(d, one, "k")) == one.id
-    assert run(database_url, lambda d: accept(d, again, "k")) == one.id
+    assert run(database_url, lambda d: accept(d, one, "k")).fresh
+    known = run(database_url, lambda d: accept(d, again, "k"))
+    assert known.id == one.id and not known.fresh
     with pytest.raises(KeyReused):
         run(database_url, lambda d: accept(d, other, "k"))
     elsewhere = new("ben")
-    assert run(database_url, lambda d: accept(d, elsewhere, "k")) == elsewhere.id
+    assert run(database_url, lambda d: accept(d, elsewhere, "k")).id == elsewhere.id
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(2,)]
 
 
 def test_twenty_at_once_with_one_key_are_one(database_url):
     ids = run(database_url, lambda d: asyncio.gather(*(accept(d, new(), "k") for _ in range(20))))
-    assert len(set(ids)) == 1 and sql(database_url, "SELECT count(*) FROM attempt") == [(1,)]
+    assert (
+        len({a.id for a in ids}) == 1
+        and sum(a.fresh for a in ids) == 1
+        and sql(database_url, "SELECT count(*) FROM attempt") == [(1,)]
+    )
 
 
 async def _count_refused(database, news):
     answers = await asyncio.gather(*(accept(database, n) for n in news), return_exceptions=True)
-    assert all(isinstance(a, uuid.UUID | Refused) for a in answers), answers
+    assert all(isinstance(a, Accepted | Refused) for a in answers), answers
     return [a.kind for a in answers if isinstance(a, Refused)]
 
 
@@ -62,7 +66,7 @@ def test_a_repeated_request_is_answered_although_none_is_left(database_url):
     one = new()
     run(database_url, lambda d: accept(d, one, "k"))
     sql(database_url, "UPDATE assignment SET most_submissions = 1, due_at = now() - interval '1 day'")
-    assert run(database_url, lambda d: accept(d, new(), "k")) == one.id
+    assert run(database_url, lambda d: accept(d, new(), "k")).id == one.id
 
 
 @pytest.mark.parametrize(

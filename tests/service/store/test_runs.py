@@ -1,13 +1,15 @@
 """Runs: the first result stays, what is lost is queued again and counted, what is released is not."""
 
+import asyncio
 import uuid
 
 import psycopg
 import pytest
+from sqlalchemy import text
 
 from service.grading.report import Provenance, Report
 from service.store import reading, rescue, runs
-from service.store.accept import accept
+from service.store.accept import accept, add_attempt
 from service.store.queueing import grade_again
 from tests.stored import new, run, sql
 
@@ -170,3 +172,20 @@ def test_persons_take_turns(database_url):
             run(database_url, lambda d: fill(d, "dora"))
         finish(database_url, claim(database_url, job))
     assert order == ["ann", "ben", "cleo", "ann", "ben", "dora", "ann", "ann", "ann"]
+
+
+def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_url, attempt):
+    """Whichever is first, the new one has nothing before it in the end: neither may rank while the other is not committed."""
+    claimed = claim(database_url, attempt[0])
+
+    async def at_once(database):
+        async with database.begin() as accepting:
+            await accepting.execute(text("SELECT pg_advisory_xact_lock(hashtextextended(person_id::text, 0)) FROM submission"))
+            writing = asyncio.create_task(runs.finish(database, claimed, report(), {}))
+            await asyncio.sleep(0.3)
+            assert not writing.done()
+            await add_attempt(accepting, attempt[1], "interactive", 1)  # ranked behind the one that is being finished
+        return await writing
+
+    assert run(database_url, at_once)
+    assert sql(database_url, "SELECT priority FROM procrastinate_jobs ORDER BY id DESC LIMIT 1") == [(2000,)]

@@ -1,0 +1,259 @@
+"""The surge before a deadline against a real server: is anything lost, who waits how long, and was that to be foreseen.
+
+``python -m bench.surge`` (five minutes on two cores). Students send the specimens below at moments drawn as ``service.plan`` draws
+them; the waits are read from the database, and the same arrivals are played through ``service.plan`` for comparison.
+``--write`` keeps the measured service times as those that ``polhode plan`` draws from.
+"""
+
+import argparse
+import asyncio
+import json
+import os
+import platform
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from itertools import pairwise
+from pathlib import Path
+
+import httpx2
+import numpy as np
+import psycopg
+
+from exercises.assignment import assignments
+from service.plan import MEASURED, Arrivals, Deadline, begin, draw, summary, table
+from service.store.postgres import running_url
+
+SUBMISSIONS = 3
+RIGHT = ("cross", "terms", "roll", "oop", "cross_solve", "einsum_levi_civita", "skew_matrix", "list_return")
+WRONG = ("sign_first", "sign_all", "divisor", "factor_two_all", "shape", "raises", "syntax", "product_all_shifted")
+SLACK_S = 1.0  # between two moments, so that their order is beyond doubt
+START_S, STOP_S, ANSWER_S = 90.0, 60.0, 60.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """To one POST: its status or the name of an error, after how many seconds, and how late it was sent."""
+
+    status: int | str
+    took_s: float
+    late_s: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One attempt as the database tells it; times are seconds since the epoch."""
+
+    person: str
+    requested: float
+    started: float | None
+    finished: float | None
+    grading: float | None
+    fault: str | None
+    runs: int
+    worker: str | None
+
+
+def main() -> int:
+    """Exit code 0 if everything was accepted, graded and in order."""
+    parser = argparse.ArgumentParser(prog="bench.surge", description=__doc__)
+    parser.add_argument("--students", type=int, default=300)
+    parser.add_argument("--seconds", type=float, default=120.0, help="before the deadline in which they submit")
+    parser.add_argument("--workers", type=int, default=os.cpu_count())
+    parser.add_argument("--rush", action="store_true", help="more and more towards the deadline")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--most", type=float, default=1800.0, metavar="SECONDS", help="give up after so long")
+    parser.add_argument("--write", action="store_true", help=f"keep the service times in {MEASURED.name}")
+    arguments = parser.parse_args()
+    for how in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(how, signal.default_int_handler)
+    minutes = arguments.seconds / 60
+    asked = Deadline(arguments.students, minutes, arguments.workers, SUBMISSIONS, arguments.rush, arguments.seed, seconds=(1.0,))
+    until = time.monotonic() + arguments.most
+    with server(asked.workers) as (url, database):
+        began = time.time()
+        answers = asyncio.run(send(url, draw(asked), asked.seed))
+        rows = results(database, sum(a.status in (200, 202) for a in answers), until)
+    return tell(asked, answers, rows, began, write=arguments.write)
+
+
+@contextmanager
+def server(workers: int) -> Iterator[tuple[str, str]]:
+    """A server with that many warm workers: its address and its database's; stopped at the end, whatever happens."""
+    with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder, socket.socket() as probe:
+        data, log = Path(folder) / "polhode", Path(folder) / "log"
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+        probe.close()
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"}
+        environment |= {"POLHODE_DATA": str(data), "POLHODE_WORKERS": str(workers), "POLHODE_PERSON_HEADER": "Remote-User"}
+        environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        command = [sys.executable, "-m", "service.cli", "serve", "--port", str(port)]
+        with log.open("wb") as stream:
+            process = subprocess.Popen(command, env=environment, stdout=stream, stderr=stream)
+        try:
+            yield f"http://127.0.0.1:{port}", _ready(process, f"http://127.0.0.1:{port}", data, workers)
+        finally:
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(STOP_S)
+            finally:
+                process.kill()
+                lines = log.read_text(errors="replace").splitlines()
+                print(f"the server ended with {process.poll()} and logged {len(lines)} lines", *lines[-10:], sep="\n  ")
+
+
+async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
+    """Send every submission at its moment; the answers in the same order."""
+    folder = assignments()["rigid-body"].folder / "specimens"
+    names = [f"right_{name}.py" for name in RIGHT] + [f"wrong_{name}.py" for name in WRONG]
+    sources = np.random.default_rng(seed).choice([(folder / name).read_text() for name in names], len(arrivals.accepted))
+    limits, zero = httpx2.Limits(max_connections=100, max_keepalive_connections=100), time.monotonic()
+    async with httpx2.AsyncClient(base_url=url, timeout=ANSWER_S, limits=limits, trust_env=False) as client:
+
+        async def one(moment: float, person: int, turn: int, source: str) -> Answer:
+            await asyncio.sleep(zero + moment - time.monotonic())
+            headers = {"Remote-User": f"s{person:04}", "Idempotency-Key": f"{person}-{turn}"}
+            body = {"source": f"{source}\n# {person}, {turn}\n", "exercises": ["2"]}
+            sent = time.monotonic()
+            try:
+                status = (await client.post("/v1/assignments/rigid-body/submissions", json=body, headers=headers)).status_code
+            except httpx2.HTTPError as error:
+                status = type(error).__name__
+            return Answer(status, time.monotonic() - sent, sent - zero - moment)
+
+        each = zip(arrivals.accepted.tolist(), arrivals.person.tolist(), arrivals.turn.tolist(), sources, strict=True)
+        return await asyncio.gather(*(one(*a) for a in each))
+
+
+def results(database: str, accepted: int, until: float) -> list[Row]:
+    """Every attempt in the order of acceptance, once so many have a result, or at ``until``."""
+    with psycopg.connect(database, autocommit=True) as connection:
+        while time.monotonic() < until and connection.execute("SELECT count(*) FROM result").fetchone()[0] < accepted:
+            time.sleep(1.0)
+        return [Row(*row) for row in connection.execute(_ROWS).fetchall()]
+
+
+_ROWS = """
+SELECT p.name, extract(epoch FROM a.requested_at)::float, extract(epoch FROM min(u.started_at))::float,
+    extract(epoch FROM r.finished_at)::float, r.grading_s, r.fault, count(u.id), max(u.worker) FILTER (WHERE u.id = r.run_id)
+FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN run u ON u.attempt_id = a.id
+GROUP BY p.name, a.id, r.attempt_id ORDER BY a.requested_at, a.id
+"""
+
+
+def tell(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, *, write: bool) -> int:
+    """Print what came of it; 0 if nothing was refused, lost, faulted or overtaken."""
+    refused = [a.status for a in answers if a.status not in (200, 202)]
+    graded = [r for r in rows if r.grading is not None and r.started is not None]
+    faults = [r.fault for r in rows if r.fault is not None]
+    lost = max(len(answers) - len(refused), len(rows)) - len(graded) - len(faults)
+    took, late = (np.array([getattr(a, name) for a in answers]) for name in ("took_s", "late_s"))
+    print(f"{asked.students} students, {len(answers)} submissions in {60 * asked.minutes:g} s, {asked.workers} workers")
+    print(f"answers other than 200 and 202: {len(refused)} {sorted(set(map(str, refused)))}")
+    p50, p99, most = 1e3 * np.quantile(took, [0.5, 0.99, 1.0])
+    print(
+        f"accepted after {p50:.0f} ms (p50), {p99:.0f} ms (p99), {most:.0f} ms (max); sent at most {1e3 * late.max():.0f} ms late"
+    )
+    print(f"sent {len(answers)}, stored {len(rows)}, graded {len(graded)}, faults {len(faults)} {faults[:3]}, lost {lost}")
+    print(f"graded more than once {sum(r.runs > 1 for r in rows)}")
+    if not graded:
+        return 1
+    spent = occupied(graded)
+    arrivals, begun = _arrivals(graded, spent, began), np.array([r.started for r in graded]) - began
+    wrong = overtaken(graded)
+    thirds = sum(bool(arrivals.turn[k] == 3 and arrivals.turn[other] == 1) for k, other in wrong)
+    print(f"pairs taken in the wrong order: {len(wrong)}; of these a third before another's first: {thirds}")
+    for k, other in wrong[:3]:
+        print(f"  {_told(graded[k], began)} was taken before {_told(graded[other], began)}")
+    more = spent.mean() - np.mean([r.grading for r in graded])
+    print(f"a worker is busy {spent.mean():.3f} s with each, {more:.3f} s more than grading")
+    for name, when in (("measured", begun), ("predicted for these arrivals", begin(arrivals, asked.workers))):
+        print(f"\n{name}\n{table(summary(arrivals, when, asked.workers, 60 * asked.minutes))}")
+    if write:
+        _write(asked, spent)
+    return 1 if refused or lost or faults or wrong else 0
+
+
+def occupied(rows: list[Row]) -> np.ndarray:
+    """For how long each submission kept its worker (n,): grading, and what taking a job and writing a result add on average.
+
+    That is what passes between two starts of a worker beyond grading, where the second submission was waiting already.
+    """
+    grading, more = np.array([r.grading for r in rows]), []
+    for name in {r.worker for r in rows}:
+        own = sorted((r for r in rows if r.worker == name), key=lambda r: r.started)
+        more += [b.started - a.started - a.grading for a, b in pairwise(own) if b.requested < a.started]
+    return grading + (np.mean(more) if more else np.median([r.finished - r.started - r.grading for r in rows]))
+
+
+def overtaken(rows: list[Row]) -> list[tuple[int, int]]:
+    """Pairs of places in ``rows``: one that was taken while another waited that was its person's oldest before the one was.
+
+    By the rule of ``service.queue`` there is none: whatever is its person's oldest without result waits at the top, behind those
+    that came to be so before it, and what is not is taken where nothing waits at the top.
+    """
+    started, oldest = np.array([r.started for r in rows]), _oldest(rows)
+    found = []
+    for k in range(len(rows)):
+        waiting, before = started > started[k] + SLACK_S, oldest < min(oldest[k], started[k]) - SLACK_S
+        found += [(k, int(other)) for other in np.flatnonzero(waiting & before)]
+    return found
+
+
+def _told(row: Row, began: float) -> str:
+    return f"{row.person}'s, accepted at {row.requested - began:.3f} s and started at {row.started - began:.3f} s,"
+
+
+def _oldest(rows: list[Row]) -> np.ndarray:
+    """Since when each is its person's oldest without result (n,)."""
+    return np.array([
+        max([r.requested, *(o.finished for o in rows if o.person == r.person and o.requested < r.requested)]) for r in rows
+    ])  # fmt: skip
+
+
+def _arrivals(rows: list[Row], service: np.ndarray, began: float) -> Arrivals:
+    names, turns = sorted({r.person for r in rows}), {}
+    person = np.array([names.index(r.person) for r in rows])
+    turn = np.array([turns.setdefault(r.person, []).append(0) or len(turns[r.person]) for r in rows])
+    return Arrivals(np.array([r.requested for r in rows]) - began, person, turn, service)
+
+
+def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int) -> str:
+    """The database's address, as soon as the server answers and every worker is warm."""
+    until = time.monotonic() + START_S
+    while time.monotonic() < until and process.poll() is None:
+        time.sleep(0.2)
+        try:
+            if httpx2.get(f"{url}/readyz", trust_env=False).status_code == 200 and (database := running_url(data)):
+                with psycopg.connect(database) as connection:
+                    if connection.execute("SELECT count(*) FROM worker WHERE walls IS NOT NULL").fetchone()[0] >= workers:
+                        return database
+        except httpx2.HTTPError:
+            continue
+    raise RuntimeError("the server did not start")
+
+
+def _write(asked: Deadline, seconds: np.ndarray) -> None:
+    told = [line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
+    document = {
+        "measured_at": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": f"{(told or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}",
+        "what": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong specimens, from start to the worker's next start, "
+        f"by bench.surge with {asked.students} students, {60 * asked.minutes:g} s and {asked.workers} workers",
+        "seconds": [round(float(s), 4) for s in seconds],
+    }
+    MEASURED.write_text(json.dumps(document, ensure_ascii=False, indent=0) + "\n")
+    print(f"\nwritten to {MEASURED}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

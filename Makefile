@@ -40,10 +40,12 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 test: lint  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
 
-bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, diagnosis and judging cost, false ✗
+bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging and queue cost, false ✗, a surge
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
 	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
+	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
+	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
 
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
 	@$(CLEAN_ENV) $(BIN)/python -m tests.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)

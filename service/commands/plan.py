@@ -31,7 +31,7 @@ def _plan(arguments: argparse.Namespace) -> int:
             print(table(simulate(deadline)))
         if arguments.p99 is not None:
             needed = workers_needed(deadline, arguments.p99)
-            print(f"p99 of at most {arguments.p99:g} s takes {needed} workers:")
+            print(f"p99 of at most {arguments.p99:g} s takes {needed} worker(s):")
             print(table(simulate(replace(deadline, workers=needed))))
     except ValueError as error:
         print(f"polhode: {error}", file=sys.stderr)

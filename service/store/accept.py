@@ -1,6 +1,7 @@
 """Accepting a submission: it, its first attempt and its job in one transaction, where limits and deadline are decided too."""
 
 import json
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -63,7 +64,8 @@ async def accept(database: Database, new: New, key: str | None = None) -> Accept
     """
     async with database.begin() as connection:
         who = await _person(connection, database, new.person)
-        rules = (await connection.execute(_RULES, {"slug": new.assignment, "course": COURSE, "person": str(who)})).one()
+        asked = {"slug": new.assignment, "course": COURSE, "person": str(who), "age": time.monotonic() - new.arrived}
+        rules = (await connection.execute(_RULES, asked)).one()
         values = {
             "id": new.id,
             "assignment": rules.id,
@@ -73,6 +75,7 @@ async def accept(database: Database, new: New, key: str | None = None) -> Accept
             "filename": new.submission.filename,
             "exercises": None if new.exercises is None else json.dumps(new.exercises),
             "late": rules.late,
+            "at": rules.at,
             "fingerprint": new.fingerprint,
             "key": key,
             "attempt": uuid4(),
@@ -85,7 +88,7 @@ async def accept(database: Database, new: New, key: str | None = None) -> Accept
         await _check(connection, rules, who)
         await send(connection, values["attempt"], priority=rank("interactive", stored.open))
     database.persons[new.person] = who  # only now is it certain that the person is entered
-    return Accepted(new.id, rules.now, rules.late, fresh=True)
+    return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
 async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
@@ -110,19 +113,21 @@ async def _person(connection: AsyncConnection, database: Database, name: str) ->
     return id
 
 
-# One person's submissions to one assignment are accepted one after the other, so that two at once cannot both be the last.
+# A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two
+# at once cannot both be the last.
 _RULES = text(f"""
-SELECT a.id, a.due_at, a.grace_s, a.most_submissions, coalesce(now() > a.due_at, false) AS late,
-    coalesce(now() > a.due_at + make_interval(secs => a.grace_s), false) AS over, now() AS now,
-    {PERSON_LOCK.format("CAST(:person AS text)")}
-FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug AND c.slug = :course
+SELECT a.id, a.due_at, a.grace_s, a.most_submissions, at, coalesce(at > a.due_at, false) AS late,
+    coalesce(at > a.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
+FROM assignment a JOIN course c ON c.id = a.course_id, (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
+WHERE a.slug = :slug AND c.slug = :course
 """)
 
 # A statement sees what was committed when it began: the count of the open ones, after the lock, is one of its own.
 _STORE = text("""
 WITH stored AS (
-    INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, exercises, late, fingerprint, idempotency_key)
-    VALUES (:id, :assignment, :person, :source, :sha256, :filename, CAST(:exercises AS jsonb), :late, :fingerprint, :key)
+    INSERT INTO submission
+        (id, assignment_id, person_id, source, sha256, filename, exercises, late, submitted_at, fingerprint, idempotency_key)
+    VALUES (:id, :assignment, :person, :source, :sha256, :filename, CAST(:exercises AS jsonb), :late, :at, :fingerprint, :key)
     ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
 )
 INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at)

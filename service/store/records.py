@@ -1,7 +1,8 @@
 """What is read from the tables: a submission with what became of it, and a line of a list."""
 
 import hashlib
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
@@ -11,7 +12,7 @@ from service.grading.submission import Submission
 
 @dataclass(frozen=True)
 class New:
-    """A submission about to be stored."""
+    """A submission about to be stored; ``arrived`` is when its request did, by this process's monotonic clock."""
 
     id: UUID
     assignment: str
@@ -19,6 +20,7 @@ class New:
     submission: Submission
     exercises: list[str] | None
     seed: int
+    arrived: float = field(default_factory=time.monotonic)
 
     @property
     def fingerprint(self) -> str:

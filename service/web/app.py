@@ -11,7 +11,6 @@ from exercises.assignment import assignments
 from service.settings import Settings
 from service.store.accept import register
 from service.store.database import Database
-from service.store.migrate import migrate
 from service.web import events, guard, health, pages, pictures, problems, routes
 from service.web.drawing import Draughtsman
 from service.web.listener import Listener
@@ -20,7 +19,7 @@ ROUTERS = (health.router, routes.router, events.router, pictures.router)
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """The application for a database that is there: ``settings.database_url`` is set."""
+    """The application for a database that is there and up to date: ``settings.database_url`` is set."""
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
@@ -38,7 +37,6 @@ def create_app(settings: Settings) -> FastAPI:
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     settings: Settings = app.state.settings
     assert settings.database_url is not None
-    migrate(settings.database_url)
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
     await register(database, assignments().values())
     app.state.crew = health.Crew(database)

@@ -2,6 +2,7 @@
 
 import re
 import secrets
+import time
 import uuid
 from datetime import datetime
 from typing import Annotated, Any
@@ -62,12 +63,12 @@ async def submit(
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
 ) -> JSONResponse:
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
-    assignment, database = find_assignment(slug), _database(request)
+    arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
     walls, refusal = await request.app.state.crew.known()
     if refusal and not walls:
         raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
     received = await intake.receive(request, assignment)
-    new = New(uuid.uuid4(), slug, _person(request), received.submission, received.exercises, secrets.randbits(48))
+    new = New(uuid.uuid4(), slug, _person(request), received.submission, received.exercises, secrets.randbits(48), arrived)
     try:
         accepted = await accept(database, new, idempotency_key or None)
     except KeyReused:

@@ -57,6 +57,7 @@ class Slot:
         for task in aside:
             task.cancel()
         await self._drain()
+        await asyncio.wait(aside, timeout=1.0)
         await self._database.close()
 
     async def _put_up_walls(self) -> bool:
@@ -174,11 +175,12 @@ class Slot:
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
         """Run in the grading thread. A thread that does not come back cannot be ended but with its process."""
-        try:
-            return await asyncio.wait_for(asyncio.get_running_loop().run_in_executor(self._thread, function, *args), MOST_S)
-        except TimeoutError:
+        work = asyncio.get_running_loop().run_in_executor(self._thread, function, *args)
+        await asyncio.wait([work], timeout=MOST_S)
+        if not work.done():
             log.critical("%s did not come back in %g s: this worker ends", function.__name__, MOST_S)
             os._exit(1)
+        return work.result()
 
 
 @contextlib.contextmanager

@@ -261,3 +261,47 @@ def test_every_specimen_gets_its_expected_report_over_http(server, rigid_body):
         outcomes = [o for e in answer["report"]["exercises"] for o in e["outcomes"]]
         assert not specimen.unexpected(answer["report"]), specimen.file.name
         assert all(o["cause"] for o in outcomes if o["verdict"] == "unmeasured"), specimen.file.name
+
+
+def test_deadline_number_and_person(new_server, tmp_path, postgres, database_url):
+    """Refusals a student meets; who submits is told by the header that was set, and by no other."""
+    import os
+    import subprocess
+    import sys
+
+    server = new_server(
+        tmp_path / "data", "/livez", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="0", POLHODE_PERSON_HEADER="Remote-User"
+    )
+
+    def told(**headers):
+        status, _, answer = post(server, {"source": ZEROS}, **headers)
+        document = json.loads(answer)
+        return status, document.get("type", "").removeprefix("urn:polhode:problem:") or document["status"]
+
+    def assign(*rules):
+        command = [sys.executable, "-m", "service.cli", "assign", "rigid-body", *rules]
+        subprocess.run(command, env=os.environ | {"POLHODE_DATABASE_URL": database_url}, check=True)
+
+    assert told() == told(Remote_User="") == told(X_Remote_User="ann") == (401, "nobody")
+    assert told(Remote_User="ann") == (202, "queued")
+    assign("--most", "1")
+    assert told(Remote_User="ann") == (403, "none-left") and told(Remote_User="ben") == (202, "queued")
+    assign("--due", "2026-01-01T00:00Z")
+    assert told(Remote_User="cleo") == (403, "deadline-over")
+    assert call(server, "/")[2].decode().count('scope="row"') == 2
+    server.stop()
+
+
+def test_log_lines_are_json_with_ids_and_hold_no_source_and_no_header(new_server, tmp_path):
+    server = new_server(tmp_path / "data", POLHODE_LOG_LEVEL="debug", POLHODE_WORKERS="1")
+    source = "# CANARY-SOURCE\n" + ZEROS + "\nraise ValueError('CANARY-RAISED')"
+    headers = {"Authorization": "Bearer CANARY-TOKEN", "Idempotency_Key": "CANARY-KEY"}
+    status, answered, _ = post(server, {"source": source, "exercises": ["2"]}, Prefer="wait=60", **headers)
+    assert status == 200
+    post(server, {"source": source, "exercises": ["3"]}, **headers)  # another body under that key
+    server.stop()
+    lines = [json.loads(line) for line in server.log.read_text().splitlines()]
+    assert "CANARY" not in server.log.read_text()
+    mine = [line for line in lines if line.get("request") == answered["x-request-id"]]
+    assert mine and mine[-1]["route"] == "/v1/assignments/{slug}/submissions" and mine[-1]["status"] == 200
+    assert any(line["message"] == "graded" and uuid.UUID(line["attempt"]) for line in lines)

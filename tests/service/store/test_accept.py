@@ -1,6 +1,8 @@
 """Accepting: one transaction, one submission per key, limits that hold for many at once."""
 
 import asyncio
+import dataclasses
+import time
 
 import psycopg
 import pytest
@@ -109,3 +111,15 @@ def test_order_a_tenth_does_not_pass_anothers_first_and_regrades_wait(database_u
                 "JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id "
                 "ORDER BY j.priority DESC, j.id")  # fmt: skip
     assert [name for (name,) in order] == ["ben", "dora", *["ben"] * 9, "cleo"]
+
+
+def test_the_time_is_that_of_the_request(database_url):
+    """Not when the database had time for it: a deadline that passes in between does not count."""
+    run(database_url, lambda d: d.ping())
+    sql(database_url, "UPDATE assignment SET due_at = now() - interval '2 s'")
+    early = dataclasses.replace(new(), arrived=time.monotonic() - 5)
+    assert not run(database_url, lambda d: accept(d, early)).late
+    with pytest.raises(Refused):
+        run(database_url, lambda d: accept(d, new()))
+    ((age,),) = sql(database_url, "SELECT extract(epoch FROM now() - submitted_at) FROM submission")
+    assert 5 < age < 10

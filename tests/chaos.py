@@ -1,17 +1,19 @@
-"""Chaos: submissions come in while the server, its workers and its database are killed and frozen at random; then it is counted.
+"""Chaos: submissions come in while server, workers and database are killed, frozen and cut off at random; then it is counted.
 
 ``make chaos KILLS=N SEED=S`` runs it for long, a test for short. Everything is real: ``polhode serve`` with its embedded database
-and two workers, a second crew of two workers as another machine would run it, submissions over HTTP from three clients that
-repeat themselves as a student's notebook would. What must hold in the end: whatever was answered with 202 is stored once and
+and two workers, another machine with two workers, submissions over HTTP from three clients that repeat themselves as a student's
+notebook would. What must hold in the end: whatever was answered with 202 is stored once and
 has exactly one result, and no result that was seen once has ever changed.
 """
 
 import argparse
 import contextlib
 import hashlib
+import http.client
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -28,13 +30,15 @@ import psycopg
 
 from service.store.dump import check
 from service.store.postgres import running_url
+from tests.machines import Machine, Relay
 
 ROOT = Path(__file__).parents[1]
 RIGHT = (ROOT / "exercises/rigid_body/specimens/right_terms.py").read_text()
 ACTIONS = {  # how often each is drawn
     "kill a worker": 40,
     "freeze a worker": 12,
-    "kill the other machine": 12,
+    "kill the other machine": 10,
+    "cut off the other machine": 8,
     "kill the database": 16,
     "freeze the database": 6,
     "kill the server": 10,
@@ -48,6 +52,7 @@ class Chaos:
     """One run on ``data``; ``seed`` draws what is done to whom."""
 
     def __init__(self, data: Path, port: int, seed: int = 1) -> None:
+        data.parent.mkdir(parents=True, exist_ok=True)
         self.data, self.port, self.draw = data, port, random.Random(seed)
         self.sent: dict[str, str | None] = {}  # by key, the id that was answered
         self.seen: dict[str, str] = {}  # by attempt, the digest of its result
@@ -58,7 +63,10 @@ class Chaos:
         self._ending, self._lock = threading.Event(), threading.Lock()
         self._log = (data.parent / f"{data.name}.log").open("ab")
         self.server = self._serve()
-        self.other = self._crew()
+        self.other = Machine(7, stdout=self._log, stderr=self._log)
+        self._relay = Relay(self.other.ours, data)
+        self._cut_until = 0.0
+        self._start_other()
 
     def run(self, kills: int) -> dict[str, object]:
         """Do it, let everything settle, and count."""
@@ -79,11 +87,10 @@ class Chaos:
 
     def stop(self) -> None:
         """End everything that was started."""
-        for process in (self.other, self.server):
-            process.send_signal(signal.SIGCONT)
-            process.terminate()
-        for process in (self.other, self.server):
-            process.wait(60)
+        self.other.remove()
+        self._relay.stop()
+        self.server.terminate()
+        self.server.wait(60)
         self._log.close()
 
     def _harm(self) -> None:
@@ -93,10 +100,16 @@ class Chaos:
         elif action == "stop the server":
             self.server.terminate()
         elif action == "kill the other machine":
-            self.other.kill()
+            self.other.die()
+        elif action == "cut off the other machine":
+            if time.monotonic() < self._cut_until:
+                return
+            self.other.cut()
+            self._cut_until = time.monotonic() + (seconds := self.draw.uniform(3.0, 8.0))
+            threading.Timer(seconds, self.other.heal).start()
         elif action.endswith("the database"):
             self._hit(self._postmaster(), action)
-        elif workers := [*_grandchildren(self.server.pid), *_children(self.other.pid)]:
+        elif workers := [*_grandchildren(self.server.pid), *self.other.workers()]:
             self._hit(self.draw.choice(workers), action)
         else:
             return
@@ -118,26 +131,23 @@ class Chaos:
         """A supervisor, such as systemd, starts again what ended."""
         if self.server.poll() is not None:
             self.server = self._serve()
-        if self.other.poll() is not None:
-            self.other = self._crew()
+        if self.other.process.poll() is not None:
+            self._start_other()
+
+    def _start_other(self) -> None:
+        url = f"postgresql://polhode@{self.other.ours}:{self._relay.port}/polhode?sslmode=disable"
+        self.other.start(url, slots=2, POLHODE_DRAIN="1", OPENBLAS_NUM_THREADS="1")
 
     def _serve(self) -> "subprocess.Popen[bytes]":
-        return self._start("serve", "--port", str(self.port))
-
-    def _crew(self) -> "subprocess.Popen[bytes]":
-        return self._start("worker", "--slots", "2", POLHODE_DATABASE_URL=f"postgresql://polhode@/polhode?host={self.data / 'run'}")
-
-    def _start(self, *arguments: str, **more: str) -> "subprocess.Popen[bytes]":
         own = {"POLHODE_DATA": str(self.data), "POLHODE_WORKERS": "2", "POLHODE_DRAIN": "1", "OMP_NUM_THREADS": "1"}
-        environment = os.environ | own | {"OPENBLAS_NUM_THREADS": "1"} | more
-        return subprocess.Popen(
-            [sys.executable, "-m", "service.cli", *arguments], env=environment, stdout=self._log, stderr=self._log
-        )
+        environment = os.environ | own | {"OPENBLAS_NUM_THREADS": "1"}
+        command = [sys.executable, "-m", "service.cli", "serve", "--port", str(self.port)]
+        return subprocess.Popen(command, env=environment, stdout=self._log, stderr=self._log)
 
     def _postmaster(self) -> int | None:
         try:
             return int((self.data / "postgres/postmaster.pid").read_text().split("\n", 1)[0])
-        except (OSError, ValueError):
+        except (OSError, ValueError, http.client.HTTPException):
             return None
 
     def _send(self, number: int) -> None:
@@ -170,7 +180,7 @@ class Chaos:
         except urllib.error.HTTPError as error:
             if error.code != 503 or not error.headers["Retry-After"]:
                 self.odd[f"HTTP {error.code}"] += 1
-        except (OSError, ValueError):
+        except (OSError, ValueError, http.client.HTTPException):
             pass  # no server, or it went away while it answered
         return None
 
@@ -230,6 +240,14 @@ class Chaos:
         except psycopg.Error:
             return -1
 
+    def _open(self) -> object:
+        """What is open, for who has to find out why."""
+        try:
+            with psycopg.connect(running_url(self.data) or "", connect_timeout=2) as connection:
+                return [connection.execute(query).fetchall() for query in _LOOK]
+        except psycopg.Error as error:
+            return error
+
     def _ready(self) -> bool:
         self._replace()
         try:
@@ -241,11 +259,17 @@ class Chaos:
     def _until(self, holds, seconds: float = SETTLE_S) -> None:
         until = time.monotonic() + seconds
         while not holds():
-            assert time.monotonic() < until, f"not settled; see {self._log.name}"
+            assert time.monotonic() < until, f"not settled: {self._open()}; see {self._log.name}"
             time.sleep(0.3)
 
 
 _OPEN = "SELECT count(*) FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id WHERE r.attempt_id IS NULL"
+_LOOK = (
+    f"{_OPEN.replace('count(*)', 'a.*')} LIMIT 5",
+    "SELECT * FROM run WHERE ended_at IS NULL LIMIT 9",
+    "SELECT id, task_name, priority, status, args, worker_id FROM procrastinate_jobs LIMIT 9",
+    "SELECT *, now() FROM worker ORDER BY seen_at DESC LIMIT 9",
+)
 _RESULTS = "SELECT submission_id, attempt_id, coalesce(report::text, fault) FROM result JOIN attempt ON id = attempt_id"
 _RIGHT = "SELECT DISTINCT submission_id::text FROM attempt JOIN result ON attempt_id = id WHERE score = max_score"
 
@@ -294,13 +318,15 @@ def main() -> int:
     parser.add_argument("--port", type=int, default=8765)
     given = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what was started is stopped, however this ends
-    with tempfile.TemporaryDirectory(prefix="polhode-chaos-") as folder:
-        chaos = Chaos(Path(folder) / "data", given.port, given.seed)
-        began = time.monotonic()
-        try:
-            told = chaos.run(given.kills)
-        finally:
-            chaos.stop()
+    folder, began = Path(tempfile.mkdtemp(prefix="polhode-chaos-")), time.monotonic()
+    chaos = Chaos(folder / "data", given.port, given.seed)
+    try:
+        told = chaos.run(given.kills)
+    finally:  # what went wrong can be looked at
+        print(f"done: {dict(chaos.done)}, to be seen in {folder}", flush=True)
+        chaos.stop()
+    if not lost(told):
+        shutil.rmtree(folder)
     print(json.dumps(told, indent=1), f"\n{time.monotonic() - began:.0f} s")
     for line in lost(told):
         print(f"✗  {line}")

@@ -1,17 +1,13 @@
 """Workers on two machines against one PostgreSQL over TCP, with password and TLS; a link is cut, a host is killed.
 
-As root each machine has a network namespace and an address of its own; otherwise it is a process on loopback, and the cut is a
-freeze, as only the kernel's side of it differs.
+What a machine is, see ``tests.machines``.
 """
 
-import contextlib
 import os
 import secrets
-import shutil
 import signal
 import socket
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -21,84 +17,8 @@ import trustme
 
 from service.store.account import as_server, own
 from service.store.postgres import find_programs
+from tests.machines import NAMESPACES, Machine
 from tests.service.test_workers import SLOW, TAKEOVER_S, get, post, rows, wait_for
-
-ROOT = os.geteuid() == 0
-ID = f"{os.getpid() % 100000:05d}"
-
-
-def namespaces_work():
-    if not ROOT or shutil.which("ip") is None:
-        return False
-    made = subprocess.run(["ip", "netns", "add", f"ph{ID}t"], capture_output=True, check=False).returncode == 0
-    subprocess.run(["ip", "netns", "delete", f"ph{ID}t"], capture_output=True, check=False)
-    return made
-
-
-NAMESPACES = namespaces_work()
-
-
-def ip(*words):
-    subprocess.run(["ip", *words], check=True, capture_output=True)
-
-
-class Machine:
-    """Where a crew of one worker runs: in a namespace joined to ours by a cable that can be cut."""
-
-    def __init__(self, number):
-        self.name, self.cable = f"ph{ID}{number}", f"ph{ID}v{number}"
-        self.ours, self.theirs = (f"10.213.{number}.{k}" for k in (1, 2)) if NAMESPACES else ("127.0.0.1", "127.0.0.1")
-        self.process = None
-        if NAMESPACES:
-            ip("netns", "add", self.name)
-            ip("link", "add", self.cable, "type", "veth", "peer", "name", "eth0", "netns", self.name)
-            ip("addr", "add", f"{self.ours}/24", "dev", self.cable)
-            ip("link", "set", self.cable, "up")
-            for words in (
-                ["addr", "add", f"{self.theirs}/24", "dev", "eth0"],
-                ["link", "set", "eth0", "up"],
-                ["link", "set", "lo", "up"],
-            ):
-                ip("-n", self.name, *words)
-
-    def start(self, url):
-        inside = ["ip", "netns", "exec", self.name] if NAMESPACES else []
-        environment = os.environ | {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1", "OMP_NUM_THREADS": "1"}
-        self.process = subprocess.Popen(
-            [*inside, sys.executable, "-m", "service.cli", "worker"], env=environment, start_new_session=True
-        )
-
-    def worker(self):
-        """The number of its worker process; ``ip netns exec`` becomes the command itself."""
-        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
-        return int(children[0]) if children else None
-
-    def cut(self):
-        if NAMESPACES:
-            ip("link", "set", self.cable, "down")
-        else:
-            os.kill(self.worker(), signal.SIGSTOP)
-
-    def heal(self):
-        if NAMESPACES:
-            ip("link", "set", self.cable, "up")
-        else:
-            os.kill(self.worker(), signal.SIGCONT)
-
-    def die(self):
-        """All at once, as when the power goes."""
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(self.worker() or self.process.pid, signal.SIGKILL)
-            self.process.kill()
-        self.process.wait(10)
-
-    def remove(self):
-        if self.process is not None and self.process.poll() is None:
-            self.process.terminate()
-            self.process.wait(20)
-        if NAMESPACES:
-            subprocess.run(["ip", "netns", "delete", self.name], check=False)
-            subprocess.run(["ip", "link", "delete", self.cable], check=False, capture_output=True)
 
 
 def programs_with_tls():
@@ -187,7 +107,7 @@ def of(url, id):
 
 
 def whose(machines, worker):
-    return next(m for m in machines if m.process.poll() is None and str(m.worker()) == worker.split("/")[1])
+    return next(m for m in machines if m.process.poll() is None and int(worker.split("/")[1]) in m.workers())
 
 
 def test_the_database_wants_password_and_tls(site):

@@ -5,11 +5,14 @@ Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure; of mutants
 
 import argparse
 import json
+import os
 import secrets
 import sys
 import traceback
 from pathlib import Path
 from typing import Any
+
+from pydantic import ValidationError
 
 from exercises.assignment import assignments
 from service.commands import database, plan, queue
@@ -25,7 +28,7 @@ def main(argv: list[str] | None = None) -> int:
     serve.set_defaults(run=_serve)
     worker = commands.add_parser("worker", help="grade for a server, on this machine or another: POLHODE_DATABASE_URL tells where")
     worker.add_argument("--slots", type=int, dest="workers", help="how many at a time (POLHODE_WORKERS, default one per processor)")
-    worker.add_argument("--with-parent", action="store_true", help="end when the process that started it ends")
+    worker.add_argument("--with-parent", type=int, metavar="PID", help="end when process PID, which started it, ends")
     worker.set_defaults(run=_worker)
     grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
     grade.add_argument("files", nargs="+", type=Path, metavar="FILE")
@@ -52,7 +55,17 @@ def main(argv: list[str] | None = None) -> int:
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
     arguments = parser.parse_args(argv)
-    return int(arguments.run(arguments))
+    try:
+        return int(arguments.run(arguments))
+    except ValidationError as error:
+        for wrong in error.errors(include_input=False, include_url=False):
+            print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:  # whoever read us has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except KeyboardInterrupt:
+        return 130
 
 
 def _serve(arguments: argparse.Namespace) -> int:
@@ -64,16 +77,17 @@ def _serve(arguments: argparse.Namespace) -> int:
 
 
 def _worker(arguments: argparse.Namespace) -> int:
-    from service import logs
     from service.sandbox.guest.lockdown import die_with_parent
+
+    if arguments.with_parent is not None:
+        die_with_parent(arguments.with_parent)
+    from service import logs
     from service.settings import Settings
     from service.store.postgres import running_url
     from service.workers.crew import Crew
 
     settings = Settings() if arguments.workers is None else Settings(workers=arguments.workers)
     logs.install(settings.log_level)
-    if arguments.with_parent:
-        die_with_parent()
     if settings.database_url is None:
         settings = settings.model_copy(update={"database_url": running_url(settings.data)})
     if settings.database_url is None:

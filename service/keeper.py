@@ -8,7 +8,6 @@ import threading
 import time
 
 from service.settings import Settings
-from service.store.account import DatabaseUnavailable
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres
 
@@ -22,7 +21,9 @@ class Keeper(threading.Thread):
     def __init__(self, settings: Settings) -> None:
         super().__init__(name="keeper")
         self._settings = settings
-        self._database = EmbeddedPostgres(settings.data, settings.postgres) if settings.database_url is None else None
+        self._database = None
+        if settings.database_url is None:
+            self._database = EmbeddedPostgres(settings.data, settings.postgres, settings.workers)
         self.url = settings.database_url or (self._database.url if self._database else "")
         self._crew: subprocess.Popen[bytes] | None = None
         self._ready, self._leaving = threading.Event(), threading.Event()
@@ -70,14 +71,14 @@ class Keeper(threading.Thread):
                 if self._settings.workers and (self._crew is None or self._crew.poll() is not None):
                     self._crew = self._start_crew()
                 pause = LOOK_S
-            except (DatabaseUnavailable, OSError):
+            except Exception:
                 log.exception("not started again yet")
                 pause = min(2 * pause, LONGEST_PAUSE_S)
                 not_before = time.monotonic() + pause
 
     def _start_crew(self) -> "subprocess.Popen[bytes]":
         environment = os.environ | {"POLHODE_DATABASE_URL": self.url, "POLHODE_LOG_LEVEL": self._settings.log_level}
-        command = [sys.executable, "-m", "service.cli", "worker", "--with-parent"]
+        command = [sys.executable, "-m", "service.cli", "worker", "--with-parent", str(os.getpid())]
         return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL)
 
     def _end_crew(self) -> None:

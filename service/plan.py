@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from service.queue import STEP
 
 MEASURED = Path(__file__).parent / "measured" / "service-times.json"
+MOST, YEAR_MIN = 5_000_000, 366 * 24 * 60
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 
 
@@ -36,6 +37,8 @@ class Deadline:
     def __post_init__(self) -> None:
         if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
             raise ValueError(f"must be more than 0: {', '.join(wrong)}")
+        if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
+            raise ValueError(f"at most {MOST} submissions and {YEAR_MIN} minutes")
 
 
 @dataclass(frozen=True)

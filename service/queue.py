@@ -14,7 +14,7 @@ from service.store.database import POOL_S, connect_options
 
 QUEUE = "grade"
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
-RECONNECT_S = 0.5  # the pool's pause between attempts doubles: after a long outage it would sleep long into the day
+RECONNECT_S = 0.5  # the queue's pool's pause between attempts doubles: after a long outage it would sleep long into the day
 STEP = 1000  # between kinds; within one, a person's n-th open attempt ranks n lower
 
 
@@ -22,7 +22,7 @@ def new_app(url: str, name: str) -> App:
     """A Procrastinate application on the database; whoever takes jobs from it opens it."""
     return App(
         connector=PsycopgConnector(
-            conninfo=url, kwargs=connect_options(name), min_size=1, max_size=3, timeout=POOL_S, reconnect_timeout=RECONNECT_S
+            conninfo=url, kwargs=connect_options(name), min_size=0, max_size=3, timeout=POOL_S, reconnect_timeout=RECONNECT_S
         )
     )
 
@@ -42,40 +42,41 @@ def rank(kind: str, open_before: int) -> int:
     return STEP * KINDS[kind] - min(STEP - 1, open_before)
 
 
-async def send_attempt(connection: AsyncConnection, attempt: UUID) -> None:
-    """Add the job of an attempt, ranked by its kind and by how many attempts its person has open before it."""
+async def send_attempt(connection: AsyncConnection, attempt: UUID, *, begun: bool = False) -> None:
+    """Add the job of an attempt, ranked by its kind and by how many attempts its person has open before it.
+
+    One that had ``begun`` and lost its worker has waited already: it goes before all others of its kind.
+    """
     found = (await connection.execute(_OPEN_BEFORE, {"attempt": attempt})).one()
-    await send(connection, attempt, priority=rank(found.kind, found.open))
+    await send(connection, attempt, priority=rank(found.kind, 0) + 1 if begun else rank(found.kind, found.open))
 
 
-async def send_next(connection: AsyncConnection, done: UUID) -> None:
+async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -> None:
     """When an attempt has its result, its person's next one moves up, to the end of those of the same rank.
 
     So persons take turns however many each has sent, and whoever sends again early need not wait for everybody who comes later.
     """
-    await take_turn(connection, done)
+    await take_turn(connection, submission)
     row = (await connection.execute(_NEXT, {"attempt": done})).first()
     if row is not None:
         await connection.execute(text("DELETE FROM procrastinate_jobs WHERE id = :id"), {"id": row.job})
         await send_attempt(connection, row.attempt)
 
 
-async def take_turn(connection: AsyncConnection, attempt: UUID) -> None:
+async def take_turn(connection: AsyncConnection, submission: UUID) -> None:
     """Wait until nobody else ranks this person's attempts, to the end of the transaction: a rank counts what others may change."""
-    await connection.execute(_TURN, {"attempt": attempt})
+    await connection.execute(_TURN, {"submission": submission})
 
 
 PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
-_TURN = text(
-    f"SELECT {PERSON_LOCK.format('s.person_id')} FROM attempt a JOIN submission s ON s.id = a.submission_id WHERE a.id = :attempt"
-)
+_TURN = text(f"SELECT {PERSON_LOCK.format('person_id')} FROM submission WHERE id = :submission")
 
 _NEXT = text(f"""
 SELECT j.id AS job, b.id AS attempt
 FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN submission t ON t.person_id = s.person_id
     JOIN attempt b ON b.submission_id = t.id AND b.kind = a.kind
     JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade' AND j.status = 'todo'
-WHERE a.id = :attempt AND mod(j.priority, {STEP}) <> 0
+WHERE a.id = :attempt AND mod(j.priority, {STEP}) NOT IN (0, 1)
 ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
 """)
 

@@ -1,9 +1,12 @@
 """Running the server: an embedded database under it unless there is another, a crew of workers beside it, and a clean end."""
 
 import signal
+import socket
 import sys
+from types import FrameType
 
 import uvicorn
+from fastapi import FastAPI
 from sqlalchemy.exc import OperationalError
 
 from service import logs
@@ -21,16 +24,15 @@ def serve(settings: Settings) -> int:
     keeper = None
     signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
+        door = _open_door(settings)
         keeper = Keeper(settings)
         keeper.begin()
         app = create_app(settings.model_copy(update={"database_url": keeper.url}))
-        config = uvicorn.Config(
-            app, host=settings.host, port=settings.port, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S
-        )
-        server = uvicorn.Server(config)
-        server.run()
+        config = uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S)
+        server = _Server(config)
+        server.run(sockets=[door])
         return 0 if server.started else 2
-    except (DatabaseUnavailable, OperationalError) as error:
+    except (DatabaseUnavailable, OperationalError, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -38,6 +40,24 @@ def serve(settings: Settings) -> int:
     finally:
         if keeper is not None:
             keeper.stop()
+
+
+class _Server(uvicorn.Server):
+    """Lets those who wait have their last look before it closes their connections."""
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        assert isinstance(self.config.app, FastAPI)
+        if (listener := getattr(self.config.app.state, "listener", None)) is not None:
+            listener.leave()
+        super().handle_exit(sig, frame)
+
+
+def _open_door(settings: Settings) -> socket.socket:
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    try:
+        return socket.create_server((settings.host, settings.port), family=family)
+    except OSError as error:
+        raise OSError(f"{settings.host} port {settings.port}: {error.strerror or error}") from error
 
 
 def _end(signum: int, frame: object) -> None:

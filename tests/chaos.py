@@ -92,6 +92,7 @@ class Chaos:
         self.server.terminate()
         self.server.wait(60)
         self._log.close()
+        self.left = _of(self.data)
 
     def _harm(self) -> None:
         action = self.draw.choices(list(ACTIONS), list(ACTIONS.values()))[0]
@@ -136,7 +137,7 @@ class Chaos:
 
     def _start_other(self) -> None:
         url = f"postgresql://polhode@{self.other.ours}:{self._relay.port}/polhode?sslmode=disable"
-        self.other.start(url, slots=2, POLHODE_DRAIN="1", OPENBLAS_NUM_THREADS="1")
+        self.other.start(url, slots=2, POLHODE_DRAIN="1", OPENBLAS_NUM_THREADS="1", POLHODE_DATA=str(self.data))
 
     def _serve(self) -> "subprocess.Popen[bytes]":
         own = {"POLHODE_DATA": str(self.data), "POLHODE_WORKERS": "2", "POLHODE_DRAIN": "1", "OMP_NUM_THREADS": "1"}
@@ -276,8 +277,26 @@ _RIGHT = "SELECT DISTINCT submission_id::text FROM attempt JOIN result ON attemp
 
 def lost(told: dict[str, object]) -> list[str]:
     """What must be zero and is not."""
-    must = ("accepted, not stored", "stored, never sent", "accepted, without report", "results that changed", "odd", "does not fit")
-    return [f"{name}: {told[name]}" for name in must if told[name]]
+    must = (
+        "accepted, not stored",
+        "stored, never sent",
+        "accepted, without report",
+        "results that changed",
+        "odd",
+        "does not fit",
+        "processes left",
+    )
+    return [f"{name}: {told[name]}" for name in must if told.get(name)]
+
+
+def _of(data: Path) -> list[int]:
+    """Processes that were started for that folder and still run."""
+    mark, found = f"POLHODE_DATA={data}".encode(), []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            if mark in path.read_bytes().split(b"\0"):
+                found.append(int(path.parent.name))
+    return found
 
 
 def _children(pid: int) -> list[int]:
@@ -325,6 +344,7 @@ def main() -> int:
     finally:  # what went wrong can be looked at
         print(f"done: {dict(chaos.done)}, to be seen in {folder}", flush=True)
         chaos.stop()
+    told["processes left"] = chaos.left
     if not lost(told):
         shutil.rmtree(folder)
     print(json.dumps(told, indent=1), f"\n{time.monotonic() - began:.0f} s")

@@ -27,7 +27,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 def _upgrade(arguments: argparse.Namespace) -> int:
     from service.store.migrate import migrate
 
-    with database_url(Settings()) as url:
+    with database_url(Settings(), create=True) as url:
         print(f"the tables are at revision {migrate(url)}")
     return 0
 
@@ -50,7 +50,7 @@ def _restore(arguments: argparse.Namespace) -> int:
     from service.store.postgres import find_programs
 
     settings = Settings()
-    with database_url(settings) as url:
+    with database_url(settings, create=True) as url:
         restore(url, settings.postgres or find_programs(), arguments.file, replace=arguments.replace)
     print(f"restored from {arguments.file}; what was being graded will be graded again")
     return 0

@@ -28,14 +28,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     queue.set_defaults(run=_queue)
     regrade = commands.add_parser("regrade", help="grade submissions again, behind everybody who waits for a first result")
     regrade.add_argument("ids", nargs="*", type=UUID, metavar="ID")
-    regrade.add_argument("--faults", action="store_true", help="those that have no report, only a fault of ours")
-    regrade.add_argument("--all", action="store_true", help="every one that is not being graded")
+    regrade.add_argument("--faults", action="store_true", help="instead: those that have no report, only a fault of ours")
+    regrade.add_argument("--all", action="store_true", help="instead: every one that is not being graded")
     regrade.set_defaults(run=_regrade)
-    assign = commands.add_parser("assign", help="until when and how often an assignment may be submitted")
+    assign = commands.add_parser("assign", help="until when and how often an assignment may be submitted; sets all three")
     assign.add_argument("slug")
     assign.add_argument("--due", type=_moment, help="such as 2026-12-01T12:00+01:00; default: no deadline")
-    assign.add_argument("--grace", type=float, default=0.0, metavar="SECONDS", help="taken so long after it, marked late")
-    assign.add_argument("--most", type=int, metavar="N", help="submissions per person; default: any number")
+    assign.add_argument("--grace", type=_seconds, default=0.0, metavar="SECONDS", help="taken so long after it, marked late")
+    assign.add_argument("--most", type=_count, metavar="N", help="submissions per person; default: any number")
     assign.set_defaults(run=_assign)
 
 
@@ -75,11 +75,15 @@ def _regrade(arguments: argparse.Namespace) -> int:
     from service.store.queueing import grade_again
 
     which = "all" if arguments.all else "faults" if arguments.faults else arguments.ids
-    if not which:
-        print("polhode: which ones? Give ids, --faults or --all", file=sys.stderr)
+    if bool(arguments.ids) + arguments.all + arguments.faults != 1:
+        print("polhode: which ones? Give either ids, --faults or --all", file=sys.stderr)
         return 2
     with database_url(Settings()) as url:
-        print(f"queued again: {_do(url, lambda database: grade_again(database, which, getpass.getuser()))}")
+        count = _do(url, lambda database: grade_again(database, which, getpass.getuser()))
+    print(f"queued again: {count}")
+    if arguments.ids and count < len(set(arguments.ids)):
+        print("polhode: the others do not exist or are being graded", file=sys.stderr)
+        return 2
     return 0
 
 
@@ -92,14 +96,34 @@ def _assign(arguments: argparse.Namespace) -> int:
         known = _do(url, lambda database: set_rules(database, arguments.slug, rules, getpass.getuser()))
     if not known:
         print(f"polhode: the database has no assignment {arguments.slug}", file=sys.stderr)
-    return 0 if known else 2
+        return 2
+    due = f"until {arguments.due.isoformat()} and {arguments.grace:g} s" if arguments.due else "without a deadline"
+    print(f"{arguments.slug}: {due}, {arguments.most or 'any number of'} submissions a person")
+    return 0
 
 
 def _moment(text: str) -> datetime:
-    moment = datetime.fromisoformat(text)
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text} is no time such as 2026-12-01T12:00+01:00") from None
     if moment.tzinfo is None:
         raise argparse.ArgumentTypeError("give the time zone too, such as +01:00 or Z")
+    if not 2000 <= moment.year < 3000:
+        raise argparse.ArgumentTypeError(f"the year {moment.year} is out of range")
     return moment
+
+
+def _seconds(text: str) -> float:
+    if not 0 <= (seconds := float(text)) <= 1e7:
+        raise argparse.ArgumentTypeError("between 0 and 10000000 seconds")
+    return seconds
+
+
+def _count(text: str) -> int:
+    if not 1 <= (count := int(text)) <= 10**6:
+        raise argparse.ArgumentTypeError("between 1 and 1000000")
+    return count
 
 
 def _do(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:

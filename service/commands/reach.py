@@ -14,13 +14,16 @@ P = ParamSpec("P")
 
 
 @contextmanager
-def database_url(settings: Settings) -> Iterator[str]:
-    """Where the database is, for the duration of the block."""
+def database_url(settings: Settings, *, create: bool = False) -> Iterator[str]:
+    """Where the database is, for the duration of the block. DatabaseUnavailable where there is none and none is to be made."""
+    from service.store.account import DatabaseUnavailable
     from service.store.postgres import EmbeddedPostgres, running_url
 
     if url := settings.database_url or running_url(settings.data):
         yield url
         return
+    if not create and not (settings.data / "postgres" / "PG_VERSION").exists():
+        raise DatabaseUnavailable(f"there is no database in {settings.data} (POLHODE_DATA)")
     embedded = EmbeddedPostgres(settings.data, settings.postgres)
     embedded.start()
     try:
@@ -40,8 +43,13 @@ def telling_why(command: Callable[P, int]) -> Callable[P, int]:
 
         try:
             return command(*args, **kwargs)
-        except (DatabaseUnavailable, psycopg.Error, DBAPIError) as error:
+        except (DatabaseUnavailable, OSError) as error:
             print(f"polhode: {error}", file=sys.stderr)
-            return 2
+        except (psycopg.Error, DBAPIError) as error:
+            cause = getattr(error, "orig", None) or error
+            missing = isinstance(cause, psycopg.errors.UndefinedTable)
+            first = str(cause).strip().split("\n")[0]
+            print(f"polhode: {'the database has no tables yet: polhode db upgrade' if missing else first}", file=sys.stderr)
+        return 2
 
     return wrapped

@@ -10,9 +10,10 @@ from uuid import UUID, uuid4
 
 from sqlalchemy import Row, func, select, text
 from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy.exc import IntegrityError, NoResultFound
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from exercises.assignment import Assignment
+from exercises.assignment import Assignment, assignments
 from service.queue import PERSON_LOCK, rank, send, send_attempt, take_turn
 from service.store.database import Database
 from service.store.records import New
@@ -62,6 +63,15 @@ async def accept(database: Database, new: New, key: str | None = None) -> Accept
     Raises KeyReused if that one was different, Refused if the deadline is over or no submission is left. A request with the
     same key that is in flight is waited for.
     """
+    try:
+        return await _accept(database, new, key)
+    except (IntegrityError, NoResultFound):  # the database was restored to another state meanwhile
+        database.persons.clear()
+        await register(database, assignments().values())
+        return await _accept(database, new, key)
+
+
+async def _accept(database: Database, new: New, key: str | None) -> Accepted:
     async with database.begin() as connection:
         who = await _person(connection, database, new.person)
         asked = {"slug": new.assignment, "course": COURSE, "person": str(who), "age": time.monotonic() - new.arrived}
@@ -93,11 +103,11 @@ async def accept(database: Database, new: New, key: str | None = None) -> Accept
 
 async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
     """The next attempt of a submission, with its job."""
+    await take_turn(connection, of)
     id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
     values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
     await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
-    await take_turn(connection, id)
     await send_attempt(connection, id)
     return id
 
@@ -139,9 +149,10 @@ RETURNING (
 """)
 
 _USED = text("""
-SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment AND NOT coalesce((
-    SELECT r.fault IS NOT NULL FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
-    WHERE a.submission_id = s.id ORDER BY a.number DESC LIMIT 1), false)
+SELECT count(*) FROM submission s
+    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+        WHERE a.submission_id = s.id) fault ON NOT fault.ours
+WHERE s.person_id = :person AND s.assignment_id = :assignment
 """)
 
 

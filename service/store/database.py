@@ -18,11 +18,12 @@ from service.store.migrate import driver_url
 
 T = TypeVar("T")
 CONNECT_S, POOL_S = 3, 5.0
+ANSWER_S = 25.0  # longer than a statement may take: a server that is frozen does not end it
 # What a server does with a client that is cut off or frozen: it gives up its locks within seconds.
 SERVER_SIDE = {
     "statement_timeout": "20s",
     "lock_timeout": "10s",
-    "idle_in_transaction_session_timeout": "5s",
+    "idle_in_transaction_session_timeout": "3s",
     "tcp_user_timeout": "4s",
     "tcp_keepalives_idle": "2",
     "tcp_keepalives_interval": "1",
@@ -66,29 +67,39 @@ class Database:
     @asynccontextmanager
     async def begin(self) -> AsyncIterator[AsyncConnection]:
         """A transaction, committed at the end of the block."""
-        async with self._engine.begin() as connection:
+        async with _bounded(), self._engine.begin() as connection:
             yield connection
 
     async def rows(self, query: Executable | str, values: Mapping[str, Any] | None = None) -> Sequence[Row[Any]]:
         """All rows of a query, which changes nothing; SQL text names its ``values`` with a colon.
 
-        Asked once more if the connection has died in the pool, which then lets go of all that are as old.
+        Asked once more if the connection has died in the pool, which then lets go of all that are as old. Whoever goes away
+        while waiting for the answer leaves the connection whole.
         """
         asked = text(query) if isinstance(query, str) else query
         try:
-            return await self._ask(asked, values)
+            return await asyncio.shield(asyncio.ensure_future(self._ask(asked, values)))
         except DBAPIError as error:
             if not error.connection_invalidated:
                 raise
-            return await self._ask(asked, values)
+            return await asyncio.shield(asyncio.ensure_future(self._ask(asked, values)))
 
     async def _ask(self, query: Executable, values: Mapping[str, Any] | None) -> Sequence[Row[Any]]:
-        async with self._reading.connect() as connection:
+        async with _bounded(), self._reading.connect() as connection:
             return (await connection.execute(query, values)).all()
 
     async def ping(self) -> None:
         """Raise unless the database answers."""
         await self.rows("SELECT 1")
+
+
+@asynccontextmanager
+async def _bounded() -> AsyncIterator[None]:
+    try:
+        async with asyncio.timeout(ANSWER_S):
+            yield
+    except TimeoutError as error:
+        raise NoConnection(f"the database has not answered for {ANSWER_S:g} s") from error
 
 
 def is_outage(error: BaseException) -> bool:

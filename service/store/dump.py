@@ -12,16 +12,26 @@ from service.store.account import DatabaseUnavailable
 from service.store.migrate import migrate
 
 VARIABLES = {
-    "host": "PGHOST", "port": "PGPORT", "user": "PGUSER", "password": "PGPASSWORD", "dbname": "PGDATABASE",
-    "sslmode": "PGSSLMODE", "sslrootcert": "PGSSLROOTCERT",
+    "host": "PGHOST", "port": "PGPORT", "user": "PGUSER", "password": "PGPASSWORD", "dbname": "PGDATABASE", "options": "PGOPTIONS",
+    "sslmode": "PGSSLMODE", "sslrootcert": "PGSSLROOTCERT", "sslcert": "PGSSLCERT", "sslkey": "PGSSLKEY", "sslcrl": "PGSSLCRL",
+    "channel_binding": "PGCHANNELBINDING",
 }  # fmt: skip
 
 
 def backup(url: str, programs: Path, file: Path) -> None:
-    """Write everything into ``file``, as it was at one moment, while work goes on. The file appears when it is whole."""
+    """Write everything into ``file``, as it was at one moment, while work goes on. The file appears when it is whole.
+
+    Nobody else can read it: it holds what students sent.
+    """
+    if file.is_dir():
+        raise DatabaseUnavailable(f"{file} is a folder")
     unfinished = file.with_name(file.name + ".part")
-    _run(url, programs / "pg_dump", "--format=custom", "--no-owner", f"--file={unfinished}")
-    unfinished.replace(file)
+    try:
+        unfinished.touch(mode=0o600)
+        _run(url, programs / "pg_dump", "--format=custom", "--no-owner", f"--file={unfinished}")
+        unfinished.replace(file)
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> None:
@@ -31,15 +41,25 @@ def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> N
     """
     if not file.is_file():
         raise DatabaseUnavailable(f"there is no file {file}")
+    name = conninfo_to_dict(url).get("dbname") or "polhode"
     with psycopg.connect(url) as connection:
         count = connection.execute("SELECT count(*) FROM pg_tables WHERE schemaname = 'public'").fetchone()
         if count and count[0] and not replace:
             raise DatabaseUnavailable("the database is not empty: restore into a new one, or give --replace to lose what is in it")
-        connection.execute("DROP SCHEMA public CASCADE")
+        connection.execute("DROP SCHEMA IF EXISTS replaced CASCADE")
+        connection.execute("ALTER SCHEMA public RENAME TO replaced")  # put back if anything goes wrong
         connection.execute("CREATE SCHEMA public")
     options = ["--single-transaction", "--exit-on-error", "--no-owner", "--no-privileges", "--schema=public"]
-    _run(url, programs / "pg_restore", *options, f"--dbname={conninfo_to_dict(url)['dbname']}", str(file))
-    migrate(url)
+    try:
+        _run(url, programs / "pg_restore", *options, f"--dbname={name}", str(file))
+        migrate(url)
+    except BaseException:
+        with psycopg.connect(url) as connection:
+            connection.execute("DROP SCHEMA public CASCADE")
+            connection.execute("ALTER SCHEMA replaced RENAME TO public")
+        raise
+    with psycopg.connect(url) as connection:
+        connection.execute("DROP SCHEMA replaced CASCADE")
 
 
 def check(url: str) -> Mapping[str, int]:

@@ -20,7 +20,8 @@ def migrate(url: str) -> str:
     """Run the missing revisions in one transaction under a lock; the revision reached."""
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
-    engine = create_engine(driver_url(url))
+    bounded = {"connect_timeout": 5, "options": "-c lock_timeout=60s -c statement_timeout=600s"}
+    engine = create_engine(driver_url(url), connect_args=bounded)
     try:
         with engine.begin() as connection:
             connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK})

@@ -1,5 +1,6 @@
 """An embedded PostgreSQL: server programs from a wheel or from the system, data in our folder, no port, a unix socket only."""
 
+import contextlib
 import fcntl
 import os
 import re
@@ -19,7 +20,8 @@ USER = DATABASE = "polhode"
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
 PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)  # a comma separates socket folders, and an address would have to escape the rest
 START_S, STOP_S = 30.0, 20.0
-SIZES = {"shared_buffers": "32MB", "max_connections": "60", "jit": "off", "autovacuum_naptime": "20s"}
+SIZES = {"shared_buffers": "32MB", "jit": "off", "autovacuum_naptime": "20s"}
+PER_WORKER, OTHERS = 8, 60  # connections; a web server holds up to 11
 
 
 class EmbeddedPostgres:
@@ -28,7 +30,7 @@ class EmbeddedPostgres:
     As root the server runs as user ``postgres`` (or ``nobody``), see ``account``.
     """
 
-    def __init__(self, data: Path, programs: Path | None = None) -> None:
+    def __init__(self, data: Path, programs: Path | None = None, workers: int = 2) -> None:
         self._programs = programs or find_programs()
         data.mkdir(mode=0o700, parents=True, exist_ok=True)
         self._cluster = (data / "postgres").resolve()
@@ -38,6 +40,7 @@ class EmbeddedPostgres:
         self._run = Path(tempfile.mkdtemp(prefix="polhode-")) if self._short else run
         self._process: subprocess.Popen[bytes] | None = None
         self._lock: int | None = None
+        self._sizes = SIZES | {"max_connections": str(OTHERS + PER_WORKER * workers)}
 
     @property
     def url(self) -> str:
@@ -67,7 +70,8 @@ class EmbeddedPostgres:
             self._create()
         self._check_major_version()
         own(self._run)
-        options = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"} | SIZES
+        private = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"}
+        options = private | self._sizes
         arguments = [part for name, value in options.items() for part in ("-c", f"{name}={value}")]
         command = [*as_server(self._programs, self._cluster, self._run), str(self._programs / "postgres"), "-D", str(self._cluster)]
         with self._log.open("ab") as log:
@@ -101,7 +105,8 @@ class EmbeddedPostgres:
         """Signal the postmaster itself, which under bubblewrap is a child of the process we started."""
         assert self._process is not None
         if (pid := self._postmaster()) is not None:
-            os.kill(pid, how)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, how)
         else:
             self._process.send_signal(how)
 
@@ -109,7 +114,7 @@ class EmbeddedPostgres:
         """Number of the server that runs on our folder; None if there is none, or another process got the number."""
         try:
             pid = int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0])
-            return pid if b"postgres" in Path(f"/proc/{pid}/cmdline").read_bytes() else None
+            return pid if str(self._cluster).encode() in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0") else None
         except (OSError, ValueError):
             return None
 
@@ -126,8 +131,11 @@ class EmbeddedPostgres:
         """End a server that outlived a killed polhode. The folder is ours alone, so nobody else can be using it."""
         deadline = time.monotonic() + STOP_S
         while (pid := self._postmaster()) is not None and time.monotonic() < deadline:
-            os.kill(pid, signal.SIGINT)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGINT)
             time.sleep(0.1)
+        if pid is None:  # another process may have got that number since: PostgreSQL would take it for a server of its own
+            (self._cluster / "postmaster.pid").unlink(missing_ok=True)
 
     def _create(self) -> None:
         """initdb beside the final place, then rename: a half-made cluster is never mistaken for one."""
@@ -157,7 +165,7 @@ class EmbeddedPostgres:
         deadline, server = time.monotonic() + START_S, f"postgresql://{USER}@/postgres?host={self._run}"
         while True:
             try:
-                with psycopg.connect(server, autocommit=True) as connection:
+                with psycopg.connect(server, autocommit=True, connect_timeout=3) as connection:
                     exists = connection.execute("SELECT 1 FROM pg_database WHERE datname = %s", [DATABASE]).fetchone()
                     if exists is None:
                         connection.execute(f"CREATE DATABASE {DATABASE}")

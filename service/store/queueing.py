@@ -7,6 +7,7 @@ from uuid import UUID
 
 from sqlalchemy import Row, insert, text, update
 
+from service.queue import take_turn
 from service.store.accept import add_attempt
 from service.store.database import Database
 from service.store.tables import assignment, audit
@@ -41,23 +42,30 @@ async def grade_again(database: Database, which: Sequence[UUID] | str, who: str)
 
     What is being graded is left alone. What was shown stays until the new result is there.
     """
-    async with database.begin() as connection:
-        values = {"ids": [] if isinstance(which, str) else list(which), "which": which if isinstance(which, str) else "ids"}
-        found = (await connection.execute(_AGAIN, values)).all()
-        for row in found:
+    values = {"ids": [] if isinstance(which, str) else list(which), "which": which if isinstance(which, str) else "ids"}
+    count = 0
+    for one in await database.rows(_AGAIN, values):
+        async with database.begin() as connection:  # each by itself: who submits meanwhile waits for none but their own
+            await take_turn(connection, one.id)
+            row = (await connection.execute(_AGAIN, {"ids": [one.id], "which": "ids"})).first()
+            if row is None:
+                continue
             await add_attempt(connection, row.id, "regrade", row.seed)
             entry = {"who": who, "action": "regrade", "subject": str(row.id), "detail": {"fault": row.fault}}
             await connection.execute(insert(audit).values(entry))
-    return len(found)
+            count += 1
+    return count
 
 
 async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bool:
     """Set the rules of an assignment. False if there is no such assignment."""
     async with database.begin() as connection:
         changed = (await connection.execute(update(assignment).where(assignment.c.slug == slug).values(asdict(rules)))).rowcount
+        if not changed:
+            return False
         told = {name: str(value) for name, value in asdict(rules).items()}
         await connection.execute(insert(audit).values(who=who, action="rules", subject=slug, detail=told))
-    return changed > 0
+    return True
 
 
 _WAITING = """
@@ -83,7 +91,9 @@ SELECT s.id AS submission, p.name AS person, r.fault, r.finished_at
 FROM submission s JOIN person p ON p.id = s.person_id
     JOIN LATERAL (SELECT * FROM attempt WHERE submission_id = s.id ORDER BY number DESC LIMIT 1) a ON true
     JOIN result r ON r.attempt_id = a.id
-WHERE r.fault IS NOT NULL ORDER BY r.finished_at DESC LIMIT 50
+WHERE r.fault IS NOT NULL AND NOT EXISTS (
+    SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id WHERE b.submission_id = s.id AND q.report IS NOT NULL)
+ORDER BY r.finished_at DESC LIMIT 50
 """
 
 _AGAIN = text("""
@@ -93,5 +103,5 @@ SELECT s.id, a.seed, r.fault FROM submission s
 WHERE (:which = 'ids' AND s.id = ANY(CAST(:ids AS uuid[]))) OR :which = 'all'
     OR (:which = 'faults' AND r.fault IS NOT NULL AND NOT EXISTS (
         SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id WHERE b.submission_id = s.id AND q.report IS NOT NULL))
-ORDER BY s.person_id, s.submitted_at -- two regrades at once take their turns in one order
+ORDER BY s.submitted_at
 """)

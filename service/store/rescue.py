@@ -23,8 +23,13 @@ async def rescue(database: Database) -> list[UUID]:
                 continue
             attempt = UUID(job.attempt)
             await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
-            await send_attempt(connection, attempt)
+            await send_attempt(connection, attempt, begun=True)
             again.append(attempt)
+        alone = (await connection.execute(_ALONE)).scalar()
+        for row in (await connection.execute(_ORPHANS, {"lease": LEASE_S})).all() if alone else []:
+            await connection.execute(_LOSE, {"attempt": row.attempt_id, "lease": LEASE_S})
+            await send_attempt(connection, row.attempt_id, begun=True)
+            again.append(row.attempt_id)
     return again
 
 
@@ -41,7 +46,8 @@ async def sweep(database: Database) -> list[UUID]:
     return found
 
 
-# Jobs in the hands of a worker whose run says nothing any more, or that never began one, or whose attempt is finished. The
+# Jobs in the hands of a worker whose run says nothing any more, or that never began one, or whose attempt is finished. Nobody can
+# have said anything while the database was out, so a lease begins anew with it. The
 # worker's own heartbeat is not asked: Procrastinate may leave a job with a live worker that has forgotten it. A sweep of a
 # submission's function has no run and may take its time.
 _STALE = text("""
@@ -52,7 +58,7 @@ DELETE FROM procrastinate_jobs WHERE id IN (
             SELECT max(greatest(beat_at, ended_at)) FILTER (WHERE ending IS DISTINCT FROM 'lost') AS at
             FROM run WHERE run.attempt_id = (j.args->>'attempt')::uuid
         ) beat ON true
-    WHERE j.status = 'doing' AND greatest(taken.at, beat.at) < now() - make_interval(
+    WHERE j.status = 'doing' AND greatest(taken.at, beat.at, pg_postmaster_start_time()) < now() - make_interval(
         secs => CASE WHEN j.task_name = 'grade' THEN CAST(:lease AS float) ELSE 120 END)
     FOR UPDATE OF j SKIP LOCKED
 ) RETURNING args->>'attempt' AS attempt, task_name,
@@ -62,6 +68,14 @@ DELETE FROM procrastinate_jobs WHERE id IN (
 _LOSE = text("""
 UPDATE run SET ended_at = now(), ending = 'lost', note = 'the worker was not heard of any more'
 WHERE attempt_id = :attempt AND ended_at IS NULL AND beat_at < now() - make_interval(secs => :lease)
+""")
+
+# Runs that have fallen silent and whose job is gone.
+_ORPHANS = text("""
+SELECT DISTINCT attempt_id FROM run LEFT JOIN result USING (attempt_id)
+WHERE run.ended_at IS NULL AND result.attempt_id IS NULL
+    AND greatest(beat_at, pg_postmaster_start_time()) < now() - make_interval(secs => :lease)
+    AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade' AND j.args->>'attempt' = run.attempt_id::text)
 """)
 
 _ALONE = text("SELECT pg_try_advisory_xact_lock(2626)")

@@ -55,7 +55,7 @@ async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -
             known = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
             fault = f"grading was begun {len(lost)} times and never ended ({known})"
             await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
-            await send_next(connection, attempt)
+            await send_next(connection, attempt, found.submission_id)
             await _tell(connection, found.submission_id)
             return None
         values = {"id": new_run, "attempt_id": attempt, "worker": worker, "phase": "starting"}
@@ -71,7 +71,7 @@ async def question(database: Database, attempt: UUID) -> Question:
 
 
 async def beat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> None:
-    """Tell that the run is alive and how far it is."""
+    """Tell that the run is alive and how far it is. If it was thought to be lost, it is not."""
     values = {"run": claimed.run, "phase": phase, "scene": scene, "scenes": scenes}
     async with database.begin() as connection:
         if (await connection.execute(_BEAT, values)).scalar():
@@ -99,7 +99,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
             await connection.execute(statement)
         await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
         if first:
-            await send_next(connection, claimed.attempt)
+            await send_next(connection, claimed.attempt, claimed.submission_id)
             await _tell(connection, claimed.submission_id)
         return first
 
@@ -111,7 +111,7 @@ async def give_back(database: Database, claimed: Claim, ending: str, note: str) 
         open = (await connection.execute(_END_IF_OPEN, values)).rowcount  # else it was lost, and is queued already
         if open and (await connection.execute(_OWNER, {"attempt": claimed.attempt})).first() is None:
             await connection.execute(_DROP_JOBS, {"attempt": str(claimed.attempt)})
-            await send_attempt(connection, claimed.attempt)
+            await send_attempt(connection, claimed.attempt, begun=ending == "released")
             await _tell(connection, claimed.submission_id)
 
 
@@ -167,8 +167,9 @@ WHERE attempt_id = :attempt AND ending IN ('lost', 'failed') ORDER BY started_at
 
 _BEAT = text("""
 WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
-UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes FROM before
-WHERE run.id = before.id AND run.ended_at IS NULL RETURNING (before.phase, before.scene) <> (run.phase, run.scene)
+UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes, ended_at = NULL, ending = NULL, note = NULL
+FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.ending = 'lost')
+RETURNING (before.phase, before.scene) <> (run.phase, run.scene)
 """)
 
 _OWNER = text("SELECT run_id FROM result WHERE attempt_id = :attempt")

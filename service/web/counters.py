@@ -65,7 +65,7 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
         (verdicts, "pass", sums.passed), (verdicts, "other", sums.others),
     ):  # fmt: skip
         family.add_metric([name], value)
-    runs = CounterMetricFamily("polhode_runs", "Runs by ending.", labels=["ending"])
+    runs = GaugeMetricFamily("polhode_runs", "Runs by ending; one that was lost may yet come back.", labels=["ending"])
     for row in await database.rows(_RUNS):
         runs.add_metric([row.ending], row.n)
     (crew,) = await database.rows(_WORKERS)

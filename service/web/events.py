@@ -7,6 +7,7 @@ from fastapi import APIRouter, Depends, Header, Request
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.store import reading
+from service.store.database import is_outage
 from service.store.records import Stored
 from service.web.listener import Listener
 from service.web.routes import find_submission
@@ -23,11 +24,17 @@ async def events(
 ) -> AsyncIterator[ServerSentEvent]:
     """``queued`` with its position, ``running`` with scene k of n, at last ``graded`` or ``faulted``: then the stream ends.
 
-    An event's id is what it tells, so who comes back with ``Last-Event-ID`` is not told the same twice.
+    While the database is out nothing is told. A stream that ends before is to be opened again, at whichever server there is: an
+    event's id is what it tells, so who comes back with ``Last-Event-ID`` is not told the same twice.
     """
     told, listener = last_event_id, request.app.state.listener
     async for _ in listener.looks(str(stored.id), LONGEST_S):
-        now = await _now(request, stored, listener)
+        try:
+            now = await _now(request, stored, listener)
+        except Exception as error:
+            if not is_outage(error):
+                raise
+            continue
         id = " ".join(str(value) for value in now.values())
         if id != told:
             yield ServerSentEvent(event=now["status"], id=id, data=now)

@@ -10,9 +10,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.logs import request_id
 from service.web.counters import REQUESTS, SECONDS
+from service.web.problems import crash
 
 log = logging.getLogger("polhode.access")
 CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 OWN = {"content-security-policy": CONTENT_SECURITY, "x-content-type-options": "nosniff"}
 
 
@@ -32,21 +34,29 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        id, began, status = uuid.uuid4().hex[:16], time.perf_counter(), 500
+        id, began, status, method = uuid.uuid4().hex[:16], time.perf_counter(), 0, scope["method"]
         token = request_id.set(id)
+        if method == "HEAD":  # the same answer, without its body
+            scope = {**scope, "method": "GET"}
 
         async def tell(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
                 MutableHeaders(scope=message).update({**OWN, "x-request-id": id})
+            elif method == "HEAD":
+                message = {**message, "body": b""}
             await send(message)
 
         try:
             await self.app(scope, receive, tell)
+        except Exception:
+            log.exception("fault")
+            if status == 0:
+                await crash()(scope, receive, tell)
         finally:
             took, route = time.perf_counter() - began, getattr(scope.get("route"), "path", "other")
-            REQUESTS.labels(scope["method"], route, status).inc()
+            REQUESTS.labels(method if method in METHODS else "other", route, status).inc()
             SECONDS.labels(route).observe(took)
             log.info("request", extra={"method": scope["method"], "route": route, "status": status, "ms": round(1e3 * took, 1)})
             request_id.reset(token)

@@ -23,6 +23,7 @@ class Listener:
     def __init__(self, database: Database) -> None:
         self._database = database
         self._asleep: defaultdict[str, set[asyncio.Event]] = defaultdict(set)
+        self._leaving = False
         self._task: asyncio.Task[None] | None = None
         self._positions: tuple[float, Mapping[str, int]] = (float("-inf"), {})
         self._asking = asyncio.Lock()
@@ -37,6 +38,11 @@ class Listener:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
 
+    def leave(self) -> None:
+        """The server is about to end: whoever waits has a last look."""
+        self._leaving = True
+        self._wake_all()
+
     async def looks(self, submission: str, seconds: float) -> AsyncIterator[None]:
         """Now, after every news of the submission, and from time to time; ends after ``seconds``."""
         loop, event = asyncio.get_running_loop(), asyncio.Event()
@@ -44,7 +50,7 @@ class Listener:
         self._asleep[submission].add(event)
         try:
             yield
-            while (left := until - loop.time()) > 0:
+            while (left := until - loop.time()) > 0 and not self._leaving:
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(event.wait(), min(LOOK_AGAIN_S, left))
                 event.clear()

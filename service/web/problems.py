@@ -18,6 +18,7 @@ TITLES = {
     "bad-submission": "This cannot be graded",
     "busy": "The server cannot answer this now",
     "deadline-over": "The deadline is over",
+    "fault": "polhode failed",
     "invalid-request": "The request is not understood",
     "key-reused": "This idempotency key was used for another submission",
     "no-walls": "The server has no walls to grade behind",
@@ -47,7 +48,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _validation)
     for outage in (DBAPIError, NoConnection):
         app.add_exception_handler(outage, _outage)
-    app.add_exception_handler(Exception, _crash)
 
 
 def answer(status: int, kind: str, detail: str, errors: list[dict[str, str]] | None = None, **headers: str) -> JSONResponse:
@@ -85,11 +85,11 @@ async def _validation(request: Request, error: Exception) -> JSONResponse:
 async def _outage(request: Request, error: Exception) -> JSONResponse:
     """The database is away for a moment; whatever else the database objects to is a fault of ours."""
     if not is_outage(error):
-        log.error("fault", exc_info=error)
-        return await _crash(request, error)
+        raise error
     log.warning("the database is out: %s", type(error).__name__)
     return answer(503, "busy", "the database does not answer: try again in a moment", None, **{"Retry-After": RETRY_AFTER_S})
 
 
-async def _crash(request: Request, error: Exception) -> JSONResponse:
+def crash() -> JSONResponse:
+    """The answer to a failure of ours."""
     return answer(500, "fault", "polhode failed; the failure is ours and has been logged")

@@ -13,7 +13,7 @@ from fastapi.responses import JSONResponse, PlainTextResponse
 from exercises.assignment import Assignment, assignments
 from service.store import reading
 from service.store.accept import KeyReused, Refused, accept
-from service.store.database import Database
+from service.store.database import Database, is_outage
 from service.store.records import New, Stored
 from service.web import intake
 from service.web.problems import Problem
@@ -79,7 +79,13 @@ async def submit(
     if accepted.fresh and wait_s == 0:  # nothing more can be known yet
         told = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late) | {"report": None}
         return JSONResponse(told, 202, {"Location": location, "Retry-After": "1"})
-    stored = await _wait(request, accepted.id, wait_s)
+    try:
+        stored = await _wait(request, accepted.id, wait_s)
+    except Exception as error:
+        if not is_outage(error):
+            raise
+        told = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late) | {"report": None}
+        return JSONResponse(told, 202, {"Location": location, "Retry-After": "5"})  # it is stored, whatever happens now
     if stored.finished and wait_s > 0:
         return JSONResponse(_document(stored), 200, {"Location": location})
     return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
@@ -157,5 +163,5 @@ def _database(request: Request) -> Database:
 
 
 def _seconds(prefer: str | None) -> float:
-    wanted = re.search(r"\bwait=(\d{1,9})\b", prefer or "")
+    wanted = re.search(r'\bwait\s*=\s*"?(\d{1,300})\b', prefer or "", re.IGNORECASE)
     return min(float(wanted[1]), LONGEST_WAIT_S) if wanted else 0.0

@@ -20,6 +20,7 @@ from service.workers.slot import work
 
 log = logging.getLogger(__name__)
 SHORT_LIFE_S, LONGEST_PAUSE_S = 3.0, 5.0
+STOPS = (signal.SIGTERM, signal.SIGINT)
 SETTLE_S = 5.0  # on top of the time to drain
 
 
@@ -33,7 +34,7 @@ class Crew:
 
     def run(self) -> int:
         """Keep the crew complete until SIGTERM or SIGINT; then let it drain."""
-        for how in (signal.SIGTERM, signal.SIGINT):
+        for how in STOPS:
             signal.signal(how, self._stop)
         assignments()
         gc.freeze()  # what is imported stays shared
@@ -56,8 +57,12 @@ class Crew:
         self._stopping = True
 
     def _start(self, number: int) -> BaseProcess:
-        process = self._fork.Process(target=_work, args=(self._settings,), name=f"worker {number}")
-        process.start()
+        process = self._fork.Process(target=_work, args=(self._settings, os.getpid()), name=f"worker {number}")
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # until the new process has handlers of its own
+        try:
+            process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
         return process
 
 
@@ -80,8 +85,9 @@ class _Place:
             self.process, self._since = start(self._number), now
 
 
-def _work(settings: Settings) -> None:
-    die_with_parent()
-    for how in (signal.SIGTERM, signal.SIGINT):
+def _work(settings: Settings, crew: int) -> None:
+    die_with_parent(crew)
+    for how in STOPS:
         signal.signal(how, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
     work(settings, f"{socket.gethostname()}/{os.getpid()}")

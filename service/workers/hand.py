@@ -22,9 +22,11 @@ def start(walls: Walls) -> None:
     """Prepare this process: a sandbox behind those walls, and no life after the process that started it."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
+    if _sandbox is None:
+        atexit.register(_close)
+    _close()
     _sandbox = Sandbox(walls)
     _sandbox.start()
-    atexit.register(_sandbox.close)
     assignments()  # imported while the guest warms up
 
 
@@ -71,6 +73,11 @@ def draw_chart(kind: str, number: int) -> bytes:
         return charts.draw_stability(charts.load_stability(), number)
     document = charts.load_work_precision()
     return charts.draw_work_precision(document, charts.scenes(document)[number])
+
+
+def _close() -> None:
+    if _sandbox is not None:
+        _sandbox.close()
 
 
 def _own() -> Sandbox:

@@ -15,6 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
+from psycopg.errors import UndefinedTable
+
 from service import logs
 from service.grading.sweep import NotSwept
 from service.queue import QUEUE, new_app
@@ -29,6 +31,7 @@ from service.workers import hand
 
 log = logging.getLogger(__name__)
 BEAT_S, LOOK_S, SWEEP_EVERY, RETRY_WALLS_S = 0.5, 1.0, 30, 5.0
+GIVE_BACK_S = 3.0
 PATIENCE_S = 3600.0  # a result in hand outlives an hour without database
 MOST_S = 900.0  # far beyond every budget of a submission: a worker that has not come back by then ends itself
 
@@ -50,15 +53,32 @@ class Slot:
         """Work until told to stop by SIGTERM or SIGINT; then finish within the time to drain, or give back."""
         for how in (signal.SIGTERM, signal.SIGINT):
             asyncio.get_running_loop().add_signal_handler(how, self._stopping.set)
-        if not await self._put_up_walls():
+        if not (await self._find_tables() and await self._put_up_walls()):
             return
-        aside = [asyncio.create_task(self._look_after()), asyncio.create_task(self._take_jobs())]
-        await self._stopping.wait()
-        for task in aside:
-            task.cancel()
-        await self._drain()
-        await asyncio.wait(aside, timeout=1.0)
+        caring, taking = asyncio.create_task(self._look_after()), asyncio.create_task(self._take_jobs())
+        told = asyncio.create_task(self._stopping.wait())
+        await asyncio.wait([told, caring, taking], return_when=asyncio.FIRST_COMPLETED)
+        if not told.done():
+            log.critical("a worker that has stopped to look or to take ends itself")
+        caring.cancel()
+        await self._drain(taking)
         await self._database.close()
+
+    async def _find_tables(self) -> bool:
+        """Wait for a server to bring the tables up to date, or for the database; False if told to stop."""
+        while not self._stopping.is_set():
+            try:
+                await self._database.rows("SELECT 1 FROM worker")
+                return True
+            except Exception as error:
+                if not (is_outage(error) or isinstance(getattr(error, "orig", None), UndefinedTable)):
+                    raise
+                await self._pause(1.0)
+        return False
+
+    async def _pause(self, seconds: float) -> None:
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._stopping.wait(), seconds)
 
     async def _put_up_walls(self) -> bool:
         """Warm a guest and let it play the probe; where walls are missing, say so and try again. False if told to stop."""
@@ -72,25 +92,28 @@ class Slot:
             except (WallsMissing, Fault) as reason:
                 log.error("nothing is graded here: %s", reason)
                 await self._enrol(None, str(reason))
-                with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(self._stopping.wait(), RETRY_WALLS_S)
+                await self._pause(RETRY_WALLS_S)
         return False
 
     async def _take_jobs(self) -> None:
         """Take jobs one at a time; begin anew when the database was out."""
+        told = False  # of this outage
         while True:
             app = new_app(self._url, f"polhode queue {self.name}")
             app.task(name="grade", queue=QUEUE)(self._grade)
             app.task(name="sweep", queue=QUEUE)(self._sweep)
             try:
                 await self._database.ping()  # a pool that opens while the database is out waits for half a minute
+                told = False
                 async with app.open_async():
                     await app.run_worker_async(
                         queues=[QUEUE], name=self.name, fetch_job_polling_interval=1.0, delete_jobs="always",
                         install_signal_handlers=False, stalled_worker_timeout=3600,
                     )  # fmt: skip
             except Exception as error:
-                log.log(logging.WARNING if is_outage(error) else logging.ERROR, "taking jobs again after %r", error)
+                if not told or not is_outage(error):
+                    log.warning("taking jobs again after %s", type(error).__name__)
+                told = True
             await asyncio.sleep(0.3)
 
     async def _grade(self, attempt: str) -> None:
@@ -162,16 +185,20 @@ class Slot:
         with _bearing_outages():
             await runs.enrol(self._database, self.name, walls, refusal, hand.zygotes())
 
-    async def _drain(self) -> None:
-        """Wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""
+    async def _drain(self, taking: "asyncio.Task[None]") -> None:
+        """Take no more, wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""
+        taking.cancel()
         with _bearing_outages():
             await runs.leave(self._database, self.name)
-        if self._work is None or self._work.done():
+        await asyncio.wait([taking], timeout=self._settings.drain)  # it ends after the job that it has
+        if taking.done():
             return
-        await asyncio.wait([self._work], timeout=self._settings.drain)
-        if not self._work.done() and self._claimed is not None:
+        if self._claimed is not None:
             with _bearing_outages():
-                await runs.give_back(self._database, self._claimed, "released", "the worker was stopped")
+                await asyncio.wait_for(
+                    runs.give_back(self._database, self._claimed, "released", "the worker was stopped"), GIVE_BACK_S
+                )
+        os._exit(0)  # at once: Procrastinate would write down that the job is over
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
         """Run in the grading thread. A thread that does not come back cannot be ended but with its process."""

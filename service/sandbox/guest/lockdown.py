@@ -82,9 +82,11 @@ class Walls:
                 syscall(CLOSE_RANGE, start, end, 0)
 
 
-def die_with_parent() -> None:
-    """SIGKILL for this process when the thread that started it ends."""
+def die_with_parent(parent: int | None = None) -> None:
+    """SIGKILL for this process when the thread that started it ends; at once, if it is not ``parent`` any more."""
     call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if parent is not None and os.getppid() != parent:
+        os._exit(1)
 
 
 def step_down(user: int | None) -> None:

@@ -1,8 +1,5 @@
 """Courses, people, assignments, attempts and runs, artefacts by content, the audit trail, and Procrastinate's tables."""
 
-import hashlib
-
-import sqlalchemy as sa
 from alembic import op
 from procrastinate.schema import SchemaManager
 
@@ -20,9 +17,6 @@ def upgrade() -> None:
     run = connection.connection.driver_connection.execute  # type: ignore[union-attr]
     run(_TABLES)
     run(_MOVED)
-    for id, source in connection.execute(sa.text("SELECT id, source FROM submission")).all():
-        mark = {"id": id, "sha256": hashlib.sha256(source.encode()).hexdigest()}
-        connection.execute(sa.text("UPDATE submission SET sha256 = :sha256 WHERE id = :id"), mark)
     op.execute("DROP TABLE old_artefact, old_result, old_submission")
     run(_UNALTERED)
     run(SchemaManager.get_schema())
@@ -95,13 +89,14 @@ INSERT INTO assignment (course_id, slug) SELECT course.id, found.assignment
     FROM course, (SELECT DISTINCT assignment FROM old_submission) AS found;
 INSERT INTO submission
     (id, assignment_id, person_id, source, sha256, filename, exercises, fingerprint, idempotency_key, submitted_at)
-    SELECT old.id, assignment.id, person.id, source, '', filename,
+    SELECT old.id, assignment.id, person.id, source, encode(sha256(convert_to(source, 'UTF8')), 'hex'), filename,
            CASE WHEN exercises::text = 'null' THEN NULL ELSE exercises::jsonb END, fingerprint, idempotency_key, submitted_at
     FROM old_submission AS old JOIN assignment ON assignment.slug = old.assignment, person;
 INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at)
     SELECT gen_random_uuid(), id, 1, 'interactive', seed, 3, submitted_at FROM old_submission;
 INSERT INTO result (attempt_id, report, fault, score, max_score, version, walls, finished_at)
-    SELECT attempt.id, NULLIF(report, 'null'), fault, (report->>'score')::int, (report->>'max_score')::int, report->>'version',
+    SELECT attempt.id, NULLIF(report, 'null'), fault, (report->>'score')::numeric::int, (report->>'max_score')::numeric::int,
+           report->>'version',
            report->'provenance'->>'walls', finished_at
     FROM old_result AS old JOIN attempt ON attempt.submission_id = old.submission_id;
 INSERT INTO artefact SELECT DISTINCT ON (sha256) sha256, content FROM old_artefact;

@@ -121,3 +121,20 @@ def test_it_does_not_run_as_root(data):
 
 def test_programs_are_found():
     assert (postgres.find_programs() / "postgres").exists()
+
+
+def test_a_process_that_has_got_the_number_of_a_dead_server_is_left_alone_and_in_nobodys_way(tmp_path):
+    database = EmbeddedPostgres(tmp_path / "data")
+    database.start()
+    database.stop()
+    log = tmp_path / "data" / "postgres.log"
+    innocent = subprocess.Popen(["tail", "-f", str(log)], stdout=subprocess.DEVNULL)
+    try:
+        lines = [str(innocent.pid), str(tmp_path / "data" / "postgres"), "1700000000", "5432", str(tmp_path), "", "", "ready"]
+        (tmp_path / "data" / "postgres" / "postmaster.pid").write_text("\n".join(lines))
+        database.start()
+        assert query(database, "SELECT 1") == 1 and innocent.poll() is None
+        database.stop()
+    finally:
+        innocent.kill()
+        innocent.wait()

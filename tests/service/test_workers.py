@@ -1,13 +1,17 @@
 """Workers as real processes: one that dies, freezes or is stopped loses nothing; what it had is begun elsewhere within 5 s."""
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.error
 import urllib.request
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import psycopg
 import pytest
@@ -176,3 +180,34 @@ def test_the_queue_as_a_table(front, url):
     assert "interactive waiting" in told.stdout and any(id in told.stdout for id in ids)
     for id in ids:
         wait_for(lambda id=id: get(front.url, id)["status"] == "graded")
+
+
+def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(new_server, tmp_path, url):
+    server = new_server(tmp_path / "data", "/livez", POLHODE_DATABASE_URL=url, POLHODE_WORKERS="0")
+    stopper = threading.Timer(1.5, server.process.terminate)
+    stopper.start()
+    with ThreadPoolExecutor(2) as pool:
+        waiting = pool.submit(post, server.url, SLOW.format(60), Prefer="wait=50")
+        id = wait_for(lambda: rows(url, "SELECT id::text FROM submission WHERE source LIKE %s", "%sleep(60)%"))[0][0]
+        following = pool.submit(events, server.url, id)
+        assert waiting.result()["id"] == id and following.result()[0]["event"] in ("queued", "running")
+    assert server.process.wait(10) == 0 and "Traceback" not in server.log.read_text()
+    rows(url, "DELETE FROM procrastinate_jobs")
+
+
+def test_a_crew_ends_with_a_server_that_is_killed_in_its_first_second(new_server, tmp_path):
+    server = new_server(tmp_path / "data", "/livez")
+    mark = f"POLHODE_DATA={tmp_path / 'data'}".encode()
+    wait_for(lambda: len(_marked(mark)) > 1)
+    server.process.kill()
+    wait_for(lambda: not _marked(mark), 15)
+
+
+def _marked(mark):
+    """Our own processes (python) with that in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            if mark in path.read_bytes().split(b"\0") and b"service.cli" in (path.parent / "cmdline").read_bytes():
+                found.append(path.parent.name)
+    return found

@@ -4,6 +4,7 @@ import asyncio
 from pathlib import Path
 
 import pytest
+from sqlalchemy.exc import DBAPIError
 
 from service.store import dump
 from service.store.accept import accept
@@ -78,3 +79,39 @@ def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     dump.restore(after.url, find_programs(), tmp_path / "old.dump")
     assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(dump.check(after.url).values())
     after.stop()
+
+
+def test_a_backup_that_breaks_off_destroys_nothing_and_nobody_else_can_read_it(database_url, tmp_path):
+    run(database_url, lambda d: accept(d, new()))
+    file = tmp_path / "b.dump"
+    dump.backup(database_url, find_programs(), file)
+    assert file.stat().st_mode & 0o777 == 0o600
+    (tmp_path / "half.dump").write_bytes(file.read_bytes()[: file.stat().st_size * 2 // 3])
+    with pytest.raises(DatabaseUnavailable):
+        dump.restore(database_url, find_programs(), tmp_path / "half.dump", replace=True)
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(dump.check(database_url).values())
+    with pytest.raises(DatabaseUnavailable, match="is a folder"):
+        dump.backup(database_url, find_programs(), tmp_path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["b.dump", "half.dump"]
+
+
+def test_a_server_goes_on_after_a_restore(database_url, tmp_path):
+    """It has learnt ids that the restored database does not know."""
+    file = tmp_path / "b.dump"
+
+    async def back_in_time(database):
+        await accept(database, new("ann"))
+        await asyncio.to_thread(dump.backup, database_url, find_programs(), file)
+        await accept(database, new("ben"))
+        await asyncio.to_thread(dump.restore, database_url, find_programs(), file, replace=True)
+        for name in ("ann", "ben"):
+            for _ in range(3):  # a pooled connection may remember the tables that were there
+                try:
+                    await accept(database, new(name))
+                    break
+                except DBAPIError:
+                    continue
+
+    run(database_url, back_in_time)
+    assert sql(database_url, "SELECT name FROM person WHERE name IN ('ann', 'ben') ORDER BY name") == [("ann",), ("ben",)]
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(3,)]

@@ -9,8 +9,8 @@ from sqlalchemy import text
 
 from service.grading.report import Provenance, Report
 from service.store import reading, rescue, runs
-from service.store.accept import accept, add_attempt
-from service.store.queueing import grade_again
+from service.store.accept import Refused, accept, add_attempt
+from service.store.queueing import grade_again, look
 from tests.stored import new, run, sql
 
 
@@ -189,3 +189,59 @@ def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_ur
 
     assert run(database_url, at_once)
     assert sql(database_url, "SELECT priority FROM procrastinate_jobs ORDER BY id DESC LIMIT 1") == [(2000,)]
+
+
+def place(url, attempt):
+    """Which place in the queue an attempt has."""
+    return int(run(url, reading.positions)[str(attempt)])
+
+
+def test_what_was_begun_and_lost_or_given_back_does_not_wait_again(database_url, attempt):
+    async def others(database):
+        for k in range(20):
+            await accept(database, new(f"p{k}"))
+
+    take_jobs(database_url)
+    claimed = claim(database_url, attempt[0])
+    run(database_url, others)
+    fall_silent(database_url)
+    run(database_url, rescue.rescue)
+    assert place(database_url, attempt[0]) == 1
+    again = claim(database_url, attempt[0], "w2")
+    run(database_url, lambda d: runs.give_back(d, again, "released", "stopped"))
+    assert place(database_url, attempt[0]) == 1
+    assert finish(database_url, claimed)
+
+
+def test_a_run_whose_job_is_gone_is_lost_too(database_url, attempt):
+    claim(database_url, attempt[0])
+    sql(database_url, "DELETE FROM procrastinate_jobs")
+    assert run(database_url, rescue.rescue) == []
+    fall_silent(database_url)
+    assert run(database_url, rescue.rescue) == [attempt[0]] and run(database_url, rescue.rescue) == []
+
+
+def test_a_worker_that_was_only_cut_off_for_a_while_is_not_counted(database_url, attempt):
+    claimed = claim(database_url, attempt[0])
+    for _ in range(4):
+        fall_silent(database_url)
+        run(database_url, rescue.rescue)
+        run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 2))
+    assert endings(database_url) == [None]
+    assert claim(database_url, attempt[0]) is not None  # no fault
+
+
+def test_two_regrades_at_once_are_one_and_do_not_hold_up_who_submits(database_url, attempt):
+    finish(database_url, claim(database_url, attempt[0]))
+    counts = run(database_url, lambda d: asyncio.gather(*(grade_again(d, [attempt[1]], "x") for _ in range(4))))
+    assert sorted(counts) == [0, 0, 0, 1]
+
+
+def test_a_regrade_that_fails_gives_no_submission_back(database_url, attempt):
+    sql(database_url, "UPDATE assignment SET most_submissions = 1")
+    finish(database_url, claim(database_url, attempt[0]))
+    run(database_url, lambda d: grade_again(d, "all", "x"))
+    sql(database_url, "INSERT INTO result (attempt_id, fault) SELECT id, 'ours' FROM attempt WHERE number = 2")
+    with pytest.raises(Refused):
+        run(database_url, lambda d: accept(d, new()))
+    assert run(database_url, look).faults == []  # the first report is still shown

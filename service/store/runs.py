@@ -115,19 +115,6 @@ async def give_back(database: Database, claimed: Claim, ending: str, note: str) 
             await _tell(connection, claimed.submission_id)
 
 
-async def enrol(database: Database, worker: str, walls: str | None, refusal: str | None, zygotes: int = 0) -> None:
-    """Tell that a worker is there and what it grades behind, or why it cannot grade."""
-    values = {"name": worker, "walls": walls, "refusal": refusal, "zygotes": zygotes}
-    async with database.begin() as connection:
-        await connection.execute(_ENROL, values)
-
-
-async def leave(database: Database, worker: str) -> None:
-    """Tell that a worker is not there any more."""
-    async with database.begin() as connection:
-        await connection.execute(text("DELETE FROM worker WHERE name = :name"), {"name": worker})
-
-
 async def tell(database: Database, submission_id: UUID) -> None:
     """Wake whoever follows that submission, on any server."""
     async with database.begin() as connection:
@@ -179,8 +166,3 @@ _END = text("UPDATE run SET ended_at = now(), ending = :ending, note = NULL WHER
 _END_IF_OPEN = text("UPDATE run SET ended_at = now(), ending = :ending, note = :note WHERE id = :run AND ended_at IS NULL")
 
 _DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :attempt AND task_name = 'grade'")
-
-_ENROL = text("""
-INSERT INTO worker (name, walls, refusal, zygotes) VALUES (:name, :walls, :refusal, :zygotes)
-ON CONFLICT (name) DO UPDATE SET walls = :walls, refusal = :refusal, zygotes = :zygotes, seen_at = now()
-""")

@@ -24,7 +24,7 @@ from service.sandbox.choose import WallsMissing, choose
 from service.sandbox.seen import Fault
 from service.sandbox.wire import text
 from service.settings import Settings
-from service.store import rescue, runs
+from service.store import enrolment, rescue, runs
 from service.store.database import Database, is_outage, patiently
 from service.store.reading import keep
 from service.workers import hand
@@ -183,13 +183,13 @@ class Slot:
 
     async def _enrol(self, walls: str | None, refusal: str | None) -> None:
         with _bearing_outages():
-            await runs.enrol(self._database, self.name, walls, refusal, hand.zygotes())
+            await enrolment.enrol(self._database, self.name, walls, refusal, hand.zygotes())
 
     async def _drain(self, taking: "asyncio.Task[None]") -> None:
         """Take no more, wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""
         taking.cancel()
         with _bearing_outages():
-            await runs.leave(self._database, self.name)
+            await enrolment.leave(self._database, self.name)
         await asyncio.wait([taking], timeout=self._settings.drain)  # it ends after the job that it has
         if taking.done():
             return

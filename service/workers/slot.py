@@ -10,7 +10,7 @@ import logging
 import os
 import signal
 import uuid
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
@@ -45,7 +45,6 @@ class Slot:
         self._database = Database(self._url, f"polhode worker {name}", connections=3)
         self._thread = ThreadPoolExecutor(1)
         self._stopping = asyncio.Event()
-        self._work: asyncio.Task[None] | None = None
         self._claimed: runs.Claim | None = None
         self._progress = ("starting", 0, 0)
 
@@ -118,19 +117,9 @@ class Slot:
 
     async def _grade(self, attempt: str) -> None:
         """The job of an attempt."""
-        await self._alone(self._attempt(uuid.UUID(attempt)))
-
-    async def _sweep(self, attempt: str) -> None:
-        """The job of a sweep that somebody looks for."""
-        await self._alone(self._swept(uuid.UUID(attempt)))
-
-    async def _alone(self, work: Awaitable[None]) -> None:
-        self._work = asyncio.ensure_future(work)
-        await asyncio.shield(self._work)
-
-    async def _attempt(self, attempt: uuid.UUID) -> None:
-        logs.attempt_id.set(str(attempt))
-        claimed = await patiently(partial(runs.claim, self._database, attempt, uuid.uuid4(), self.name), PATIENCE_S)
+        logs.attempt_id.set(attempt)
+        claim = partial(runs.claim, self._database, uuid.UUID(attempt), uuid.uuid4(), self.name)
+        claimed = await patiently(claim, PATIENCE_S)
         if claimed is None:
             return
         self._claimed, self._progress = claimed, ("starting", 0, 0)
@@ -149,14 +138,15 @@ class Slot:
             beats.cancel()
             self._claimed = None
 
-    async def _swept(self, attempt: uuid.UUID) -> None:
-        asked = await patiently(partial(runs.question, self._database, attempt), PATIENCE_S)
+    async def _sweep(self, attempt: str) -> None:
+        """The job of a sweep that somebody looks for."""
+        asked = await patiently(partial(runs.question, self._database, uuid.UUID(attempt)), PATIENCE_S)
         try:
             document, chart = await self._call(hand.sweep_one, asked.submission, asked.assignment)
             artefacts = {"sweep.json": document.encode(), "sweep.svg": chart}
         except NotSwept as reason:
             artefacts = {"sweep.refused": str(reason).encode()}
-        await patiently(partial(keep, self._database, attempt, artefacts), PATIENCE_S)
+        await patiently(partial(keep, self._database, asked.attempt, artefacts), PATIENCE_S)
         await patiently(partial(runs.tell, self._database, asked.submission_id), PATIENCE_S)
 
     def _tell(self, phase: str, scene: int, scenes: int) -> None:

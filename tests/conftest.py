@@ -8,10 +8,8 @@ import subprocess
 import sys
 import time
 import urllib.request
-import uuid
 from pathlib import Path
 
-import psycopg
 import pytest
 
 from exercises.assignment import assignments
@@ -20,6 +18,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.tier_b import tier_b
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres
+from tests.stored import new_database
 
 
 @pytest.fixture(scope="session")
@@ -105,23 +104,16 @@ def postgres(tmp_path_factory):
     running.stop()
 
 
-def _new_database(postgres, template):
-    name = f"t{uuid.uuid4().hex}"
-    with psycopg.connect(postgres.url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
-        connection.execute(f"CREATE DATABASE {name} TEMPLATE {template}")
-    return postgres.url.replace("/polhode?", f"/{name}?")
-
-
 @pytest.fixture
 def database_url(postgres):
     """A new database with this version's tables."""
-    return _new_database(postgres, "polhode")
+    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture
 def empty_url(postgres):
     """A new database with nothing in it."""
-    return _new_database(postgres, "template1")
+    return new_database(postgres.url, "template1")
 
 
 @pytest.fixture(scope="session")

@@ -34,3 +34,11 @@ def sql(url, statement, *values):
     with psycopg.connect(url, autocommit=True) as connection:
         cursor = connection.execute(statement, values)
         return cursor.fetchall() if cursor.description else []
+
+
+def new_database(url, template):
+    """The address of a new database beside that of ``url``."""
+    name = f"t{uuid.uuid4().hex}"
+    with psycopg.connect(url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
+        connection.execute(f"CREATE DATABASE {name} TEMPLATE {template}")
+    return url.replace("/polhode?", f"/{name}?")

@@ -16,6 +16,8 @@ from pathlib import Path
 import psycopg
 import pytest
 
+from tests.stored import new_database
+
 TAKEOVER_S = 5.0
 SLOW = "import time\ntime.sleep({})\ndef euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 
@@ -59,7 +61,7 @@ def running(database_url, id, but=()):
 
 @pytest.fixture(scope="module")
 def url(postgres):
-    return postgres.url
+    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,6 @@ import json
 import os
 import platform
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -28,6 +27,7 @@ import numpy as np
 import psycopg
 
 from exercises.assignment import assignments
+from service.demo import free_port
 from service.plan import MEASURED, Arrivals, Deadline, begin, draw, summary, table
 from service.store.postgres import running_url
 
@@ -87,11 +87,8 @@ def main() -> int:
 @contextmanager
 def server(workers: int) -> Iterator[tuple[str, str]]:
     """A server with that many warm workers: its address and its database's; stopped at the end, whatever happens."""
-    with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder, socket.socket() as probe:
-        data, log = Path(folder) / "polhode", Path(folder) / "log"
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-        probe.close()
+    with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder:
+        data, log, port = Path(folder) / "polhode", Path(folder) / "log", free_port()
         environment = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"}
         environment |= {"POLHODE_DATA": str(data), "POLHODE_WORKERS": str(workers), "POLHODE_PERSON_HEADER": "Remote-User"}
         environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}

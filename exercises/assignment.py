@@ -6,17 +6,15 @@ import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import exercises
-from exercises.checks import Arrays, Check
-from exercises.outcome import Diagnosis, Swept
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
+from ecp.checks import Arrays, Check
+from ecp.exercise import Exercise
+from ecp.outcome import Diagnosis, Swept
 
 Inputs = Mapping[str, Any]
 Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
@@ -89,49 +87,6 @@ class Sweep:
 
 
 @dataclass(frozen=True)
-class Figure:
-    """A picture drawn on demand: ``draw(canvas, seen, truth)`` gets one mapping of arrays per scene."""
-
-    name: str
-    title: str
-    alt: str
-    scenes: tuple[str, ...]
-    draw: Callable[["Canvas", list[Arrays], list[Arrays]], None]
-
-
-@dataclass(frozen=True)
-class Animation:
-    """A student's animation, kept as a contact sheet of the frames (n, h, w, 3) that ``scene`` brought back."""
-
-    name: str
-    title: str
-    alt: str
-    scene: str
-    array: str = "frames"
-
-
-@dataclass(frozen=True)
-class Exercise:
-    """A numbered section. A submission that defines any of its ``functions``, or of those it can do without, has attempted it.
-
-    A check of a function in ``optional`` is left out where that function is not defined.
-    """
-
-    number: str
-    title: str
-    functions: tuple[str, ...]
-    checks: tuple[Check, ...]
-    figures: tuple[Figure, ...] = ()
-    animations: tuple[Animation, ...] = ()
-    optional: tuple[str, ...] = ()
-
-    def scenes(self) -> set[str]:
-        """Names of the scenes its checks, figures and animations read."""
-        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in self.animations]
-        return {s for c in self.checks for s in c.scenes} | set(shown)
-
-
-@dataclass(frozen=True)
 class Assignment:
     """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall."""
 
@@ -165,7 +120,7 @@ class Assignment:
 
     def functions(self) -> set[str]:
         """Every name a student may define to be played."""
-        return {s.function for s in self.scenes} | {f for e in self.exercises for f in (*e.functions, *e.optional)}
+        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.asks_for()}
 
     def _errors(self) -> list[str]:
         names = [s.name for s in self.scenes]

@@ -1,14 +1,16 @@
 """Grading files without a server: the same core, the same walls."""
 
+import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from ecp.document import document
+from ecp.outcome import Swept
+from ecp.report import Report
 from exercises.assignment import Assignment
-from exercises.outcome import Swept
 from service import charts
 from service.grading import pictures
 from service.grading.grade import Graded, grade, select
-from service.grading.report import Report
 from service.grading.submission import BadSubmission, Submission
 from service.grading.sweep import NotSwept, sweep
 from service.sandbox.choose import choose
@@ -64,7 +66,7 @@ def _write(graded: Graded, assignment: Assignment, folder: Path) -> None:
     """report.txt, report.json, every figure as SVG and every contact sheet as PNG."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "report.txt").write_text(graded.report.text())
-    (folder / "report.json").write_text(graded.report.model_dump_json(indent=1))
+    (folder / "report.json").write_text(json.dumps(document(graded.report), ensure_ascii=False, indent=1))
     for name, content in pictures.pack(graded).items():
         if name.endswith(".png"):
             (folder / Path(name).name).write_bytes(content)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.outcome import SweptPoint
+from ecp.outcome import SweptPoint
 from service.grading.grade import versions
 
 MEASURED = Path(__file__).parent / "measured"

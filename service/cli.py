@@ -1,4 +1,4 @@
-"""The command line: serve, worker, grade, chart, mutants, db, queue, regrade, assign, plan, doctor, assignments.
+"""The command line, one subcommand a file in service/commands, but for those that need no database.
 
 Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure; of mutants: 0 where we accept what is right and nothing else.
 """
@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from exercises.assignment import assignments
-from service.commands import database, plan, queue
+from service.commands import database, people, plan, queue
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -50,7 +50,7 @@ def main(argv: list[str] | None = None) -> int:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
-    for more in (database, queue, plan):
+    for more in (database, queue, plan, people):
         more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
@@ -143,6 +143,7 @@ def _assignments(arguments: argparse.Namespace) -> int:
 
 
 def _grade(arguments: argparse.Namespace) -> int:
+    from ecp.document import document
     from service.batch import grade_files
     from service.grading.grade import UnknownExercise
     from service.grading.submission import BadSubmission
@@ -159,7 +160,7 @@ def _grade(arguments: argparse.Namespace) -> int:
                 reports.append({"file": str(file), "report": None, "error": str(result)})
                 print(f"polhode: {file}: {result}", file=sys.stderr)
                 continue
-            reports.append({"file": str(file), "report": json.loads(result.model_dump_json())})
+            reports.append({"file": str(file), "report": document(result)})
             if not arguments.json:
                 print(f"== {file}\n{result.text()}", flush=True)
     except (UnknownExercise, WallsMissing, Fault, OSError) as error:

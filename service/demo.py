@@ -27,7 +27,7 @@ def main() -> int:
     once = parser.parse_args().once
     for stop in (signal.SIGINT, signal.SIGTERM):  # also where a shell started us with interrupts ignored
         signal.signal(stop, signal.default_int_handler)
-    began, address = time.monotonic(), f"http://127.0.0.1:{(port := _free_port())}"
+    began, address = time.monotonic(), f"http://127.0.0.1:{(port := free_port())}"
     environment = os.environ | {"POLHODE_DATA": os.environ.get("POLHODE_DATA", ".demo")}
     server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)
     try:
@@ -37,6 +37,7 @@ def main() -> int:
         wrong = _grade_all(address)
         print(f"\n{_summary(wrong)} ({time.monotonic() - began:.1f} s)")
         if not once:
+            print(f"The notebook for students is at {address}/v1/assignments/{SLUG}/notebook.ipynb")
             print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop it.", flush=True)
             server.wait()
         return 1 if wrong else 0
@@ -103,7 +104,8 @@ def _wait_ready(server: subprocess.Popen[bytes], address: str) -> bool:
     return False
 
 
-def _free_port() -> int:
+def free_port() -> int:
+    """A port of loopback that nobody listens on."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ecp.judge import Verdict
+from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.mutation import Mutant
-from service.grading.report import Report
 from service.grading.submission import Submission
 from service.sandbox.choose import choose
 from service.settings import Settings

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, field_validator
+from pydantic import AliasChoices, Field, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
@@ -22,8 +22,35 @@ class Settings(BaseSettings):
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Submissions graded at the same time; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker gives what it is grading, before it is queued again.")
     postgres: Path | None = Field(None, description="Folder of PostgreSQL's programs, instead of the wheel's or the system's.")
+    identity: Literal["local", "token"] = Field("local", description="Whether everybody is one local student, or brings a token.")
     person_header: str | None = Field(None, description="Header in which a proxy in front tells who submits.")
+    token_days: float = Field(200.0, gt=0, description="Days a token is good that a notebook got by ecp.login().")
+    hub_api_url: str | None = Field(
+        None,
+        validation_alias=AliasChoices("POLHODE_HUB_API_URL", "JUPYTERHUB_API_URL"),
+        description="The API of a JupyterHub whose users' tokens are accepted.",
+    )
+    hub_service: str = Field("polhode", description="The name this server has as a service of that hub.")
+    origins: str = Field("", description="Sites whose pages may call the server, with commas between.")
+    public_url: str | None = Field(None, description="The address students use, where a proxy changes it.")
     log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Log lines from this level on.")
+
+    @field_validator("origins")
+    @classmethod
+    def _origins(cls, told: str) -> str:
+        origins = [origin.strip().rstrip("/") for origin in told.split(",") if origin.strip()]
+        if wrong := [o for o in origins if not o.startswith(("http://", "https://")) or o.count("/") != 2]:
+            raise ValueError(f"{wrong[0]} is no origin such as https://lite.example")
+        return ",".join(origins)
+
+    @model_validator(mode="after")
+    def _hub_needs_tokens(self) -> "Settings":
+        """A server inside a hub inherits its address; only one that asks for tokens may mean it."""
+        if self.identity == "local" and self.hub_api_url is not None:
+            if os.environ.get("POLHODE_HUB_API_URL"):
+                raise ValueError("POLHODE_HUB_API_URL needs POLHODE_IDENTITY=token: else everybody is one local student")
+            self.hub_api_url = None
+        return self
 
     @field_validator("database_url")
     @classmethod
@@ -34,3 +61,7 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address the server listens on.")
     port: int = Field(8000, ge=0, le=65535, description="Port the server listens on.")
+
+    def allowed_origins(self) -> list[str]:
+        """``origins`` one by one."""
+        return [origin for origin in self.origins.split(",") if origin]

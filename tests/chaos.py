@@ -30,7 +30,7 @@ import psycopg
 
 from service.store.dump import check
 from service.store.postgres import running_url
-from tests.machines import Machine, Relay
+from tests.machines import Machine, Relay, children, command_of, started_with
 
 ROOT = Path(__file__).parents[1]
 RIGHT = (ROOT / "exercises/rigid_body/specimens/right_terms.py").read_text()
@@ -92,7 +92,7 @@ class Chaos:
         self.server.terminate()
         self.server.wait(60)
         self._log.close()
-        self.left = _of(self.data)
+        self.left = started_with(f"POLHODE_DATA={self.data}")
 
     def _harm(self) -> None:
         action = self.draw.choices(list(ACTIONS), list(ACTIONS.values()))[0]
@@ -289,23 +289,6 @@ def lost(told: dict[str, object]) -> list[str]:
     return [f"{name}: {told[name]}" for name in must if told.get(name)]
 
 
-def _of(data: Path) -> list[int]:
-    """Processes that were started for that folder and still run."""
-    mark, found = f"POLHODE_DATA={data}".encode(), []
-    for path in Path("/proc").glob("[0-9]*/environ"):
-        with contextlib.suppress(OSError):
-            if mark in path.read_bytes().split(b"\0"):
-                found.append(int(path.parent.name))
-    return found
-
-
-def _children(pid: int) -> list[int]:
-    try:
-        return [int(p) for p in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-    except OSError:
-        return []
-
-
 def _grandchildren(pid: int) -> list[int]:
     """Workers of a server: its crew was started by another thread than the first."""
     crews = []
@@ -314,14 +297,7 @@ def _grandchildren(pid: int) -> list[int]:
             crews += [int(p) for p in task.read_text().split()]
         except OSError:
             continue
-    return [w for crew in crews if b"--with-parent" in _command(crew) for w in _children(crew)]
-
-
-def _command(pid: int) -> bytes:
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes()
-    except OSError:
-        return b""
+    return [w for crew in crews if b"--with-parent" in command_of(crew) for w in children(crew)]
 
 
 def _thaw(pid: int) -> None:

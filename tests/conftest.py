@@ -1,23 +1,27 @@
 """Shared fixtures: a sandbox behind real walls, and one real server for the tests that talk HTTP."""
 
+import io
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from exercises.assignment import assignments
+from exercises.wheel import wheel
+from service.demo import free_port
 from service.sandbox.choose import choose
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.tier_b import tier_b
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres
+from tests.hub import Hub
 from tests.stored import new_database
 
 
@@ -50,10 +54,8 @@ def either_sandbox(request, sandbox):
 class Server:
     """``polhode serve`` as its own process on a free loopback port."""
 
-    def __init__(self, data: Path, **environment: str) -> None:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+    def __init__(self, data: Path, *, port: int | None = None, **environment: str) -> None:
+        self.port = port or free_port()
         self.url = f"http://127.0.0.1:{self.port}"
         self.log = data.parent / f"serve-{self.port}.log"
         with self.log.open("wb") as log:
@@ -85,8 +87,8 @@ def new_server():
     """Start servers on any data folder; all of them are stopped at the end."""
     servers = []
 
-    def start(data: Path, path: str = "/readyz", **environment: str) -> Server:
-        servers.append(Server(data, **environment))
+    def start(data: Path, path: str = "/readyz", port: int | None = None, **environment: str) -> Server:
+        servers.append(Server(data, port=port, **environment))
         return servers[-1].wait_ready(path)
 
     yield start
@@ -123,3 +125,20 @@ def server(tmp_path_factory, new_server):
     yield started
     started.stop()  # before its folder goes: with the number of its database in there it could not end that
     shutil.rmtree(data, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def kit(tmp_path_factory):
+    """The folder that holds the students' kit as its wheel installs it."""
+    folder = tmp_path_factory.mktemp("kit")
+    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
+        archive.extractall(folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def hub(tmp_path_factory):
+    """A JupyterHub whose kernels' tokens may come to us."""
+    started = Hub(tmp_path_factory.mktemp("hub"))
+    yield started
+    started.stop()

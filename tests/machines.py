@@ -31,6 +31,32 @@ def ip(*words):
     subprocess.run(["ip", *words], check=True, capture_output=True)
 
 
+def children(pid):
+    """Numbers of the processes that the first thread of a process has started; none once it is gone."""
+    try:
+        return [int(p) for p in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def command_of(pid):
+    """The command line of a process, as bytes; empty once it is gone."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+def started_with(variable):
+    """Numbers of the processes of ours that run and have this in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            if variable.encode() in path.read_bytes().split(b"\0"):
+                found.append(int(path.parent.name))
+    return found
+
+
 class Machine:
     """Where a crew runs."""
 
@@ -57,10 +83,7 @@ class Machine:
 
     def workers(self):
         """The numbers of its worker processes; ``ip netns exec`` becomes the command itself."""
-        try:
-            return [int(p) for p in Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()]
-        except OSError:
-            return []
+        return children(self.process.pid)
 
     def cut(self):
         if NAMESPACES:

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from exercises import checks
+from ecp import checks
 from exercises.specimens import specimens
 from service.settings import Settings
-from service.web import app, intake, pages, problems
+from service.web import app, intake, problems
 
 ROOT = Path(__file__).parents[1]
 
@@ -23,7 +23,7 @@ def sources(*folders):
 
 def test_every_route_is_documented():
     told = doc("docs/http.md")
-    paths = [r.path for router in (*app.ROUTERS, pages.router) for r in router.routes]
+    paths = [r.path for router in (*app.ROUTERS, *app.PAGES) for r in router.routes]
     assert len(paths) > 10
     for path in paths:
         assert f"`{path}`" in told or f" {path}`" in told or path == "/", path

@@ -5,7 +5,7 @@ from pathlib import Path
 from exercises.assignment import Assignment
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.scenes import SCENES
-from exercises.rigid_body.sections import EXERCISES
+from exercises.rigid_body.secret import EXERCISES
 from exercises.rigid_body.sweep import SWEEP
 
 ASSIGNMENT = Assignment(

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import reference
+from ecp.checks import Arrays
 from exercises.assignment import Ask, Drive, Inputs
-from exercises.checks import Arrays
 
 Array = NDArray[np.float64]
 

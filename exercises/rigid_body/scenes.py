@@ -1,28 +1,24 @@
 """The scenes of notebook 2.6: which function is called with which numbers, what comes back, and the exact answer."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
 from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.drive import DRIVE
+from exercises.rigid_body.public.setting import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
 
 Array = NDArray[np.float64]
 
-BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
 BOOK = reference.box_moments(*BOX)
-SPIN = 6.0  # rad/s about each axis of the book in turn
-SPIN_TIME = 2.5  # s
-NUDGE = 0.02  # both other components, as a fraction of the spin
 PROBES, REPEATS, RETIMED, NODES = 32, 8, 8, 10  # at random; of these once more; at another time; along each exact motion
 SENSED = 60  # times at which a motion's sensitivity is summed up
-BODY = (2.0, 3.0, 4.0)  # moments of exercises 2 and 3
-TORQUE_FREE = (1.0, 0.6, 0.8)  # and their spin: T = 2.82 J, |L| = 4.180909 kg m²/s
-SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
 
 
 def _same_energy(*direction: float) -> tuple[float, ...]:
@@ -34,6 +30,12 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
 def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
     return _motion(name, inputs, n, orientation)
+
+
+def _spin(name: str, axis: int) -> Scene:
+    """The book spun about one axis; the truth also holds how far the spin leaves it."""
+    spin = _trajectory(name, spun(axis), BOOK, SPIN_TIME, 1500, orientation=True)
+    return replace(spin, truth=lambda inputs: {**_exact_motion(inputs), "growth": np.array(_largest_growth(axis))})
 
 
 def _motion(name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs], n: int, orientation: bool) -> Scene:
@@ -112,6 +114,18 @@ def spun(axis: int) -> tuple[float, ...]:
     return tuple(SPIN if i == axis else NUDGE * SPIN for i in range(3))
 
 
+def _largest_growth(axis: int) -> float:
+    """The largest transverse |ω| over the spin about ``axis``, over all times and not only at samples."""
+    exact, times = reference.Exact(spun(axis), BOOK), np.linspace(0.0, SPIN_TIME, 400)
+
+    def transverse(t: float) -> float:
+        return reference.transverse_growth(exact.omega([t]), axis, SPIN)
+
+    at, step = times[np.argmax([transverse(t) for t in times])], times[1]
+    most = minimize_scalar(lambda t: -transverse(t), bounds=(at - step, at + step), method="bounded", options={"xatol": 1e-9})
+    return float(-most.fun)
+
+
 def _given_precession(rng: np.random.Generator) -> Inputs:
     return _precessing(rng, rng.uniform(1.1, 1.9))
 
@@ -158,9 +172,9 @@ TRAJECTORIES = (
     _trajectory("polhode-3", _same_energy(0.2, 0.3, 1.1), BODY, 20.0, 1000),
     _trajectory("polhode-1", _same_energy(1.1, 0.3, 0.2), BODY, 20.0, 1000),
     _trajectory("symmetric", (0.4, 0.0, 3.0), SYMMETRIC, 8.0, 800),
-    _trajectory("spin-min", spun(0), BOOK, SPIN_TIME, 1500, orientation=True),
-    _trajectory("spin-mid", spun(1), BOOK, SPIN_TIME, 1500, orientation=True),
-    _trajectory("spin-max", spun(2), BOOK, SPIN_TIME, 1500, orientation=True),
+    _spin("spin-min", 0),
+    _spin("spin-mid", 1),
+    _spin("spin-max", 2),
     _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
 )
 ASKED = PROBES + REPEATS + RETIMED + NODES * len(TRAJECTORIES)

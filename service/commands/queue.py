@@ -1,20 +1,17 @@
 """polhode queue, regrade and assign: look at the work, ask for it again, set its rules."""
 
 import argparse
-import asyncio
 import getpass
 import sys
 import time
-from collections.abc import Awaitable, Callable
 from datetime import datetime
 from typing import TYPE_CHECKING, TypeVar
 from uuid import UUID
 
-from service.commands.reach import database_url, telling_why
+from service.commands.reach import database_url, do, telling_why
 from service.settings import Settings
 
 if TYPE_CHECKING:
-    from service.store.database import Database
     from service.store.queueing import Queue
 
 T = TypeVar("T")
@@ -47,7 +44,7 @@ def _queue(arguments: argparse.Namespace) -> int:
     with database_url(Settings()) as url:
         try:
             while True:
-                print(("\x1b[2J\x1b[H" if live else "") + show(_do(url, look)), flush=True)
+                print(("\x1b[2J\x1b[H" if live else "") + show(do(url, look)), flush=True)
                 if not live:
                     return 0
                 time.sleep(EVERY_S)
@@ -79,7 +76,7 @@ def _regrade(arguments: argparse.Namespace) -> int:
         print("polhode: which ones? Give either ids, --faults or --all", file=sys.stderr)
         return 2
     with database_url(Settings()) as url:
-        count = _do(url, lambda database: grade_again(database, which, getpass.getuser()))
+        count = do(url, lambda database: grade_again(database, which, getpass.getuser()))
     print(f"queued again: {count}")
     if arguments.ids and count < len(set(arguments.ids)):
         print("polhode: the others do not exist or are being graded", file=sys.stderr)
@@ -93,7 +90,7 @@ def _assign(arguments: argparse.Namespace) -> int:
 
     with database_url(Settings()) as url:
         rules = Rules(arguments.due, arguments.grace, arguments.most)
-        known = _do(url, lambda database: set_rules(database, arguments.slug, rules, getpass.getuser()))
+        known = do(url, lambda database: set_rules(database, arguments.slug, rules, getpass.getuser()))
     if not known:
         print(f"polhode: the database has no assignment {arguments.slug}", file=sys.stderr)
         return 2
@@ -124,16 +121,3 @@ def _count(text: str) -> int:
     if not 1 <= (count := int(text)) <= 10**6:
         raise argparse.ArgumentTypeError("between 1 and 1000000")
     return count
-
-
-def _do(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
-    from service.store.database import Database
-
-    async def once() -> T:
-        database = Database(url, "polhode command", connections=1)
-        try:
-            return await action(database)
-        finally:
-            await database.close()
-
-    return asyncio.run(once())

@@ -3,14 +3,19 @@
 What talks to a database is imported when a command needs it, so that ``polhode grade`` starts without.
 """
 
+import asyncio
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
-from typing import ParamSpec
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 from service.settings import Settings
 
+if TYPE_CHECKING:
+    from service.store.database import Database
+
 P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @contextmanager
@@ -53,3 +58,17 @@ def telling_why(command: Callable[P, int]) -> Callable[P, int]:
         return 2
 
     return wrapped
+
+
+def do(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
+    """What ``action`` makes of the database behind ``url``."""
+    from service.store.database import Database
+
+    async def once() -> T:
+        database = Database(url, "polhode command", connections=1)
+        try:
+            return await action(database)
+        finally:
+            await database.close()
+
+    return asyncio.run(once())

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from ecp.checks import Arrays
+from ecp.outcome import Ending, SceneEnding
 from exercises.assignment import Ask, Assignment, Inputs, Scene
-from exercises.checks import Arrays
 from service.sandbox.job import Job, Played
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Ending, SceneEnding, Seen
+from service.sandbox.seen import Seen
 
 DRIVE_S = 20.0
 TRIES = 2

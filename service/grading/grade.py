@@ -10,16 +10,17 @@ from importlib import metadata
 
 import numpy as np
 
+from ecp.checks import Arrays, Check
+from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
-from exercises.assignment import Assignment, Exercise, Inputs, Scene
-from exercises.checks import Arrays, Check
-from exercises.outcome import Diagnosis, Outcome
+from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
+from ecp.report import ExerciseReport, Provenance, Report, pictures
+from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import Attempt, CrossCheck, cross_check
-from service.grading.report import ExerciseReport, Picture, Provenance, Report
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Played
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Ending, SceneEnding, Seen
+from service.sandbox.seen import Seen
 
 log = logging.getLogger(__name__)
 Tell = Callable[[str, int, int], None]
@@ -66,11 +67,11 @@ def grade(
     attempt = Attempt(job, inputs, truths, seen)
     crossed = cross_check(assignment, attempt, sandbox, seed)
     _add_what_is_known(assignment, seen, truths)
-    attempted = [e for e in asked if numbers is not None or seen.defined & {*e.functions, *e.optional}] or asked
-    sections = [_judge(e, assignment, attempt, crossed) for e in attempted]
-    told = _with_precursors(assignment, {s for e in attempted for s in e.scenes()})
+    covered = asked if numbers is not None else attempted(asked, seen.defined)
+    sections = [_judge(e, assignment, attempt, crossed) for e in covered]
+    told = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
-    figures, animations = _pictures(attempted, shown)
+    figures, animations = pictures(covered, shown)
     report = Report(
         assignment=assignment.slug,
         version=assignment.version,
@@ -81,7 +82,7 @@ def grade(
         stdout=seen.stdout,
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
     )
-    return Graded(report, attempted, shown)
+    return Graded(report, covered, shown)
 
 
 def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exercise]:
@@ -109,7 +110,7 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """The question for the far side of the wall: the submission's cells and these scenes."""
     played = tuple(Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after) for s in scenes)
-    setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
+    setup, plays = ((assignment.folder / name).read_text(encoding="utf-8") for name in ("setup.py", "plays.py"))
     return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), played)
 
 
@@ -135,22 +136,10 @@ def _add_what_is_known(assignment: Assignment, seen: Seen, truths: Mapping[str, 
         arrays |= {known: truths[name][known] for known in assignment.scene(name).known}
 
 
-def _pictures(attempted: list[Exercise], shown: Mapping[str, Arrays]) -> tuple[list[Picture], list[Picture]]:
-    """Figures and animations whose scenes brought something to show."""
-    figures = [(e, f) for e in attempted for f in e.figures if set(f.scenes) <= set(shown)]
-    animations = [(e, a) for e in attempted for a in e.animations if a.scene in shown]
-    return (
-        [Picture(name=f.name, exercise=e.number, title=f.title, alt=f.alt) for e, f in figures],
-        [Picture(name=a.name, exercise=e.number, title=a.title, alt=a.alt) for e, a in animations],
-    )
-
-
 def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed: CrossCheck) -> ExerciseReport:
     outcomes, seen = [], attempt.seen
-    for check in exercise.checks:
+    for check in exercise.made(seen.defined, lambda scene: assignment.scene(scene).function):
         scenes = [assignment.scene(name) for name in check.scenes]
-        if any(s.function in exercise.optional and s.function not in seen.defined for s in scenes):
-            continue
         outcome = _outcome(check, scenes, seen, attempt.truths)
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
             if outcome.verdict is Verdict.PASS:
@@ -172,11 +161,7 @@ def _outcome(check: Check, scenes: list[Scene], seen: Seen, truths: Mapping[str,
     for scene in scenes:
         if not seen.finished(scene.name):
             return check.unmeasured(_cause(scene, seen))
-    try:
-        return check.judge([seen.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
-    except (ArithmeticError, LookupError, TypeError, ValueError, np.linalg.LinAlgError) as error:
-        # The arrays have the right shape and are finite, but their size is beyond arithmetic: that says nothing either way.
-        return check.unmeasured(f"the numbers that came back are beyond what can be judged ({error})")
+    return check.judge([seen.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
 
 
 def _cause(scene: Scene, seen: Seen) -> str:

@@ -1,5 +1,6 @@
 """What a student sent, as cells of source text. Nothing here parses Python: that is left to the far side of the wall."""
 
+import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import PurePath
@@ -39,6 +40,11 @@ class Submission:
         if not any(cell.source.strip() for cell in submission.cells()):
             raise BadSubmission(f"{filename} holds no code")
         return submission
+
+    @property
+    def sha256(self) -> str:
+        """Of the source as UTF-8, in hexadecimal digits."""
+        return hashlib.sha256(self.source.encode()).hexdigest()
 
     def cells(self) -> tuple[Cell, ...]:
         """The code cells of a notebook, or the whole file as one cell."""

@@ -1,7 +1,7 @@
 """Speed against accuracy of a submission's own function, when somebody asks: played behind the wall, judged by the exact motion."""
 
+from ecp.outcome import Swept
 from exercises.assignment import Assignment
-from exercises.outcome import Swept
 from service.grading.grade import job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox

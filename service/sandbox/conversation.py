@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ecp.outcome import Ending, SceneEnding
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import LOAD_BUDGET_S, Job
-from service.sandbox.seen import KEPT_OUTPUT, SENTENCES, Ending, Fault, SceneEnding, Seen
+from service.sandbox.seen import KEPT_OUTPUT, SENTENCES, Fault, Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm

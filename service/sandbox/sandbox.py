@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 
+from ecp.outcome import Ending, SceneEnding
 from service.sandbox.job import Job
 from service.sandbox.probe import probe
-from service.sandbox.seen import Ending, Fault, SceneEnding, Seen
+from service.sandbox.seen import Fault, Seen
 from service.sandbox.walls import Walls
 from service.sandbox.zygote import Zygote, ZygoteLost
 

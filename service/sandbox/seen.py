@@ -1,30 +1,13 @@
 """What came back through the wall: arrays checked by the host, and how each scene ended."""
 
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Any
 
 from numpy.typing import NDArray
-from pydantic import BaseModel
+
+from ecp.outcome import Ending, SceneEnding
 
 KEPT_OUTPUT = 64 << 10  # bytes of what a submission printed
-
-
-class Ending(StrEnum):
-    """How the execution of a scene, or of a cell, stopped. It says nothing about whether the answer is right."""
-
-    FINISHED = "finished"
-    RAISED = "raised"
-    SYNTAX = "syntax-error"
-    WRONG_ANSWER = "wrong-answer"
-    MISSING = "missing-function"
-    TIMED_OUT = "timed-out"
-    MEMORY = "memory"
-    EXITED = "exited"
-    KILLED = "killed"
-    OUTPUT = "output"
-    PROTOCOL = "protocol"
-    NOT_PLAYED = "not-played"
 
 
 SENTENCES = {
@@ -48,16 +31,6 @@ GUEST_CODES = frozenset(
     ["missing-function", "timeout", "memory", "syntax-error", "raises", "returns-nothing", "wrong-shape", "mutates-input"]
     + ["not-finite", "no-animation", "too-many-frames", "signature", "swapped-arguments"]
 )
-
-
-class SceneEnding(BaseModel):
-    """The ending of one scene or cell, with the public diagnosis code and the student's traceback where there is one."""
-
-    scene: str
-    ending: Ending
-    sentence: str
-    code: str | None = None
-    traceback: str | None = None
 
 
 @dataclass

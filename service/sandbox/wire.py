@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ecp.outcome import Ending, SceneEnding
 from exercises.assignment import Blank
 from service.sandbox.guest.wire import ANSWER
 from service.sandbox.job import Job
-from service.sandbox.seen import GUEST_CODES, Ending, SceneEnding, Seen
+from service.sandbox.seen import GUEST_CODES, Seen
 
 MOST_JSON = 64 * 1024
 MOST_TEXT = 8 * 1024

@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from hashlib import sha256
 from uuid import UUID, uuid4
 
 from sqlalchemy import Row, func, select, text
@@ -16,10 +15,10 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from exercises.assignment import Assignment, assignments
 from service.queue import PERSON_LOCK, rank, send, send_attempt, take_turn
 from service.store.database import Database
+from service.store.people import COURSE, enter
 from service.store.records import New
-from service.store.tables import assignment, assignment_version, attempt, course, member, person, submission
+from service.store.tables import assignment, assignment_version, attempt, course, submission
 
-COURSE = "local"
 MOST_RUNS = 3  # of one attempt that end without result, before it is a fault
 
 
@@ -81,7 +80,7 @@ async def _accept(database: Database, new: New, key: str | None) -> Accepted:
             "assignment": rules.id,
             "person": who,
             "source": new.submission.source,
-            "sha256": sha256(new.submission.source.encode()).hexdigest(),
+            "sha256": new.submission.sha256,
             "filename": new.submission.filename,
             "exercises": None if new.exercises is None else json.dumps(new.exercises),
             "late": rules.late,
@@ -113,14 +112,8 @@ async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: in
 
 
 async def _person(connection: AsyncConnection, database: Database, name: str) -> UUID:
-    """The person of that name, entered as a student when first seen; a person's id never changes, so it is asked for once."""
-    if name in database.persons:
-        return database.persons[name]
-    await connection.execute(insert(person).values(name=name).on_conflict_do_nothing())
-    id: UUID = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar_one()
-    home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
-    await connection.execute(insert(member).values(course_id=home, person_id=id, role="student").on_conflict_do_nothing())
-    return id
+    """The person of that name; a person's id never changes, so it is asked for once."""
+    return database.persons.get(name) or await enter(connection, name)
 
 
 # A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two

@@ -7,14 +7,15 @@ from uuid import UUID
 from sqlalchemy import Executable, Row, select
 from sqlalchemy.dialects.postgresql import insert
 
-from service.grading.report import Report
+from ecp.document import read as read_document
+from ecp.report import Report
 from service.grading.submission import Submission
 from service.store.database import Database
-from service.store.records import Listed, Progress, Stored
+from service.store.records import Listed, Stored
 from service.store.tables import artefact, kept
 
 # The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was.
-_SHOWN = """
+SHOWN = """
 LATERAL (
     SELECT a.id AS attempt, a.number, a.seed, r.fault, r.score, r.max_score, r.report, r.attempt_id IS NOT NULL AS finished
     FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
@@ -26,20 +27,24 @@ LEFT JOIN LATERAL (
 ) going ON true
 """
 
+STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
+    WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
+
 _ONE = f"""
-SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, s.late, shown.*, going.*
-FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {_SHOWN}
+SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, s.late, shown.*, {STATUS}
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.finished, shown.fault, going.phase
-FROM submission s JOIN person p ON p.id = s.person_id JOIN {_SHOWN} ORDER BY s.submitted_at DESC LIMIT :most
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, {STATUS}
+FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
 """
 
 _STATE = f"""
-SELECT s.id, shown.finished, shown.fault, shown.score, shown.max_score, shown.attempt, shown.number, going.phase, going.scene,
-    going.scenes FROM submission s JOIN {_SHOWN} WHERE s.id = :id
+SELECT s.id, shown.finished, shown.score, shown.max_score, shown.attempt, shown.number, going.phase, going.scene, going.scenes,
+    {STATUS} FROM submission s JOIN {SHOWN} WHERE s.id = :id
 """
 
 _POSITIONS = """
@@ -54,16 +59,16 @@ async def read(database: Database, id: UUID) -> Stored | None:
     return _stored(rows[0]) if rows else None
 
 
-async def recent(database: Database, most: int) -> Sequence[Listed]:
-    """The latest submissions, newest first, without their source and report."""
+async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Listed]:
+    """The latest submissions, of all or of one person, newest first, without their source and report."""
     return [
-        Listed(r.id, r.filename, r.person, r.submitted_at, _status(r), r.score, r.max_score)
-        for r in await database.rows(_LIST, {"most": most})
+        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score)
+        for r in await database.rows(_LIST, {"most": most, "person": person})
     ]
 
 
 async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
-    """What of a submission changes while it is graded: a row with ``finished``, ``fault``, scores, ``attempt`` and progress."""
+    """What of a submission changes while it is graded: a row with ``finished``, ``status``, scores, ``attempt`` and progress."""
     rows = await database.rows(_STATE, {"id": id})
     return rows[0] if rows else None
 
@@ -97,12 +102,6 @@ def keeping(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
     ]
 
 
-def _status(row: Row[tuple[object, ...]]) -> str:
-    if row.finished:
-        return "graded" if row.fault is None else "faulted"
-    return "queued" if row.phase is None else "running"
-
-
 def _stored(row: Row[tuple[object, ...]]) -> Stored:
     return Stored(
         id=row.id,
@@ -115,7 +114,7 @@ def _stored(row: Row[tuple[object, ...]]) -> Stored:
         attempt=row.attempt,
         number=row.number,
         seed=row.seed,
-        report=None if row.report is None else Report.model_validate(row.report),
+        report=None if row.report is None else read_document(Report, row.report),
         fault=row.fault,
-        progress=None if row.finished else Progress(_status(row), row.phase or "", row.scene or 0, row.scenes or 0),
+        status=row.status,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
-from service.grading.report import Report
+from ecp.report import Report
 from service.grading.submission import Submission
 
 
@@ -30,20 +30,10 @@ class New:
 
 
 @dataclass(frozen=True)
-class Progress:
-    """How far an attempt without result is: "queued" or "running" with a phase, and scene ``scene`` of ``scenes``."""
-
-    status: str
-    phase: str = ""
-    scene: int = 0
-    scenes: int = 0
-
-
-@dataclass(frozen=True)
 class Stored:
     """A submission as accepted, with the result shown for it, if there is one: a report, or the fault that kept us from making it.
 
-    ``attempt`` is the one shown: the last with a report, else the last one. ``progress`` is None once it has its result.
+    ``attempt`` is the one shown: the last with a report, else the last one. ``status`` is queued, running, graded or faulted.
     """
 
     id: UUID
@@ -58,19 +48,12 @@ class Stored:
     seed: int
     report: Report | None
     fault: str | None
-    progress: Progress | None
+    status: str
 
     @property
     def finished(self) -> bool:
         """Whether there is a result."""
-        return self.progress is None
-
-    @property
-    def status(self) -> str:
-        """queued, running, graded or faulted."""
-        if self.progress is not None:
-            return self.progress.status
-        return "graded" if self.fault is None else "faulted"
+        return self.status in ("graded", "faulted")
 
 
 @dataclass(frozen=True)

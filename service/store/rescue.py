@@ -6,6 +6,7 @@ Any worker may do this at any time: a row is locked by one of them, the others p
 from uuid import UUID
 
 from sqlalchemy import text
+from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.queue import send_attempt
 from service.store.database import Database
@@ -21,15 +22,12 @@ async def rescue(database: Database) -> list[UUID]:
         for job in (await connection.execute(_STALE, {"lease": LEASE_S})).all():
             if job.finished or job.task_name != "grade":
                 continue
-            attempt = UUID(job.attempt)
-            await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
-            await send_attempt(connection, attempt, begun=True)
-            again.append(attempt)
+            again.append(UUID(job.attempt))
+            await _lose_and_send(connection, again[-1], begun=True)
         alone = (await connection.execute(_ALONE)).scalar()
         for row in (await connection.execute(_ORPHANS, {"lease": LEASE_S})).all() if alone else []:
-            await connection.execute(_LOSE, {"attempt": row.attempt_id, "lease": LEASE_S})
-            await send_attempt(connection, row.attempt_id, begun=True)
             again.append(row.attempt_id)
+            await _lose_and_send(connection, again[-1], begun=True)
     return again
 
 
@@ -40,16 +38,20 @@ async def sweep(database: Database) -> list[UUID]:
             return []
         found = [row.id for row in (await connection.execute(_JOBLESS, {"after": SWEPT_AFTER_S})).all()]
         for attempt in found:
-            await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
-            await send_attempt(connection, attempt)
+            await _lose_and_send(connection, attempt, begun=False)
         await connection.execute(_FORGET_WORKERS)
     return found
 
 
+async def _lose_and_send(connection: AsyncConnection, attempt: UUID, *, begun: bool) -> None:
+    await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
+    await send_attempt(connection, attempt, begun=begun)
+
+
 # Jobs in the hands of a worker whose run says nothing any more, or that never began one, or whose attempt is finished. Nobody can
-# have said anything while the database was out, so a lease begins anew with it. The
-# worker's own heartbeat is not asked: Procrastinate may leave a job with a live worker that has forgotten it. A sweep of a
-# submission's function has no run and may take its time.
+# have said anything while the database was out, so a lease begins anew with it. The worker's own heartbeat is not asked:
+# Procrastinate may leave a job with a live worker that has forgotten it. A sweep of a submission's function has no run and may
+# take its time.
 _STALE = text("""
 DELETE FROM procrastinate_jobs WHERE id IN (
     SELECT j.id FROM procrastinate_jobs j

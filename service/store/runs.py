@@ -12,7 +12,8 @@ from sqlalchemy import Row, text
 from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from service.grading.report import Report
+from ecp.document import document
+from ecp.report import Report
 from service.grading.submission import Submission
 from service.queue import send_attempt, send_next
 from service.store.database import Database
@@ -84,7 +85,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
     values = {
         "attempt_id": claimed.attempt,
         "run_id": claimed.run,
-        "report": report.model_dump(mode="json"),
+        "report": document(report),
         "score": report.score,
         "max_score": report.max_score,
         "version": report.version,

@@ -4,6 +4,7 @@ An *attempt* is one grading of a submission, a *run* is one worker's try at it: 
 """
 
 from sqlalchemy import (
+    ARRAY,
     BigInteger,
     Boolean,
     Column,
@@ -46,6 +47,35 @@ member = Table(
     Column("course_id", Uuid, ForeignKey("course.id"), primary_key=True),
     Column("person_id", Uuid, ForeignKey("person.id"), primary_key=True),
     Column("role", Text, nullable=False),
+)
+
+token = Table(
+    "token",
+    metadata,
+    _id(),
+    Column("person_id", Uuid, ForeignKey("person.id"), nullable=False),
+    Column("digest", Text, nullable=False, unique=True),
+    Column("start", Text, nullable=False),
+    Column("label", Text, nullable=False),
+    Column("scopes", ARRAY(Text), nullable=False),
+    _at("created_at", now=True),
+    Column("expires_at", DateTime(timezone=True), nullable=False),
+    _at("used_at"),
+    _at("revoked_at"),
+)
+
+Index("token_person", token.c.person_id)
+
+login = Table(
+    "login",
+    metadata,
+    Column("device_digest", Text, primary_key=True),
+    Column("user_code", Text, nullable=False, unique=True),
+    Column("label", Text, nullable=False),
+    _at("created_at", now=True),
+    Column("expires_at", DateTime(timezone=True), nullable=False),
+    Column("person_id", Uuid, ForeignKey("person.id"), nullable=True),
+    Column("refused", Boolean, nullable=False, server_default="false"),
 )
 
 assignment = Table(

@@ -5,17 +5,22 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from fastapi import FastAPI
+from fastapi.middleware.cors import CORSMiddleware
 from fastapi.staticfiles import StaticFiles
 
 from exercises.assignment import assignments
 from service.settings import Settings
 from service.store.accept import register
 from service.store.database import Database
-from service.web import events, guard, health, pages, pictures, problems, routes
+from service.web import attempts, events, guard, health, kit, login, pages, pictures, problems, routes
 from service.web.drawing import Draughtsman
+from service.web.hub import Hub
 from service.web.listener import Listener
 
-ROUTERS = (health.router, routes.router, events.router, pictures.router)
+ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
+PAGES = (pages.router, login.pages)
+ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
+EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -25,10 +30,16 @@ def create_app(settings: Settings) -> FastAPI:
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
     app.state.settings = settings
     problems.install(app)
+    if origins := settings.allowed_origins():
+        methods = ["GET", "POST", "DELETE"]
+        app.add_middleware(
+            CORSMiddleware, allow_origins=origins, allow_methods=methods, allow_headers=ALLOWED, expose_headers=EXPOSED
+        )
     guard.install(app)
     for router in ROUTERS:
         app.include_router(router)
-    app.include_router(pages.router, include_in_schema=False)
+    for router in PAGES:
+        app.include_router(router, include_in_schema=False)
     app.mount("/static", StaticFiles(directory=Path(__file__).parent / "static"))
     return app
 
@@ -39,6 +50,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     assert settings.database_url is not None
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
     await register(database, assignments().values())
+    app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
     app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
     app.state.listener.start()
@@ -46,5 +58,6 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         yield
     finally:
         app.state.draughtsman.stop()
+        app.state.hub.stop()
         await app.state.listener.stop()
         await database.close()

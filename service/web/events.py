@@ -46,13 +46,9 @@ async def events(
 async def _now(request: Request, stored: Stored, listener: Listener) -> dict[str, Any]:
     row = await reading.state(request.app.state.database, stored.id)
     assert row is not None
+    told = {"status": row.status, "attempt": row.number}
     if row.finished:
-        return {
-            "status": "faulted" if row.fault else "graded",
-            "attempt": row.number,
-            "score": row.score,
-            "max_score": row.max_score,
-        }
-    if row.phase is None:
-        return {"status": "queued", "attempt": row.number, "position": await listener.position(str(row.attempt))}
-    return {"status": "running", "attempt": row.number, "phase": row.phase, "scene": row.scene, "scenes": row.scenes}
+        return told | {"score": row.score, "max_score": row.max_score}
+    if row.status == "queued":
+        return told | {"position": await listener.position(str(row.attempt))}
+    return told | {"phase": row.phase, "scene": row.scene, "scenes": row.scenes}

@@ -15,7 +15,11 @@ from service.web.problems import crash
 log = logging.getLogger("polhode.access")
 CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
 METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
-OWN = {"content-security-policy": CONTENT_SECURITY, "x-content-type-options": "nosniff"}
+OWN = {
+    "content-security-policy": CONTENT_SECURITY,
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "same-origin",
+}
 
 
 def install(app: FastAPI) -> None:
@@ -43,7 +47,10 @@ class Guard:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
-                MutableHeaders(scope=message).update({**OWN, "x-request-id": id})
+                headers = MutableHeaders(scope=message)
+                headers.update({**OWN, "x-request-id": id})
+                if not scope["path"].startswith("/static/"):
+                    headers.setdefault("cache-control", "no-store")
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)

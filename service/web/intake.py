@@ -25,7 +25,7 @@ class Received:
 async def receive(request: Request, assignment: Assignment) -> Received:
     """The submission in ``request``; Problem with a 4xx status for anything that is none."""
     kind = request.headers.get("content-type", "").split(";")[0].strip().lower()
-    await _read_capped(request)
+    await read_capped(request)
     if kind == "application/json":
         received = await _from_json(request)
     elif kind == "multipart/form-data":
@@ -39,12 +39,12 @@ async def receive(request: Request, assignment: Assignment) -> Received:
     return received
 
 
-async def _read_capped(request: Request) -> None:
-    """Read the body into the request's own cache, but never more than MOST_BODY of it."""
+async def read_capped(request: Request, most: int = MOST_BODY) -> None:
+    """Read the body into the request's own cache, but never more than ``most`` of it."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
-        if len(body) > MOST_BODY:
+        if len(body) > most:
             raise Problem(413, "too-large", f"a submission has at most {MOST_BYTES} bytes")
     request._body = bytes(body)
 
@@ -56,9 +56,10 @@ async def _from_json(request: Request) -> Received:
         raise Problem(400, "invalid-request", "the body is not JSON") from None
     if not isinstance(document, dict) or not isinstance(document.get("source"), str):
         raise Problem(422, "invalid-request", 'the body is an object with a string "source"', "/source")
-    if unknown := sorted(set(document) - {"source", "exercises"}):
+    if unknown := sorted(set(document) - {"source", "exercises", "filename"}):
         raise Problem(422, "invalid-request", f"unknown field {unknown[0]}", f"/{unknown[0]}")
-    return Received(_submission(document["source"].encode("utf-8", "replace"), "submission.py"), _exercises(document))
+    name = _filename(document.get("filename", "submission.py"), "/filename")
+    return Received(_submission(document["source"].encode("utf-8", "replace"), name), _exercises(document))
 
 
 async def _from_form(request: Request) -> Received:
@@ -69,11 +70,16 @@ async def _from_form(request: Request) -> Received:
     upload = form.get("file")
     if not isinstance(upload, UploadFile):
         raise Problem(422, "invalid-request", 'the form has no file in its field "file"', "/file")
-    name = "".join(c for c in upload.filename or "submission.py" if c.isprintable())
-    if not name.endswith((".py", ".ipynb")):
-        raise Problem(422, "bad-submission", f"{name[:80]} is neither a .py nor an .ipynb file", "/file")
+    name = _filename(upload.filename or "submission.py", "/file")
     numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
     return Received(_submission(await upload.read(), name), _exercises({"exercises": numbers or None}))
+
+
+def _filename(given: object, pointer: str) -> str:
+    name = "".join(c for c in given if c.isprintable()) if isinstance(given, str) else ""
+    if not name.endswith((".py", ".ipynb")):
+        raise Problem(422, "bad-submission", f"{name[:80]} is neither a .py nor an .ipynb file", pointer)
+    return name
 
 
 def _submission(data: bytes, name: str) -> Submission:

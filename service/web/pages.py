@@ -1,41 +1,37 @@
 """Pages to look at: the latest submissions, one report with its figures, the charts of the reference methods."""
 
-from pathlib import Path
 from typing import Literal
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import HTMLResponse
-from fastapi.templating import Jinja2Templates
-from jinja2 import Environment, FileSystemLoader, select_autoescape
+from fastapi.responses import HTMLResponse, RedirectResponse
 
 from exercises.assignment import assignments
 from service import charts
 from service.store.reading import recent
+from service.web.attempts import list_own
+from service.web.identity import COOKIE, Person, is_staff, who
 from service.web.problems import Problem
-from service.web.routes import find_submission
+from service.web.routes import find_assignment, find_submission
+from service.web.templating import templates
 
 router = APIRouter()
 LATEST = 100
-_environment = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"),
-    autoescape=select_autoescape(),
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
-_templates = Jinja2Templates(env=_environment)
 
 
 @router.get("/", response_class=HTMLResponse)
-async def index(request: Request) -> HTMLResponse:
-    """The latest submissions and the assignments."""
-    database = request.app.state.database
+async def index(request: Request) -> Response:
+    """The latest submissions, of everybody or your own, and the assignments."""
+    if (person := await _browsing(request)) is None:
+        return RedirectResponse("/login", 303)
     walls, refusal = await request.app.state.crew.known()
+    whose = None if await is_staff(request, person) else person.name
     context = {
-        "rows": await recent(database, LATEST),
+        "everybody": whose is None and not person.alone,
+        "rows": await recent(request.app.state.database, LATEST, whose),
         "assignments": list(assignments().values()),
         "walls": walls or refusal or "none",
     }
-    return _templates.TemplateResponse(request, "index.html", context)
+    return templates.TemplateResponse(request, "index.html", context)
 
 
 @router.get("/reference", response_class=HTMLResponse)
@@ -43,7 +39,7 @@ async def reference(request: Request) -> HTMLResponse:
     """What the reference methods cost, how accurate they are and where they fail, with date and versions of the measurement."""
     document, atlas = charts.load_work_precision(), charts.load_stability()
     context = {"document": document, "atlas": atlas, "scenes": charts.scenes(document), "exceptions": charts.exceptions(document)}
-    return _templates.TemplateResponse(request, "reference.html", context)
+    return templates.TemplateResponse(request, "reference.html", context)
 
 
 @router.get("/reference/{kind}/{number}.svg")
@@ -57,7 +53,33 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
 
 @router.get("/submissions/{id}", response_class=HTMLResponse)
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
-async def report(id: str, request: Request) -> HTMLResponse:
+async def report(id: str, request: Request) -> Response:
     """One submission: its lines, causes, figures and animations."""
+    if await _browsing(request) is None:
+        return RedirectResponse("/login", 303)
     stored = await find_submission(request, id)
-    return _templates.TemplateResponse(request, "report.html", {"stored": stored})
+    return templates.TemplateResponse(request, "report.html", {"stored": stored})
+
+
+@router.get("/assignments/{slug}", response_class=HTMLResponse)
+async def attempts(slug: str, request: Request) -> Response:
+    """What you have sent so far for an assignment, and what changed from one to the next."""
+    assignment = find_assignment(slug)
+    if (person := await _browsing(request)) is None:
+        return RedirectResponse("/login", 303)
+    told = await list_own(slug, request)
+    by_id = {one["id"]: one for one in told["submissions"]}
+    context = {"assignment": assignment, "person": person.name, "told": told}
+    context |= {"best": by_id.get(told["best"]), "last": by_id.get(told["last"]), "session": COOKIE in request.cookies}
+    return templates.TemplateResponse(request, "attempts.html", context)
+
+
+async def _browsing(request: Request) -> Person | None:
+    """Who looks; None for a browser that is to log in first."""
+    try:
+        return await who(request)
+    except Problem as problem:
+        asks_a_program = "authorization" in request.headers or request.app.state.settings.person_header is not None
+        if problem.status != 401 or asks_a_program:
+            raise
+        return None

@@ -1,5 +1,6 @@
 """The HTTP interface, version 1: assignments, submissions and their reports. Pictures and events have files of their own."""
 
+import asyncio
 import re
 import secrets
 import time
@@ -10,18 +11,19 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse
 
+from ecp.document import document
+from exercises import wheel
 from exercises.assignment import Assignment, assignments
 from service.store import reading
 from service.store.accept import KeyReused, Refused, accept
 from service.store.database import Database, is_outage
 from service.store.records import New, Stored
 from service.web import intake
+from service.web.identity import is_staff, who
 from service.web.problems import Problem
 
 router = APIRouter()
 LONGEST_WAIT_S = 60.0
-LONGEST_NAME = 200
-LOCAL = "local"  # whoever submits, where nothing tells persons apart
 
 
 @router.get("/v1/assignments")
@@ -45,14 +47,17 @@ async def show_assignment(slug: str) -> dict[str, Any]:
                     "id": c.id,
                     "label": c.label,
                     "hidden": assignment.hidden(c),
-                    "tolerance": c.tolerance.model_dump(exclude_none=True),
+                    "tolerance": {key: value for key, value in document(c.tolerance).items() if value is not None},
                 }
                 for c in e.checks
             ],
         }
         for e in assignment.exercises
     ]
-    return {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
+    told = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
+    notebook = f"/v1/assignments/{slug}/notebook.ipynb" if wheel.has_notebook(assignment) else None
+    build = await asyncio.to_thread(wheel.build)
+    return told | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook}
 
 
 @router.post("/v1/assignments/{slug}/submissions", status_code=202)
@@ -64,11 +69,12 @@ async def submit(
 ) -> JSONResponse:
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
+    person = await who(request, "submit")
     walls, refusal = await request.app.state.crew.known()
     if refusal and not walls:
         raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
     received = await intake.receive(request, assignment)
-    new = New(uuid.uuid4(), slug, _person(request), received.submission, received.exercises, secrets.randbits(48), arrived)
+    new = New(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
     try:
         accepted = await accept(database, new, idempotency_key or None)
     except KeyReused:
@@ -76,16 +82,17 @@ async def submit(
     except Refused as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
+    queued = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late, sha256=new.submission.sha256) | {
+        "report": None
+    }
     if accepted.fresh and wait_s == 0:  # nothing more can be known yet
-        told = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late) | {"report": None}
-        return JSONResponse(told, 202, {"Location": location, "Retry-After": "1"})
+        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
         stored = await _wait(request, accepted.id, wait_s)
     except Exception as error:
         if not is_outage(error):
             raise
-        told = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late) | {"report": None}
-        return JSONResponse(told, 202, {"Location": location, "Retry-After": "5"})  # it is stored, whatever happens now
+        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "5"})  # it is stored, whatever happens now
     if stored.finished and wait_s > 0:
         return JSONResponse(_document(stored), 200, {"Location": location})
     return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
@@ -114,24 +121,25 @@ def find_assignment(slug: str) -> Assignment:
 
 
 async def find_submission(request: Request, id: str) -> Stored:
-    """The submission, or a 404 problem."""
+    """The submission, or a 404 problem where there is none or it is somebody else's."""
+    person = await who(request)
     try:
         stored = await reading.read(_database(request), uuid.UUID(id))
     except ValueError:
         stored = None
-    if stored is None:
+    if stored is None or not (stored.person == person.name or await is_staff(request, person)):
         raise Problem(404, "not-found", f"there is no submission {id[:80]}")
     return stored
 
 
 def _document(stored: Stored) -> dict[str, Any]:
-    report = stored.report.model_dump(mode="json") if stored.report else None
-    document = _told(stored.id, stored.status, stored.submitted_at, late=stored.late)
-    return document | {"report": report} | ({"fault": stored.fault} if stored.fault else {})
+    told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
+    told |= {"report": document(stored.report) if stored.report else None}
+    return told | ({"fault": stored.fault} if stored.fault else {})
 
 
-def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool) -> dict[str, Any]:
-    return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late}
+def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:
+    return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late, "sha256": sha256}
 
 
 async def _wait(request: Request, id: uuid.UUID, seconds: float) -> Stored:
@@ -144,17 +152,6 @@ async def _wait(request: Request, id: uuid.UUID, seconds: float) -> Stored:
     stored = await reading.read(database, id)
     assert stored is not None
     return stored
-
-
-def _person(request: Request) -> str:
-    """Who submits, by the header in which a proxy tells it; everybody is the same person where no such header is set."""
-    header = request.app.state.settings.person_header
-    if header is None:
-        return LOCAL
-    name = request.headers.get(header, "").strip()
-    if not name or len(name) > LONGEST_NAME or not name.isprintable():
-        raise Problem(401, "nobody", f"the header {header} names nobody")
-    return name
 
 
 def _database(request: Request) -> Database:

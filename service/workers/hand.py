@@ -1,13 +1,15 @@
 """What a worker's hands do: grade and sweep with one warm sandbox, draw. Blocking work, for a thread or a process of its own."""
 
 import atexit
+import json
 import time
 
+from ecp.document import document
+from ecp.report import Report
 from exercises.assignment import assignments
 from service import charts
 from service.grading import pictures
 from service.grading.grade import Tell, grade
-from service.grading.report import Report
 from service.grading.submission import Submission
 from service.grading.sweep import sweep
 from service.sandbox.guest.lockdown import die_with_parent
@@ -55,7 +57,7 @@ def grade_one(
 def sweep_one(submission: Submission, slug: str) -> tuple[str, bytes]:
     """Speed against accuracy of a submission, as JSON and as a chart over the reference methods. Raises NotSwept."""
     swept = sweep(submission, assignments()[slug], _own())
-    return swept.model_dump_json(), charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
+    return json.dumps(document(swept)), charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
 
 
 def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:

@@ -2,8 +2,8 @@ import dataclasses
 
 import pytest
 
+from ecp.checks import close
 from exercises.assignment import Exercise, InvalidAssignment, assignments
-from exercises.checks import close
 
 
 def test_rigid_body_is_found_by_its_folder(rigid_body):

@@ -1,7 +1,7 @@
 import numpy as np
 
+from ecp.checks import below, close, conserved, holds
 from ecp.judge import Verdict
-from exercises.checks import below, close, conserved, holds
 
 NAN = float("nan")
 SEEN = [{"w": np.array([[1.0, 2.0], [3.0, 4.0]])}]

@@ -5,8 +5,9 @@ import pytest
 
 import reference
 from ecp.judge import Verdict
-from exercises.rigid_body import allowance, plays
+from exercises.rigid_body import plays
 from exercises.rigid_body.drawn import DRAWN
+from exercises.rigid_body.public import allowance
 from service.grading.grade import draw_inputs, truth
 
 SPELLINGS = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import reference
-from exercises.rigid_body.watched import body_shown, momentum_shown
+from exercises.rigid_body.public.watched import body_shown, momentum_shown
 
 T = np.linspace(0.0, 4.0, 96)
 W0, I = (0.9, 0.0, 1.4), (1.0, 1.0, 1.6)

@@ -4,6 +4,7 @@ A file's first comment says how it ends: ``pass`` (the attack fails and the righ
 ``any``; ``film`` where Exercise 6 is asked, ``slow`` where it runs out of time.
 """
 
+import json
 import os
 import re
 import socket
@@ -16,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ecp.document import document
 from ecp.judge import Verdict
 from exercises.assignment import Blank
 from service.grading.grade import grade
@@ -121,7 +123,7 @@ def test_attack(file, walled, traps, rigid_body):
         assert unharmed() and _plays(sandbox) and _plays(sandbox)
     if not (file.stem == "read_metadata" and tier == "B" and not _other_user(sandbox)):  # what tier B hides from other users only
         assert "ESCAPED" not in report.stdout, report.stdout
-    assert CANARY not in report.model_dump_json() and CANARY not in report.text()
+    assert CANARY not in json.dumps(document(report)) and CANARY not in report.text()
     if ends[1] == "pass":
         assert report.passed, report.text() + report.stdout[:2000]
     elif ends[1] == "fail":

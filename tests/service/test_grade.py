@@ -1,11 +1,14 @@
 """Grading through the real walls: the nine lines, hostile submissions, repeatability."""
 
+import json
+
 import pytest
 
+from ecp.document import document, read
 from ecp.judge import Verdict
+from ecp.report import Report
 from exercises.specimens import specimens
 from service.grading.grade import UnknownExercise, draw_inputs, grade
-from service.grading.report import Report
 from service.grading.submission import Submission
 
 NINE = {
@@ -64,13 +67,13 @@ def test_what_fools_checks_of_invariants_does_not_fool_these(files, name, rigid_
 def test_same_seed_same_report(files, rigid_body, sandbox):
     one, two = (graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=7).report for _ in range(2))
     other = graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=8).report
-    assert one.model_dump_json() == two.model_dump_json()
+    assert document(one) == document(two)
     assert [o.measured for o in one.outcomes()] != [o.measured for o in other.outcomes()]
 
 
 def test_same_seed_same_report_of_everything_drawn_and_animated(files, rigid_body, sandbox):
     one, two = (graded(files, "right_all.py", rigid_body, sandbox, seed=12).report for _ in range(2))
-    assert one.passed and one.model_dump_json() == two.model_dump_json()
+    assert one.passed and document(one) == document(two)
     assert sum(o.hidden for o in one.outcomes()) >= 15
 
 
@@ -79,14 +82,14 @@ def test_what_is_hidden_tells_no_inputs(files, rigid_body, sandbox):
     inputs = draw_inputs(rigid_body.scene("drawn-long"), 3)
     (hidden,) = [o for o in report.outcomes() if o.id == "2-secret"]
     assert hidden.hidden and hidden.verdict is Verdict.FAIL and hidden.tolerance.limit
-    told = report.model_dump_json()
+    told = json.dumps(document(report))
     assert not any(f"{x:.6g}" in told for x in [*inputs["w0"], *inputs["I"], inputs["t_end"]])
 
 
 def test_a_report_survives_storage_whole(files, rigid_body, sandbox):
     for name in ("right_all.py", "wrong_notebook.ipynb", "wrong_not_finite.py"):
         report = graded(files, name, rigid_body, sandbox).report
-        again = Report.model_validate_json(report.model_dump_json())
+        again = read(Report, json.loads(json.dumps(document(report))))
         assert again.text() == report.text() and again.score == report.score
 
 
@@ -108,13 +111,13 @@ GOLDEN = """\
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
-✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
-     worst at ω̇₁, probe 78 of 128
-     6.48e+12 times the allowed difference
-     likely returns-zero: euler_eqs returns zeros whatever it is asked
 ✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]
      worst at ω₁, t = 8.093 s
      1.49e+08 times the allowed difference
+     likely returns-zero: euler_eqs returns zeros whatever it is asked
+✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
+     worst at ω̇₁, probe 78 of 128
+     6.48e+12 times the allowed difference
 ✗  ω(t) of a body not seen before follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
      worst at ω₃, t = 9.579 s
      5.65e+07 times the allowed difference

@@ -4,12 +4,13 @@ import json
 
 import pytest
 
+from ecp.document import document
 from ecp.judge import Verdict
+from ecp.outcome import Ending
 from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import job
-from service.sandbox.seen import Ending
 
 PRELUDE = """
 import json, os, struct, signal, time
@@ -67,7 +68,7 @@ def test_equations_right_for_one_body_only_fail_every_exercise_they_drive(wrong,
 
 
 def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigid_body, sandbox):
-    only = grade(Submission("def animate_precession(t, R, L):\n    pass"), rigid_body, sandbox, 3).report
+    only = grade(Submission("def animate_precession(t, R, L):\n    t.size"), rigid_body, sandbox, 3).report
     assert [e.number for e in only.exercises] == ["6"] and only.max_score == 8 and only.score == 0
     rate = grade(Submission("def precession_rate(t, w):\n    return 1.0"), rigid_body, sandbox, 3).report
     assert [e.number for e in rate.exercises] == ["4"] and "4-function" in {o.id for o in rate.outcomes()}
@@ -84,18 +85,41 @@ def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short
         "from IPython.display import HTML, display\nfrom IPython import get_ipython\ndisplay(HTML('<b>x</b>'))\nfig = plt.figure()"
     )
     cells = [show, *["raise Exception('x' * 9999)"] * 100, RIGHT]
-    document = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
-    submission = Submission.from_bytes(json.dumps(document).encode(), "a.ipynb")
+    notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
+    submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
-    assert report.passed and len(report.model_dump_json()) < 300_000
+    assert report.passed and len(json.dumps(document(report))) < 300_000
     assert "cell 1" not in {e.scene for e in report.endings}
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "display(3)",
+        "get_ipython().run_line_magic('matplotlib', 'inline')",
+        "from IPython.core.display import HTML",
+        "import IPython.display as shown\nshown.display(shown.HTML('x'))",
+        "r = ecp.check('2')\nassert r.passed\nr.score / r.max_score\nf'{r.score:3d}'\nr.exercises[0]",
+        "for attempt in ecp.attempts().submissions:\n    print(attempt)",
+        "ecp.connect('http://x')\necp.login()\nprint(ecp.submit(), len(ecp.submit()))",
+    ],
+)
+def test_what_only_a_notebook_does_costs_no_function_below_it(cell, rigid_body, sandbox):
+    report = grade(Submission(f"{cell}\n{RIGHT}"), rigid_body, sandbox, 3, ["2"]).report
+    assert report.passed, report.text()
+
+
+def test_a_function_nobody_has_written_yet_is_not_attempted(rigid_body, sandbox):
+    empty = "def animate_tumble(t, R, half):\n    'Draw.'\n    ...\n\ndef box_moments(m, a, b, c):\n    pass\n"
+    report = grade(Submission(f"{RIGHT}\n{empty}"), rigid_body, sandbox, 3).report
+    assert [e.number for e in report.exercises] == ["2", "3", "4", "5"] and report.passed
 
 
 def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monkeypatch):
     monkeypatch.setattr(job, "LOAD_BUDGET_S", 2.0)
     cells = [RIGHT, *["import time; time.sleep(0.8)"] * 6]
-    document = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
-    submission = Submission.from_bytes(json.dumps(document).encode(), "a.ipynb")
+    notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
+    submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
     assert report.passed and report.endings[0].ending is Ending.TIMED_OUT
 

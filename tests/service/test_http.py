@@ -288,7 +288,8 @@ def test_deadline_number_and_person(new_server, tmp_path, postgres, database_url
     assert told(Remote_User="ann") == (403, "none-left") and told(Remote_User="ben") == (202, "queued")
     assign("--due", "2026-01-01T00:00Z")
     assert told(Remote_User="cleo") == (403, "deadline-over")
-    assert call(server, "/")[2].decode().count('scope="row"') == 2
+    seen = [call(server, "/", Remote_User=name)[2].decode().count('scope="row"') for name in ("ann", "ben", "cleo")]
+    assert seen == [1, 1, 0] and call(server, "/")[0] == 401
     server.stop()
 
 

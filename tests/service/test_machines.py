@@ -6,7 +6,6 @@ What a machine is, see ``tests.machines``.
 import os
 import secrets
 import signal
-import socket
 import subprocess
 import time
 from pathlib import Path
@@ -15,6 +14,7 @@ import psycopg
 import pytest
 import trustme
 
+from service.demo import free_port
 from service.store.account import as_server, own
 from service.store.postgres import find_programs
 from tests.machines import NAMESPACES, Machine
@@ -81,10 +81,7 @@ def site(tmp_path_factory, new_server):
     folder = tmp_path_factory.mktemp("site")
     machines = [Machine(1), Machine(2)]
     addresses = sorted({m.ours for m in machines} | {"127.0.0.1"})
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    postgres = Postgres(folder, addresses, port)
+    postgres = Postgres(folder, addresses, free_port())
     try:
         wait_for(lambda: postgres.ready("127.0.0.1"))
         url = postgres.url.format("127.0.0.1")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from ecp.drawing import contact_sheet
 from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -46,7 +47,7 @@ def test_contact_sheet_holds_the_stills_in_reading_order():
     frames = np.zeros((7, 10, 8, 3), np.uint8)
     for k in range(7):
         frames[k] = 10 * (k + 1)
-    with Image.open(io.BytesIO(pictures.contact_sheet(frames))) as image:
+    with Image.open(io.BytesIO(contact_sheet(frames))) as image:
         sheet = np.asarray(image)
     assert sheet.shape == (18, 48, 3)
     assert sheet[0, 0, 0] == 10 and sheet[0, 8, 0] == 20 and sheet[9, 0, 0] == 70 and sheet[9, 8, 0] == 255

@@ -13,11 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ecp.outcome import Ending
 from exercises.assignment import Blank
 from service.sandbox.choose import choose
 from service.sandbox.job import Cell, Job, Played
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Ending, Fault
+from service.sandbox.seen import Fault
 from service.sandbox.walls import Walls
 from service.sandbox.zygote import ANSWER_S
 

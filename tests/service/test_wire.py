@@ -6,9 +6,11 @@ import struct
 import numpy as np
 import pytest
 
+from ecp.document import document
+from ecp.outcome import Ending
 from exercises.assignment import Blank
 from service.sandbox.job import Cell, Job, Played
-from service.sandbox.seen import Ending, Seen
+from service.sandbox.seen import Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
 SCENE = Played("s", "play", "f", {}, {"w": Blank((3, 2)), "film": Blank((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None)
@@ -96,4 +98,4 @@ def test_texts_are_bounded_and_harmless():
     assert shown.encode()
     assert len(text("x" * 10**6)) == 8192
     _, seen = read(START, event(event="scene", scene="s", ending="raised", sentence=wild, traceback=[wild], code=7))
-    seen.endings["s"].model_dump_json().encode()
+    json.dumps(document(seen.endings["s"])).encode()

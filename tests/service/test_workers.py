@@ -1,6 +1,5 @@
 """Workers as real processes: one that dies, freezes or is stopped loses nothing; what it had is begun elsewhere within 5 s."""
 
-import contextlib
 import json
 import os
 import signal
@@ -11,11 +10,11 @@ import time
 import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import psycopg
 import pytest
 
+from tests.machines import children, command_of, started_with
 from tests.stored import new_database
 
 TAKEOVER_S = 5.0
@@ -114,7 +113,7 @@ def test_a_stopped_worker_finishes_or_gives_back(url, front, seconds, ending):
     crew = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
     try:
         (mine,) = wait_for(
-            lambda: [p for p in _children(crew.pid) if rows(url, "SELECT 1 FROM worker WHERE name LIKE %s", f"%/{p}")]
+            lambda: [p for p in children(crew.pid) if rows(url, "SELECT 1 FROM worker WHERE name LIKE %s", f"%/{p}")]
         )
         ids = [post(front.url, SLOW.format(seconds))["id"] for _ in range(3)]
         id = wait_for(lambda: next((i for i in ids if (r := running(url, i)) and r[1] == mine), None))
@@ -127,11 +126,6 @@ def test_a_stopped_worker_finishes_or_gives_back(url, front, seconds, ending):
     finally:
         crew.kill()
         crew.wait()
-
-
-def _children(pid):
-    with open(f"/proc/{pid}/task/{pid}/children") as file:
-        return [int(p) for p in file.read().split()]
 
 
 def events(url, id, **headers):
@@ -199,17 +193,12 @@ def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(n
 
 def test_a_crew_ends_with_a_server_that_is_killed_in_its_first_second(new_server, tmp_path):
     server = new_server(tmp_path / "data", "/livez")
-    mark = f"POLHODE_DATA={tmp_path / 'data'}".encode()
-    wait_for(lambda: len(_marked(mark)) > 1)
+    mine = f"POLHODE_DATA={tmp_path / 'data'}"
+    wait_for(lambda: len(_crews(mine)) > 1)
     server.process.kill()
-    wait_for(lambda: not _marked(mark), 15)
+    wait_for(lambda: not _crews(mine), 15)
 
 
-def _marked(mark):
-    """Our own processes (python) with that in their environment."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/environ"):
-        with contextlib.suppress(OSError):
-            if mark in path.read_bytes().split(b"\0") and b"service.cli" in (path.parent / "cmdline").read_bytes():
-                found.append(path.parent.name)
-    return found
+def _crews(mine):
+    """Servers, crews and workers; the database and guests end in their own time."""
+    return [pid for pid in started_with(mine) if b"service.cli" in command_of(pid)]

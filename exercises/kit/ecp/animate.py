@@ -1,24 +1,40 @@
 """Showing an animation: in a notebook as a player, elsewhere kept for whoever asks for the last one shown."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 shown: list[Any] = []
-"""Animations handed to :func:`show`, newest last; a grader reads it, a notebook never needs it."""
+"""The last animation handed to :func:`show`; a grader reads it, a notebook never needs it."""
+_watchers: list[None] = []
 
 
 def show(anim: Any) -> Any:
-    """Display a matplotlib ``Animation`` as a JavaScript player in IPython; returns the player, or ``anim`` outside IPython."""
-    shown.append(anim)
-    if not _in_ipython():
+    """Display a matplotlib ``Animation`` as a JavaScript player: end a cell with it, or return it from your function.
+
+    Outside IPython, and while a check watches, it returns ``anim`` itself.
+    """
+    shown[:] = [anim]
+    if _watchers or not _in_ipython():
         return anim
     from IPython.display import HTML
 
     return HTML(anim.to_jshtml())
 
 
+@contextmanager
+def watched() -> Iterator[None]:
+    """Within, nothing that is shown is made into a player, which takes longer than drawing it."""
+    _watchers.append(None)
+    try:
+        yield
+    finally:
+        _watchers.pop()
+
+
 def _in_ipython() -> bool:
     try:
-        from IPython import get_ipython
+        from IPython.core.interactiveshell import InteractiveShell
     except ImportError:
         return False
-    return get_ipython() is not None
+    return bool(InteractiveShell.initialized())

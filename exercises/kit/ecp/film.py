@@ -30,19 +30,15 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     """
     from matplotlib import pyplot as plt
     from matplotlib.animation import Animation
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     if not isinstance(anim, Animation):
         raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
     deadline = time.monotonic() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
-    canvas = FigureCanvasAgg(figure)
-    wide, high = figure.get_size_inches()
-    figure.set_dpi(min(WIDTH / wide, HEIGHT / high))
-    canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
-    anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
     values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
-    with _clearing() as cleared:
+    with _borrowed(figure) as canvas, _clearing() as cleared:
+        canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
+        anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
         for number, frame in enumerate(anim.new_frame_seq()):
             if number == FRAME_CAP:
@@ -116,6 +112,22 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
     tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
     chosen = np.sort(np.argsort(-np.ptp(tracks, axis=0).max(axis=1), kind="stable")[:POINTS])  # what moves before what stands
     return tracks[:, chosen], owned[chosen]
+
+
+@contextmanager
+def _borrowed(figure: Any) -> Iterator[Any]:
+    """A canvas of our own for the figure, small enough; afterwards the figure has again what it had."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    own, dpi = figure.canvas, figure.dpi
+    wide, high = figure.get_size_inches()
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(min(WIDTH / wide, HEIGHT / high))
+    try:
+        yield canvas
+    finally:
+        figure.set_canvas(own)
+        figure.set_dpi(dpi)
 
 
 @contextmanager

@@ -1,6 +1,8 @@
 """What a student's function returned, taken strictly: a real array of just the asked shape, or a sentence saying what is wrong."""
 
+import dis
 import inspect
+import types
 from typing import Any
 
 import numpy as np
@@ -36,6 +38,23 @@ def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
     except (TypeError, ValueError):
         return None
     return f"({', '.join(own)})" if own != names and sorted(own) == sorted(names) else None
+
+
+def is_written(value: Any) -> bool:
+    """Whether it is a function, or anything else to call, with something in it."""
+    return callable(value) and not is_empty(value)
+
+
+def is_empty(function: Any) -> bool:
+    """Whether a function's body is nothing but a docstring, ``...`` or ``pass``: nobody has written it yet."""
+    if not isinstance(function, types.FunctionType):
+        return False
+    steps = list(dis.get_instructions(function))
+    return {step.opname for step in steps} <= _NOTHING and all(s.argval is None for s in steps if s.opname in _CONSTANT)
+
+
+_CONSTANT = {"LOAD_CONST", "RETURN_CONST"}
+_NOTHING = _CONSTANT | {"RESUME", "NOP", "RETURN_VALUE"}
 
 
 def real_array(value: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ecp.checks import Arrays
+from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.checks import Arrays
-from exercises.outcome import Diagnosis
 from exercises.rigid_body.causes.film import causes_of_film
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
 from exercises.rigid_body.causes.precession import causes_of_rate

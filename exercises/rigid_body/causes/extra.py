@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import reference
-from exercises.outcome import Diagnosis
+from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.form import AGREEMENT, Form
 from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, SPIN, Slip, slips, told
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from ecp.checks import Arrays
 from ecp.film import moving_share
+from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.checks import Arrays
-from exercises.outcome import Diagnosis
-from exercises.rigid_body.watched import STILL, body_shown, momentum_shown
+from exercises.rigid_body.public.watched import STILL, body_shown, momentum_shown
 
 
 def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from exercises.outcome import Diagnosis
+from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.slips import Slip
-from exercises.rigid_body.scenes import BODY, BOOK, SYMMETRIC
+from exercises.rigid_body.public.setting import BODY, SYMMETRIC
+from exercises.rigid_body.scenes import BOOK
 
 KNOWN = {"exercises 2 and 3": BODY, "exercises 4 and 6": SYMMETRIC, "the book": tuple(BOOK)}
 AGREEMENT = 1e-9

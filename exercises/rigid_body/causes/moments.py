@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import reference
+from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.outcome import Diagnosis
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import reference
-from exercises.outcome import Diagnosis
+from ecp.outcome import Diagnosis
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import reference
+from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.outcome import Diagnosis
 from exercises.rigid_body.causes.extra import extra_terms
 from exercises.rigid_body.causes.form import AGREEMENT, Form, Points, relabelled
 from exercises.rigid_body.causes.hard_coded import same_body

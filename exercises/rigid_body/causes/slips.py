@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from exercises.outcome import Diagnosis
+from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.form import NORM, OTHERS, TOTAL, Form
 
 COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")

@@ -4,17 +4,17 @@ import linecache
 import signal
 import sys
 import time
-import traceback
 import types
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ecp.strict import WrongAnswer, real_array
+from ecp.stopped import stopped
+from ecp.strict import is_written, real_array
 
 from .cells import runnable
-from .notebook import stand_ins
+from .notebook import settle, stand_ins
 from .wire import Questions, Writer
 
 Names = dict[str, Any]
@@ -31,7 +31,7 @@ def run(job_fd: int, result_fd: int) -> None:
     plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
     write.event("inside")
     _load_submission(student, job, write)
-    write.event("defined", names=[name for name in job["functions"] if callable(student.get(name))])
+    write.event("defined", names=[name for name in job["functions"] if is_written(student.get(name))])
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
@@ -75,6 +75,7 @@ def _prepare(setup: str) -> Names:
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
     exec(compile(setup, "setup.py", "exec"), module.__dict__)
+    settle(module.__dict__)
     sys.modules["__main__"] = module
     return module.__dict__
 
@@ -111,35 +112,10 @@ def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
     except OutOfTime:
         return {"ending": "timed-out", "code": "timeout", "sentence": f"your code did not finish within {budget_s:g} s"}
-    except WrongAnswer as wrong:
-        return {"ending": "wrong-answer", "code": wrong.code, "sentence": str(wrong)}
-    except MemoryError as error:
-        return {
-            "ending": "memory",
-            "code": "memory",
-            "sentence": "your code asked for more memory than is allowed",
-            **_trace(error),
-        }
-    except SyntaxError as error:
-        return {"ending": "syntax-error", "code": "syntax-error", "sentence": _said(error), **_trace(error)}
     except BaseException as error:
-        return {"ending": "raised", "code": "raises", "sentence": _said(error), **_trace(error)}
+        return stopped(error, _own)
     return {"ending": "finished", "sentence": "finished"}
 
 
-def _said(error: BaseException) -> str:
-    try:
-        return f"{type(error).__name__}: {error}"[:500]
-    except BaseException:
-        return type(error).__name__[:500]
-
-
-def _trace(error: BaseException) -> dict[str, str]:
-    """The student's own lines of the traceback: frames of the harness and of the libraries are left out."""
-    try:
-        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename in linecache.cache and "/" not in f.filename]
-        own = [f for f in frames if f.filename not in ("plays.py", "setup.py")]
-        last = traceback.format_exception_only(error)
-        return {"traceback": "".join(traceback.format_list(own[-8:]) + last)[:6000]}
-    except BaseException:
-        return {}
+def _own(filename: str) -> bool:
+    return filename in linecache.cache and "/" not in filename and filename not in ("plays.py", "setup.py")

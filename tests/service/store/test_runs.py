@@ -7,7 +7,7 @@ import psycopg
 import pytest
 from sqlalchemy import text
 
-from service.grading.report import Provenance, Report
+from ecp.report import Provenance, Report
 from service.store import reading, rescue, runs
 from service.store.accept import Refused, accept, add_attempt
 from service.store.queueing import grade_again, look

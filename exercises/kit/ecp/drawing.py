@@ -1,0 +1,45 @@
+"""Figures and contact sheets as files, drawn alike on the server and in a notebook."""
+
+import io
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.checks import Arrays
+from ecp.exercise import Figure
+
+COLUMNS = 6
+
+
+def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "png") -> bytes:
+    """The figure as ``form`` ("png" or "svg"), from the arrays of each scene and the exact ones beside them."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Canvas
+
+    canvas = Canvas(figsize=(9, 4.5), dpi=100)
+    FigureCanvasAgg(canvas)
+    canvas.subplots_adjust(left=0.08, right=0.98, bottom=0.11, top=0.94)
+    figure.draw(canvas, seen, truth)
+    stream = io.BytesIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
+        metadata = {"Title": figure.title, "Description": figure.alt} | ({"Date": None} if form == "svg" else {})
+        canvas.savefig(stream, format=form, metadata=metadata)
+    return stream.getvalue()
+
+
+def contact_sheet(frames: NDArray[np.uint8]) -> bytes:
+    """RGB stills (n, h, w, 3) as one PNG, in reading order, half size, white between them."""
+    from PIL import Image
+
+    small = frames[:, ::2, ::2]
+    count, high, wide, _ = small.shape
+    rows = math.ceil(count / COLUMNS)
+    sheet = np.full((rows * (high + 4), COLUMNS * (wide + 4), 3), 255, np.uint8)
+    for number, still in enumerate(small):
+        top, left = (number // COLUMNS) * (high + 4), (number % COLUMNS) * (wide + 4)
+        sheet[top : top + high, left : left + wide] = still
+    stream = io.BytesIO()
+    Image.fromarray(sheet).save(stream, format="PNG")
+    return stream.getvalue()

@@ -1,0 +1,144 @@
+"""``ecp.check``: the public scenes played here, in the notebook's own kernel, and judged as the server judges them."""
+
+import platform
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ecp import animate, course
+from ecp.checks import Arrays, Check
+from ecp.course import NotKnown, PublicAssignment, PublicScene
+from ecp.exercise import Exercise, attempted
+from ecp.outcome import Ending, Outcome, SceneEnding
+from ecp.report import ExerciseReport, Provenance, Report, pictures
+from ecp.stopped import stopped
+from ecp.strict import is_written
+
+OURS = Path(__file__).parent
+WALLS = "none: checked in your own kernel"
+
+
+def check(*numbers: str | int, assignment: str | None = None) -> Report:
+    """The public checks of these exercises, or of all whose functions are written here, offline and with the server's own lines.
+
+    The functions are taken by their names from the module that ``check`` is called in. NotKnown for an exercise the assignment
+    does not have.
+    """
+    names = sys._getframe(1).f_globals
+    known = course.public(course.assignment(assignment))
+    written = {f for e in known.exercises for f in e.asks_for() if is_written(names.get(f))}
+    asked = _asked(known, [str(number) for number in numbers], written)
+    made = {e.number: e.made(written, lambda scene: known.scenes[scene].function) for e in asked}
+    with _own_figures(), animate.watched():
+        played = _play(_needed(asked, made, known), known, names)
+    sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in made[e.number]]) for e in asked]
+    versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS))
+    report.endings = [ending for ending in played.endings.values() if ending.ending is not Ending.FINISHED]
+    arrays = played.arrays
+    report.figures, report.animations = pictures(asked, arrays)
+    report.drawn = cache(lambda name: _draw(asked, known, arrays, name))
+    more = sum(known.hidden.get(e.number, 0) for e in asked)
+    report.remark = f"Checked here. The server makes {more} more checks, with numbers drawn anew for each attempt." if more else ""
+    report.remark += "".join(f" {slow}" for slow in played.slow)
+    return report
+
+
+@dataclass
+class Played:
+    """What the scenes brought, how they ended, and sentences about those that took longer than the server allows."""
+
+    arrays: dict[str, dict[str, Any]] = field(default_factory=dict)
+    endings: dict[str, SceneEnding] = field(default_factory=dict)
+    slow: list[str] = field(default_factory=list)
+
+
+def _asked(known: PublicAssignment, numbers: list[str], written: set[str]) -> list[Exercise]:
+    there = {e.number: e for e in known.exercises}
+    if unknown := [number for number in numbers if number not in there]:
+        raise NotKnown(f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(there)}")
+    return [e for e in known.exercises if e.number in numbers] or attempted(known.exercises, written)
+
+
+def _needed(asked: list[Exercise], made: Mapping[str, list[Check]], known: PublicAssignment) -> list[PublicScene]:
+    """The scenes of what is made and shown, each behind the one it comes after."""
+    wanted = [s for checks in made.values() for c in checks for s in c.scenes]
+    wanted += [s for e in asked for f in e.figures for s in f.scenes]
+    ordered = [name for s in wanted for name in (known.scenes[s].after, s) if name is not None]
+    return [known.scenes[name] for name in dict.fromkeys(ordered)]
+
+
+def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str, Any]) -> Played:
+    played = Played()
+    for scene in scenes:
+        before = played.endings.get(scene.after or "")
+        if before is not None and before.ending is not Ending.FINISHED:
+            played.endings[scene.name] = SceneEnding(scene.name, Ending.NOT_PLAYED, before.sentence)
+        elif not callable(names.get(scene.function)):
+            sentence = f"{scene.function} is not defined"
+            played.endings[scene.name] = SceneEnding(scene.name, Ending.MISSING, sentence, "missing-function")
+        else:
+            _play_one(scene, known, names, played)
+    return played
+
+
+def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: Played) -> None:
+    began = time.monotonic()
+    try:
+        with np.errstate(all="ignore"):
+            seen = known.plays[scene.play]({scene.function: names[scene.function]}, scene.inputs)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        told = stopped(error, _own)
+        ending, sentence = Ending(str(told["ending"])), " ".join(str(told["sentence"]).split())
+        played.endings[scene.name] = SceneEnding(scene.name, ending, sentence, told["code"], told.get("traceback"))
+        return
+    if (took := time.monotonic() - began) > scene.budget_s:
+        played.slow.append(f"The server gives the scene {scene.name} {scene.budget_s:g} s; here it took {took:.0f} s.")
+    played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {k: scene.truth[k] for k in scene.known}
+    played.endings[scene.name] = SceneEnding(scene.name, Ending.FINISHED, "finished")
+
+
+@contextmanager
+def _own_figures() -> Iterator[None]:
+    """Close the figures that are opened within: the report shows what is to be seen of them."""
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    before = set(pyplot.get_fignums()) if pyplot else set()
+    try:
+        yield
+    finally:
+        if pyplot := sys.modules.get("matplotlib.pyplot"):
+            for number in set(pyplot.get_fignums()) - before:
+                pyplot.close(number)
+
+
+def _outcome(check: Check, known: PublicAssignment, played: Played) -> Outcome:
+    for name in check.scenes:
+        if name not in played.arrays:
+            return check.unmeasured(played.endings[name].sentence)
+    return check.judge([played.arrays[name] for name in check.scenes], [known.scenes[name].truth for name in check.scenes])
+
+
+def _draw(asked: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str) -> bytes | None:
+    from ecp.drawing import contact_sheet, draw
+
+    for figure in (f for e in asked for f in e.figures if f.name == name):
+        return draw(figure, [arrays[s] for s in figure.scenes], [known.scenes[s].truth for s in figure.scenes])
+    for animation in (a for e in asked for a in e.animations if a.name == name):
+        return contact_sheet(arrays[animation.scene][animation.array])
+    return None
+
+
+def _own(filename: str) -> bool:
+    """Whether a frame of a traceback is the student's: not the kit's, not a library's."""
+    path = Path(filename)
+    return not (filename == "plays.py" or OURS in path.parents or {"site-packages", "dist-packages"} & set(path.parts))

@@ -1,0 +1,146 @@
+"""Following names from the functions asked for, and putting what was found in an order that works."""
+
+import ast
+from collections.abc import Collection, Iterable, Iterator
+from functools import lru_cache
+
+from ecp.notebook.sources import Missing, Source, Sources
+
+_OUTSIDE = {"open", "input", "get_ipython", "os", "io", "pathlib", "Path", "shutil", "glob", "tempfile", "subprocess", "sqlite3"}
+_OUTSIDE |= {"socket", "ssl", "urllib", "http", "requests", "urlopen", "urlretrieve", "imread", "imsave", "loadtxt", "genfromtxt"}
+_OUTSIDE_METHODS = {"load", "fromfile", "memmap", "loadmat", "savemat", "save", "savez", "savetxt", "savefig", "tofile", "to_csv"}
+"""Words of files and the network. A statement that uses one, or runs code that does, is not run again."""
+
+_REMEDY = "compute it in a cell instead, or write the numbers that are needed into one"
+_AGAIN = "run its cell again, or write it there as a def"
+
+
+class Bundling:
+    """What the names asked for need, found and ``missing`` (name → sentence)."""
+
+    def __init__(self, sources: Sources, asked: Collection[str], given: Collection[str]) -> None:
+        self._sources, self._asked, self._given = sources, asked, given
+        self._found: dict[str, Source] = {}
+        self.missing: dict[str, str] = {}
+        self._follow()
+        while lost := {name: why for name, source in self._found.items() if (why := self._refusal(source))}:
+            # The cause is told first; what only depends on it falls in the next round.
+            causes = [name for name in lost if not self._reached(self._found[name].names.now) & lost.keys() - {name}] or list(lost)
+            for name in causes:
+                self.missing[name] = lost[name]
+                del self._found[name]
+
+    def left_out(self) -> Iterator[tuple[str, str, str]]:
+        """Name, who needs it, and why it is not sent: of what is needed by something that is sent."""
+        told: set[str] = set()
+        for source in self._sent():
+            for name in sorted(_needs(source) & self.missing.keys() - told):
+                told.add(name)
+                instead = f" (the server's own `{name}` is used)" if name in self._given else ""
+                yield name, source.name, self.missing[name] + instead
+
+    def text(self) -> str:
+        """Imports, then values and definitions, each after what it needs while it runs."""
+        sent = self._sent()
+        imports = {s.text for s in sent if s.kind == "import"}
+        ordered = list(dict.fromkeys(s.text for s in self._in_order([s for s in sent if s.kind != "import"])))
+        extra = {line for s in sent if s.kind == "import" for line in self._sources.submodules(s.name, ordered)}
+        head = "\n".join([*self._sources.history.futures, *sorted(imports | extra)])
+        text = ""
+        for before, after in zip(["", *ordered], ordered, strict=False):
+            both_short = before and "\n" not in before + after
+            text += ("\n" if both_short else "\n\n\n" if before else "") + after
+        return "\n\n\n".join(part for part in (head, text) if part) + "\n"
+
+    def _follow(self) -> None:
+        waiting = list(self._asked)
+        while waiting:
+            name = waiting.pop(0)
+            if name in self._found or name in self.missing:
+                continue
+            found = self._sources.find(name)
+            if isinstance(found, Missing):
+                self.missing[name] = found.sentence
+            elif found is None and name in self._asked:
+                self.missing[name] = f"`{name}` is Python's or the notebook's own: define a function of that name in a cell"
+            elif found:
+                self._found[name] = found
+                waiting += sorted(_needs(found))
+
+    def _refusal(self, source: Source) -> str | None:
+        """Why running this text would fail, or would not make the value there is now."""
+        runs = self._reached(source.names.now) if source.kind == "statement" else source.names.now
+        lost = sorted(name for name in runs if name in self.missing and name not in self._given)
+        if lost:
+            return f"`{source.name}` is made with `{lost[0]}`, which cannot be sent: {self.missing[lost[0]]}"
+        if source.kind not in ("statement", "definition"):
+            return None
+        texts = [source.text, *(self._found[name].text for name in sorted(runs & self._found.keys()))]
+        if source.kind == "statement" and any(_reaches_outside(text) for text in texts):
+            return f"`{source.name}` is made by reading or writing files, or with the network, which the server has not: " + _REMEDY
+        if self._sources.is_outdated(source, texts):
+            return f"`{source.name}` is not what its cell would make now, something in it was changed later: {_AGAIN}"
+        return None
+
+    def _reached(self, names: Iterable[str]) -> set[str]:
+        reached: set[str] = set()
+        waiting = list(names)
+        while waiting:
+            name = waiting.pop()
+            if name not in reached:
+                reached.add(name)
+                waiting += _needs(self._found[name]) if name in self._found else ()
+        return reached
+
+    def _sent(self) -> list[Source]:
+        """What is reached from the names asked for, helpers before those who use them."""
+        done: dict[str, Source] = {}
+        entered: set[str] = set()
+
+        def enter(name: str) -> None:
+            if name in entered or name not in self._found:
+                return
+            entered.add(name)
+            for needed in sorted(_needs(self._found[name])):
+                enter(needed)
+            done[name] = self._found[name]
+
+        for name in self._asked:
+            enter(name)
+        return sorted(done.values(), key=lambda source: source.kind != "value")
+
+    def _in_order(self, sources: list[Source]) -> Iterator[Source]:
+        """The given order, changed only where something must run first: what a text runs, and who else binds the name."""
+        waiting = {s.name: s for s in sources}
+        first: dict[str, set[str]] = {}
+        for s in sources:
+            binding = {other.name for other in sources if s.name in other.names.bound and other.text != s.text}
+            first[s.name] = (self._reached(s.names.now) | binding) - {s.name}
+        while waiting:
+            free = (name for name in waiting if not first[name] & waiting.keys())
+            name = next(free, None) or next(iter(waiting))
+            yield waiting.pop(name)
+
+
+def _needs(source: Source) -> frozenset[str]:
+    return source.names.now | source.names.later - {source.name}
+
+
+@lru_cache(maxsize=2048)
+def _reaches_outside(text: str) -> bool:
+    return any(word in _OUTSIDE for word in _words(text)) or any(_is_reading(word) for word in _words(text, names=False))
+
+
+def _is_reading(word: str) -> bool:
+    return word in _OUTSIDE_METHODS or word.startswith("read_")
+
+
+def _words(text: str, names: bool = True) -> Iterator[str]:
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Name) and names:
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            yield node.attr
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            modules = [getattr(node, "module", None) or "", *(alias.name for alias in node.names)]
+            yield from (part for module in modules for part in module.split("."))

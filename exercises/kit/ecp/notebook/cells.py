@@ -1,0 +1,129 @@
+"""The raw text of a cell as Python: magics and shell lines are taken out, the statements cut so that each stands alone."""
+
+import ast
+import re
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+from ecp.notebook.names import Names, calls_on, increments, names_in, stores_into
+
+TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
+"""Cell magics with ordinary Python below them; what stands below any other is not Python of this notebook."""
+
+SHELL_ANSWER = "get_ipython()"
+"""Stands where a statement took its value from a shell line or magic (``files = !ls``): only the notebook can know it."""
+
+DEFINITION = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+BLOCK = (ast.If, ast.For, ast.While, ast.With, ast.Try, ast.Match)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One statement at the top level of a cell, or inside an ``if``, ``try``, ``with`` or loop there, as a text of its own."""
+
+    text: str
+    node: ast.stmt
+
+    @property
+    def names(self) -> Names:
+        """Its global names; what a block binds itself, such as a loop's variable, it does not need."""
+        names = names_in(self.text)
+        return Names(names.now - names.bound, names.later, names.bound) if isinstance(self.node, BLOCK) else names
+
+    def binds(self, name: str) -> bool:
+        """Whether it gives ``name`` a value that is not only a change of the one before."""
+        return name in self.names.bound and not increments(self.node, name)
+
+    def changes(self, name: str, calls: bool = True) -> bool:
+        """Whether it changes the value ``name`` has; with ``calls``, a method called on it counts as a change."""
+        return increments(self.node, name) or stores_into(self.node, name) or (calls and calls_on(self.node, name))
+
+    def starts(self, name: str) -> bool:
+        """Whether the value it gives ``name`` has nothing to do with the one before."""
+        return self.binds(name) and not isinstance(self.node, BLOCK) and name not in self.names.now
+
+
+def python_of(cell: str) -> str | None:
+    """The cell's Python, line for line: a magic has become ``pass``. None where the cell is not Python."""
+    read = _read(cell)
+    return read[0] if read else None
+
+
+@lru_cache(maxsize=2048)
+def statements_of(cell: str) -> tuple[Statement, ...]:
+    """The top-level statements of a cell; none where it is not Python."""
+    read = _read(cell)
+    if read is None:
+        return ()
+    lines = read[0].split("\n")
+    found = tuple(Statement(_cut(lines, node), node) for node in read[1].body)
+    measured_only = cell.lstrip().startswith("%%timeit")  # binds nothing in the notebook
+    return tuple(s for s in found if isinstance(s.node, DEFINITION)) if measured_only else found
+
+
+def unfold(statement: Statement) -> Iterator[Statement]:
+    """The statement, or those inside it if it is a block."""
+    if not isinstance(statement.node, BLOCK):
+        yield statement
+        return
+    lines = statement.text.split("\n")
+    for node in _in_block(ast.parse(statement.text)):
+        yield Statement(_cut(lines, node), node)
+
+
+@lru_cache(maxsize=2048)
+def _read(cell: str) -> tuple[str, ast.Module] | None:
+    first, _, rest = cell.lstrip().partition("\n")
+    if first.startswith("%%"):
+        return _read(rest) if first.split()[0] in TRANSPARENT else None
+    lines = (textwrap.dedent(cell) if cell.lstrip("\n").startswith((" ", "\t")) else cell).split("\n")
+    for _ in range(len(lines) + 1):
+        try:
+            text = "\n".join(lines)
+            return text, ast.parse(text)
+        except (SyntaxError, ValueError) as error:
+            # Only the line at which Python stopped can be a magic: a % may also continue an expression or stand in a string.
+            if not _take_out(lines, (getattr(error, "lineno", None) or 1) - 1):
+                return None
+    return None
+
+
+def _take_out(lines: list[str], at: int) -> bool:
+    """Replace the magic in that line by Python; False where there is none."""
+    line = lines[at] if at < len(lines) else ""
+    bare = line.lstrip()
+    indent = line[: len(line) - len(bare)]
+    answer = re.match(r"([^=!%'\"#()]+=)\s*[!%]", bare)
+    if bare.startswith("%time "):
+        lines[at] = indent + bare.removeprefix("%time ").lstrip()
+    elif bare.startswith(("%", "!", "?")) or bare.rstrip().endswith("?"):
+        lines[at] = indent + "pass"
+    elif answer:
+        lines[at] = f"{indent}{answer[1]} {SHELL_ANSWER}"
+    else:
+        return False
+    while line.endswith("\\") and at + 1 < len(lines):
+        at += 1
+        line, lines[at] = lines[at], ""
+    return True
+
+
+def _cut(lines: list[str], node: ast.stmt) -> str:
+    """The statement's own lines, as they stand; one that is indented gets an ``if True:`` above it."""
+    first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
+    block = lines[first - 1 : node.end_lineno]
+    if isinstance(node, DEFINITION + BLOCK):
+        return "\n".join(["if True:", *block] if node.col_offset else block)
+    block[-1] = block[-1].encode()[: node.end_col_offset].decode()  # columns are counted in bytes
+    block[0] = block[0].encode()[node.col_offset :].decode()
+    return "\n".join(block)
+
+
+def _in_block(block: ast.AST) -> Iterator[ast.stmt]:
+    for child in ast.iter_child_nodes(block):
+        if isinstance(child, ast.stmt) and not isinstance(child, BLOCK):
+            yield child
+        elif isinstance(child, (*BLOCK, ast.ExceptHandler, ast.match_case)):
+            yield from _in_block(child)

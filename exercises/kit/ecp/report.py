@@ -1,0 +1,140 @@
+"""The one Report: told by the server, made by ``ecp.check``, stored, served, printed and shown."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from ecp.exercise import Exercise
+from ecp.judge import Verdict
+from ecp.outcome import Ending, Outcome, SceneEnding, Swept
+
+
+@dataclass
+class Picture:
+    """A figure or an animation that can be asked for by its ``name``."""
+
+    name: str
+    exercise: str
+    title: str
+    alt: str
+
+
+def pictures(exercises: Sequence[Exercise], shown: Collection[str]) -> tuple[list[Picture], list[Picture]]:
+    """Figures and animations of the exercises whose scenes are among those ``shown``."""
+    figures = [Picture(f.name, e.number, f.title, f.alt) for e in exercises for f in e.figures if set(f.scenes) <= set(shown)]
+    return figures, [Picture(a.name, e.number, a.title, a.alt) for e in exercises for a in e.animations if a.scene in shown]
+
+
+@dataclass
+class ExerciseReport:
+    """The outcomes of one exercise, in the order the checks are declared."""
+
+    number: str
+    title: str
+    outcomes: list[Outcome]
+
+    def text(self) -> str:
+        """The lines of the exercise; a cause shared by several is told once."""
+        told: set[str] = set()
+        lines = [f"Exercise {self.number}. {self.title}"]
+        for outcome in self.outcomes:
+            lines.append(outcome.text(told))
+            told |= {d.sentence for d in outcome.diagnosis}
+        return "\n".join(lines)
+
+
+@dataclass
+class Provenance:
+    """What a regrade needs to give the same report: seed and versions; what stood around the code; and by scene, what makes a
+    motion the student's function's own."""
+
+    seed: int
+    versions: dict[str, str]
+    walls: str
+    motions: dict[str, str] = field(default_factory=dict)
+    phases_ms: dict[str, float] = field(default_factory=dict)
+
+
+def _no_picture(name: str) -> bytes | None:
+    return None
+
+
+@dataclass(repr=False)
+class Report:
+    """All outcomes of one attempt. A point is a check that passed.
+
+    In a notebook it shows itself; as plain text it is the ✓/✗ lines, ``print(report)`` tells the causes too. Only there it has
+    pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, and a ``remark``.
+    """
+
+    assignment: str
+    version: str
+    exercises: list[ExerciseReport]
+    provenance: Provenance
+    figures: list[Picture] = field(default_factory=list)
+    animations: list[Picture] = field(default_factory=list)
+    endings: list[SceneEnding] = field(default_factory=list)
+    stdout: str = ""
+    sweep: Swept | None = None
+    drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
+    sent: Any = field(default=None, metadata={"here": True}, compare=False)
+    address: str | None = field(default=None, metadata={"here": True}, compare=False)
+    remark: str = field(default="", metadata={"here": True}, compare=False)
+
+    TOLD: ClassVar = ("score", "max_score", "passed")
+
+    @property
+    def score(self) -> int:
+        """Checks passed."""
+        return sum(o.verdict is Verdict.PASS for o in self.outcomes())
+
+    @property
+    def max_score(self) -> int:
+        """Checks made that count."""
+        return sum(o.counted for o in self.outcomes())
+
+    @property
+    def passed(self) -> bool:
+        """Every check ✓, and at least one check made."""
+        return 0 < self.score == self.max_score
+
+    def outcomes(self) -> list[Outcome]:
+        """The outcomes of all exercises in order."""
+        return [o for e in self.exercises for o in e.outcomes]
+
+    def lines(self) -> str:
+        """The ✓/✗ lines and nothing else."""
+        return "\n".join(o.line for o in self.outcomes())
+
+    def text(self) -> str:
+        """The report as the notebook would print it, exercise by exercise, then what interrupted the code."""
+        blocks = [e.text() for e in self.exercises if e.outcomes]
+        if notes := [note for e in self.endings if (note := _note(e))]:
+            blocks.append("\n".join(notes))
+        if self.sweep:
+            blocks.append(f"speed against accuracy: {self.sweep.line}")
+        return "\n\n".join([*blocks, self.summary()]) + "\n"
+
+    def summary(self) -> str:
+        """How many checks are ✓, and how many of those that everybody knows."""
+        public = [o for o in self.outcomes() if o.counted and not o.hidden]
+        passed = sum(o.verdict is Verdict.PASS for o in public)
+        return f"{self.score} of {self.max_score} checks ✓ (public checks: {passed} of {len(public)})"
+
+    def __repr__(self) -> str:
+        return self.lines()
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        from ecp.shown import html
+
+        return html(self)
+
+
+def _note(ending: SceneEnding) -> str | None:
+    if ending.traceback is None or ending.ending in (Ending.FINISHED, Ending.NOT_PLAYED):
+        return None
+    shown = "\n".join(f"     {line}" for line in ending.traceback.rstrip().split("\n"))
+    return f"{ending.scene}: {ending.sentence}\n{shown}"

@@ -1,0 +1,54 @@
+"""Server-sent events read from the bytes of a stream."""
+
+import json
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+LONGEST_LINE = 2**20
+
+
+class Event(NamedTuple):
+    """One event; ``id`` is "" where it has none, and so for what was asked for instead of streamed."""
+
+    name: str
+    id: str
+    data: dict[str, Any]
+
+
+def parsed(chunks: Iterable[bytes]) -> Iterator[Event]:
+    """The events whose data is a JSON object. One that is cut off is not told, and a line longer than LONGEST_LINE ends all."""
+    fields: dict[str, str] = {}
+    for line in _lines(chunks):
+        if line:
+            _take(line, fields)
+            continue
+        if (data := _object(fields.get("data", ""))) is not None:
+            yield Event(fields.get("event", "message"), fields.get("id", ""), data)
+        fields = {}
+
+
+def _lines(chunks: Iterable[bytes]) -> Iterator[str]:
+    held = b""
+    for chunk in chunks:
+        *lines, held = (held + chunk).split(b"\n")
+        for line in lines:
+            yield line.decode("utf-8", "replace").removesuffix("\r")
+        if len(held) > LONGEST_LINE:
+            return
+
+
+def _take(line: str, fields: dict[str, str]) -> None:
+    name, _, value = line.partition(":")
+    value = value.removeprefix(" ")
+    if name == "data" and "data" in fields:
+        fields["data"] += "\n" + value
+    elif name != "id" or (value.isascii() and value.isprintable()):  # an id goes back in a header
+        fields[name] = value
+
+
+def _object(data: str) -> dict[str, Any] | None:
+    try:
+        value = json.loads(data)
+    except ValueError:
+        return None
+    return value if isinstance(value, dict) else None

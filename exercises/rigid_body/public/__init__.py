@@ -1,0 +1,14 @@
+"""The six exercises of notebook 2.6 with the checks everybody knows: the notebook's nine lines and the exact solution.
+
+This folder goes into the students' kit, so that ``ecp.check`` prints the server's lines: it imports numpy, scipy, the kit and
+itself.
+"""
+
+from .attitude import ATTITUDE
+from .euler import EULER
+from .intermediate import INTERMEDIATE
+from .moments import MOMENTS
+from .polhode import POLHODE
+from .symmetric import SYMMETRIC
+
+EXERCISES = (MOMENTS, EULER, POLHODE, SYMMETRIC, INTERMEDIATE, ATTITUDE)

@@ -1,0 +1,62 @@
+"""Exercise 6: the attitude, and its animation."""
+
+import numpy as np
+
+from ecp.checks import Arrays, below, close, shows
+from ecp.exercise import Animation, Exercise
+
+from . import figures
+from .measures import orthonormality_error, space_momentum
+from .setting import SYMMETRIC
+from .watched import momentum_shown
+from .wording import DRIVE, NOTEBOOK, attitude, film
+
+
+def _keeps_momentum(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
+    shown = momentum_shown(seen, truth["t"], truth["R"], truth["L"])
+    return shown.found, shown.sentence
+
+
+ATTITUDE = Exercise(
+    "6",
+    "Animating the free precession",
+    ("animate_precession",),
+    (
+        close(
+            "6-orthonormal",
+            "R stays orthonormal (max |RᵀR − 1| over the run)",
+            "precession",
+            measured=lambda seen: orthonormality_error(seen["R"]).max(),
+            expected=0.0,
+            rtol=1e-6,
+            atol=1e-6,
+            reason=NOTEBOOK,
+        ),
+        attitude("6-attitude", "R(t) follows the exact attitude", "precession"),
+        below(
+            "6-momentum",
+            "L stays fixed in space",
+            "precession",
+            measured=lambda seen: np.ptp(space_momentum(seen["R"], seen["w"], SYMMETRIC), axis=0),
+            limit=1e-8,
+            reason=DRIVE,
+        ),
+        *film("6", "film", "animate_precession", 2, "the body axis ê₃(t)"),
+        shows(
+            "6-drawn-momentum",
+            "what animate_precession draws along L stays fixed",
+            "film",
+            claim=_keeps_momentum,
+            reason="without torque L is constant in space",
+        ),
+    ),
+    figures=(figures.CONE,),
+    animations=(
+        Animation(
+            "precession",
+            "Your animation of the free precession",
+            "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames.",
+            "film",
+        ),
+    ),
+)

@@ -1,0 +1,197 @@
+"""Figures of the student's own data beside the exact motion, after the kinds of Figs. 145–150 of notebook 2.6.
+
+A figure is drawn on a bare canvas: on the server when somebody first looks at it, in a notebook when its report is shown.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ecp.checks import Arrays
+from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
+from ecp.exercise import Figure
+
+from .allowance import as_closely
+from .measures import kinetic_energy, momentum_norm, space_momentum, transverse
+from .setting import BODY, NUDGE, SPIN, SYMMETRIC
+from .setting import BOX as BOX_NUMBERS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+COLORS = ("#0072b2", "#d55e00", "#009e73")
+EXACT: dict[str, Any] = {"color": "0.25", "ls": (0, (1, 2)), "lw": 1.6}
+HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
+FLOOR = 1e-17  # below one rounding error: where a log axis shows an exact zero
+
+
+def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    solid, bars = canvas.add_subplot(121, projection="3d"), canvas.add_subplot(122)
+    _draw_box(solid, np.eye(3))
+    solid.set_title(f"box {BOX_NUMBERS[1]:g} × {BOX_NUMBERS[2]:g} × {BOX_NUMBERS[3]:g} m", fontsize=9)
+    place, yours, exact = np.arange(3), np.sort(seen[0]["moments"][0]), truth[0]["moments"][0]
+    bars.bar(place - 0.2, yours, 0.4, color=COLORS, label="yours")
+    bars.bar(place + 0.2, exact, 0.4, color="0.75", label="exact")
+    bars.set_xticks(place, ["I₁", "I₂", "I₃"])
+    bars.set_ylabel("kg m²")
+    bars.legend()
+
+
+def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    run, exact, body = seen[0], truth[0], BODY
+    top, bottom = canvas.subplots(2, 1, sharex=True)
+    for i in range(3):
+        top.plot(run["t"], run["w"][i], color=COLORS[i], label=f"ω{'₁₂₃'[i]}")
+        top.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
+    top.set_ylabel("rad/s")
+    top.legend(ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1, 0.99), frameon=False)
+    for name, observable in (("T", kinetic_energy), ("|L|", momentum_norm)):
+        values = observable(run["w"], body)
+        bottom.semilogy(run["t"], np.maximum(np.abs(values / values[0] - 1), FLOOR), lw=0.8, label=f"relative drift of {name}")
+    _tolerance_line(bottom, 1e-6)
+    bottom.set_xlabel("t / s")
+
+
+def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    axes = canvas.add_subplot()
+    for i in range(3):
+        delta = np.abs(seen[0]["w"][i] - truth[0]["w"][i])
+        axes.semilogy(seen[0]["t"], np.maximum(delta, FLOOR), color=COLORS[i], lw=0.9, label=f"|Δω{'₁₂₃'[i]}|")
+    _tolerance_line(axes, float(as_closely(truth[0]).limit or 0.0) * float(np.linalg.norm(truth[0]["w"][:, 0])))
+    axes.set(xlabel="t / s", ylabel="rad/s")
+
+
+def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    axes = canvas.add_subplot(projection="3d")
+    energy = float(kinetic_energy(truth[0]["w"][:, 0], BODY))
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 37), np.linspace(0, np.pi, 19))
+    sphere = np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
+    ellipsoid = sphere * np.sqrt(2 * energy / np.array(BODY))[:, None, None]
+    axes.plot_wireframe(*ellipsoid, color="0.85", lw=0.4)
+    for number, (run, exact) in enumerate(zip(seen, truth, strict=True)):
+        axes.plot(*run["w"], color=COLORS[number], lw=1.8, label=f"yours, from ω(0) = {np.round(run['w'][:, 0], 2).tolist()}")
+        axes.plot(*exact["w"], **EXACT)
+    cube_axes(axes, float(np.abs(ellipsoid).max()))
+    axes.set(xlabel="ω₁", ylabel="ω₂", zlabel="ω₃")
+    axes.legend(fontsize=7, loc="upper left")
+
+
+def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    run, exact = seen[0], truth[0]
+    circle, phase = canvas.subplots(1, 2)
+    circle.plot(run["w"][0], run["w"][1], color=COLORS[0], label="yours")
+    circle.plot(exact["w"][0], exact["w"][1], **EXACT, label="exact")
+    circle.set(xlabel="ω₁", ylabel="ω₂", aspect="equal")
+    for motion, style in ((run, {"color": COLORS[0]}), (exact, EXACT)):
+        phase.plot(motion["t"], np.unwrap(np.arctan2(motion["w"][1], motion["w"][0])), **style)
+    phase.set(xlabel="t / s", ylabel="phase of (ω₁, ω₂) / rad")
+    circle.legend(fontsize=8)
+
+
+def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    axes = canvas.add_subplot()
+    for k, (run, exact) in enumerate(zip(seen, truth, strict=True)):
+        axes.semilogy(SPIN * run["t"], transverse(run["w"], k, SPIN), color=COLORS[k], label=f"spin about ê{'₁₂₃'[k]}")
+        axes.semilogy(SPIN * exact["t"], transverse(exact["w"], k, SPIN), **EXACT)
+    axes.axhline(NUDGE * np.sqrt(2), color="0.7", lw=0.8)
+    axes.set(xlabel="turn angle nt / rad", ylabel="transverse |ω| / n")
+    axes.legend(fontsize=8)
+
+
+def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    _stills(canvas, seen, np.linspace(0.0, 0.7, 6), [f"about ê{k}" for k in "₁₂₃"])
+
+
+def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
+    run = seen[0]
+    L = space_momentum(run["R"], run["w"], SYMMETRIC)[0]
+    axes = canvas.add_subplot(projection="3d")
+    axis, exact = run["R"][:, :, 2], truth[0]["R"][:, :, 2]
+    axes.plot(*axis.T, color=COLORS[2], lw=1.6, label="yours: path of ê₃")
+    axes.plot(*exact.T, **EXACT, label="exact")
+    for at in np.linspace(0, len(axis) - 1, 7).astype(int):
+        arrow(axes, axis[at], color=COLORS[2], lw=0.8, alpha=0.6)
+    arrow(axes, L / np.linalg.norm(L), color=COLORS[1], lw=2.5, label="L, fixed in space")
+    cube_axes(axes, 0.8).set_zlim(0, 1.6)
+    axes.legend(fontsize=8)
+
+
+def _stills(canvas: "Canvas", runs: list[Arrays], shares: np.ndarray, titles: list[str]) -> None:
+    grid = canvas.subplots(len(runs), len(shares), subplot_kw={"projection": "3d"}, gridspec_kw={"wspace": 0, "hspace": 0})
+    for row, run in enumerate(runs):
+        for column, share in enumerate(shares):
+            at = int(share * (len(run["t"]) - 1))
+            _draw_box(grid[row, column], run["R"][at])
+            grid[row, column].set_title(f"{titles[row]}, t = {run['t'][at]:.2f} s", fontsize=7, pad=-2)
+
+
+def _draw_box(axes: Any, R: np.ndarray) -> None:
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    axes.add_collection3d(Poly3DCollection(box_polys(R, HALF_BOX), facecolors=FACE_COLORS, edgecolors="k", linewidths=0.4))
+    cube_axes(axes, 0.85).set_axis_off()
+
+
+def _tolerance_line(axes: Any, limit: float) -> None:
+    axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:.3g}")
+    axes.legend(fontsize=8, loc="lower right")
+
+
+SPINS = ("spin-min", "spin-mid", "spin-max")
+
+BOX = Figure(
+    "box",
+    "The box and its principal moments",
+    "A box with its six faces coloured, beside bars comparing your three principal moments with the exact ones.",
+    ("tensor",),
+    _box,
+)
+OMEGA = Figure(
+    "omega",
+    "Angular velocity and the drift of T and |L|",
+    "Above: the three components of your ω against time, the exact motion dotted. Below: drift of T and |L| on a log axis.",
+    ("torque-free",),
+    _omega,
+)
+OMEGA_RESIDUAL = Figure(
+    "omega-residual",
+    "Distance from the exact motion",
+    "Absolute difference between your ω and the exact ω against time on a log axis, with the tolerance as a dashed line.",
+    ("torque-free",),
+    _residual,
+)
+POLHODE = Figure(
+    "polhode",
+    "Polhodes on the energy ellipsoid",
+    "Three-dimensional curves of your ω on the wire-frame energy ellipsoid, the exact polhodes dotted over them.",
+    ("torque-free", "polhode-3", "polhode-1"),
+    _polhode,
+)
+PRECESSION = Figure(
+    "precession",
+    "Free precession in the body",
+    "Left: the circle of ω₁ against ω₂, yours and exact. Right: its phase against time, whose slope is the precession rate.",
+    ("symmetric",),
+    _precession,
+)
+GROWTH = Figure(
+    "growth",
+    "Growth of the transverse spin",
+    "Transverse angular velocity over the spin for spins about the three axes, on a log axis; only the intermediate one grows.",
+    SPINS,
+    _growth,
+)
+TUMBLE = Figure(
+    "tumble",
+    "Stills of the tumbling box",
+    "Three rows of six stills of the box, spun about its first, second and third axis by your equations; the second row tumbles.",
+    SPINS,
+    _tumble,
+)
+CONE = Figure(
+    "cone",
+    "The symmetry axis around L",
+    "The path of the body axis ê₃ in space by your equations, the exact path dotted, around the fixed angular momentum.",
+    ("precession",),
+    _cone,
+)

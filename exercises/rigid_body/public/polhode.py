@@ -1,0 +1,44 @@
+"""Exercise 3: polhodes on the two ellipsoids, run through at the exact pace."""
+
+import numpy as np
+
+from ecp.checks import close
+from ecp.exercise import Exercise
+
+from . import figures
+from .measures import kinetic_energy, momentum_norm
+from .setting import BODY
+from .wording import NOTEBOOK, at_time, omega
+
+POLHODE = Exercise(
+    "3",
+    "Polhodes",
+    ("euler_eqs",),
+    (
+        close(
+            "3-energy",
+            "polhode lies on the energy ellipsoid",
+            "torque-free",
+            measured=lambda seen: kinetic_energy(seen["w"], BODY),
+            expected=lambda truth: np.full_like(truth["t"], kinetic_energy(truth["w"][:, 0], BODY)),
+            rtol=1e-6,
+            atol=1e-9,
+            reason=NOTEBOOK,
+            locate=at_time,
+        ),
+        close(
+            "3-momentum",
+            "polhode lies on the momentum ellipsoid",
+            "torque-free",
+            measured=lambda seen: momentum_norm(seen["w"], BODY),
+            expected=lambda truth: np.full_like(truth["t"], momentum_norm(truth["w"][:, 0], BODY)),
+            rtol=1e-6,
+            atol=1e-9,
+            reason=NOTEBOOK,
+            locate=at_time,
+        ),
+        omega("3-about-3", "polhode about ê₃ is run through at the exact pace", "polhode-3"),
+        omega("3-about-1", "polhode about ê₁ is run through at the exact pace", "polhode-1"),
+    ),
+    figures=(figures.POLHODE,),
+)

@@ -1,0 +1,138 @@
+"""The students' kit as a wheel: ``ecp``, and of every assignment its public side with the exact arrays of its public scenes."""
+
+import base64
+import functools
+import hashlib
+import io
+import json
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import ecp
+from exercises.assignment import Assignment, Scene, assignments
+
+NAME = f"polhode_kit-{ecp.KIT}-py3-none-any.whl"
+"""The file name, which does not change while ``ecp.KIT`` does not: a notebook may hold its address for years."""
+METADATA = f"""Metadata-Version: 2.1
+Name: polhode-kit
+Version: {ecp.KIT}
+Summary: The students' kit of a polhode course server: local checks, and submitting. Imported as ecp.
+License: MIT
+Requires-Python: >=3.11
+Requires-Dist: numpy
+Requires-Dist: scipy
+Requires-Dist: matplotlib
+"""
+FORM = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+INFO = f"polhode_kit-{ecp.KIT}.dist-info"
+NOTEBOOK = "notebook.ipynb"
+EPOCH = (2000, 1, 1, 0, 0, 0)
+
+
+@functools.cache
+def build() -> str:
+    """A hash of all that the kit is made of."""
+    digest = hashlib.sha256()
+    for name, content in sorted(_content().items()):
+        digest.update(f"{name}\0{len(content)}\0".encode() + content)
+    return digest.hexdigest()[:16]
+
+
+@functools.lru_cache(maxsize=4)
+def wheel(server: str | None = None) -> bytes:
+    """The wheel, byte for byte the same for the same content; with the address of the ``server`` it comes from."""
+    made = {"build": build()} | ({"server": server} if server else {})
+    files = _content() | {"ecp/assignments/made.json": json.dumps(made).encode()}
+    files |= {f"{INFO}/METADATA": METADATA.encode(), f"{INFO}/WHEEL": FORM.encode()}
+    files[f"{INFO}/RECORD"] = _record(files)
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
+    return stream.getvalue()
+
+
+def has_notebook(assignment: Assignment) -> bool:
+    """Whether there is a notebook for its students."""
+    return (assignment.folder / NOTEBOOK).is_file()
+
+
+def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
+    """The assignment's notebook for students, holding the address of the ``server`` and of its ``kit``."""
+    text = (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
+    for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit}.items():
+        text = text.replace(mark, json.dumps(value)[1:-1])
+    return text.encode()
+
+
+@functools.cache
+def _content() -> dict[str, bytes]:
+    kit = Path(ecp.__path__[0])
+    found = {f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))}
+    for assignment in assignments().values():
+        if (assignment.folder / "public").is_dir():
+            home = f"ecp/assignments/{assignment.folder.name}"
+            found |= {f"{home}/{name}": content for name, content in _public_side(assignment)}
+    return found | {"ecp/assignments/__init__.py": b""}
+
+
+def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
+    for path in sorted((assignment.folder / "public").glob("*.py")):
+        yield path.name, path.read_bytes()
+    yield "plays.py", (assignment.folder / "plays.py").read_bytes()
+    scenes = _public_scenes(assignment)
+    precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
+    hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
+    told = [_told(s) for s in [*precursors.values(), *scenes]]
+    declared = {"version": assignment.version, "hidden": hidden, "scenes": told}
+    yield "public.json", json.dumps(declared, default=_listed, allow_nan=False).encode()
+    yield "truth.npz", _packed({f"{s.name}/{key}": array for s in scenes for key, array in _truth(s).items()})
+
+
+def _told(scene: Scene) -> dict[str, Any]:
+    told = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
+    return told | {"known": list(scene.known)}
+
+
+def _drawn_once(scene: Scene) -> Scene:
+    """A scene that others come after, with inputs that are the same for everybody: what it brings is not judged."""
+    return replace(scene, inputs=scene.inputs(np.random.default_rng(0)), known=()) if callable(scene.inputs) else scene
+
+
+def _public_scenes(assignment: Assignment) -> list[Scene]:
+    """Scenes with fixed inputs that an exercise needs."""
+    used = {name for e in assignment.exercises for name in e.scenes()}
+    return [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]
+
+
+def _truth(scene: Scene) -> Mapping[str, Any]:
+    assert not callable(scene.inputs)
+    return scene.truth(scene.inputs)
+
+
+def _packed(arrays: Mapping[str, Any]) -> bytes:
+    """Arrays as an .npz whose bytes do not depend on when it is made."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in arrays.items():
+            member = io.BytesIO()
+            np.save(member, np.asarray(array), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy", EPOCH), member.getvalue(), zipfile.ZIP_DEFLATED)
+    return stream.getvalue()
+
+
+def _record(files: Mapping[str, bytes]) -> bytes:
+    lines = []
+    for name, content in files.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+        lines.append(f"{name},sha256={digest},{len(content)}")
+    return "\n".join([*lines, f"{INFO}/RECORD,,", ""]).encode()
+
+
+def _listed(value: Any) -> Any:
+    return value.tolist()

@@ -1,0 +1,27 @@
+"""Where students reach this server, and whether a request was made to it by such a name."""
+
+import ipaddress
+from urllib.parse import urlsplit
+
+from fastapi import Request
+
+
+def public_address(request: Request) -> str:
+    """The address students reach this server at, without a slash at its end."""
+    return str(request.app.state.settings.public_url or request.base_url).rstrip("/")
+
+
+def is_own_name(request: Request) -> bool:
+    """Whether it was asked by number, as localhost, or by a name of its own: not by one that another site made to point here."""
+    settings = request.app.state.settings
+    host = urlsplit(f"//{request.headers.get('host', '')}").hostname or ""
+    named = urlsplit(settings.public_url or "").hostname
+    return host in ("localhost", settings.host, named) or _is_number(host)
+
+
+def _is_number(host: str) -> bool:
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,134 @@
+"""``ecp.check`` in a notebook's kernel: the kit from its wheel, alone, prints the server's lines."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import ecp
+from exercises.wheel import NAME, wheel
+from service.grading.grade import grade
+from service.grading.submission import Submission
+
+# What they do to a student's functions, each in its own way; those of chance and of syntax cannot be alike.
+SAME = [
+    "right_all",
+    "right_terms",
+    "right_animation_scatter_tip",
+    "wrong_zeros",
+    "wrong_time_reversed",
+    "wrong_slip_1e-9",
+    "wrong_not_finite",
+    "wrong_raises",
+    "wrong_two_arguments",
+    "wrong_four_arguments",
+    "wrong_arguments_exchanged",
+    "wrong_mutates_I",
+    "wrong_mutates_w",
+    "wrong_nothing_returned",
+    "wrong_shape_six",
+    "wrong_shape_ragged_list",
+    "wrong_strings",
+    "wrong_complex",
+    "wrong_function_missing",
+    "wrong_sign_first",
+    "wrong_raises_name_error",
+    "wrong_animation_static",
+    "wrong_animation_raises",
+    "wrong_moments_cyclic",
+]
+KERNEL = """
+import contextlib, io, json, sys
+import ecp
+setup, told = compile(open({setup!r}).read(), "setup.py", "exec"), {{}}
+for file, numbers in {files!r}:
+    names = {{"__name__": "__main__"}}
+    exec(setup, names)
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(compile(open(file).read(), file, "exec"), names)
+    report = eval(f"ecp.check(*{{numbers!r}})", names)
+    told[file] = {{"lines": repr(report), "text": str(report), "remark": report.remark}}
+    if {drawn}:
+        told[file]["html"] = report._repr_html_()
+for name in ("reference", "exercises", "service", "pydantic", "fastapi", "numba", "IPython"):
+    assert name not in sys.modules, name
+print(json.dumps(told))
+"""
+
+
+def checked(kit, rigid_body, *files):
+    """What a fresh kernel without any of our packages makes of (file, numbers of exercises)."""
+    code = KERNEL.format(
+        setup=str(rigid_body.folder / "setup.py"), files=[(str(file), numbers) for file, numbers in files], drawn=len(files) == 1
+    )
+    command = [sys.executable, "-P", "-W", "error", "-c", f"import sys; sys.path.insert(0, {str(kit)!r})\n{code}"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=kit)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout.splitlines()[-1])
+    return [told[str(file)] for file, _ in files]
+
+
+def test_local_and_remote_lines_are_identical(kit, rigid_body, sandbox):
+    files = [rigid_body.folder / "specimens" / f"{name}.py" for name in SAME]
+    reports = [grade(Submission(file.read_text()), rigid_body, sandbox, 11).report for file in files]
+    told = checked(kit, rigid_body, *[(f, [e.number for e in r.exercises]) for f, r in zip(files, reports, strict=True)])
+    for file, report, here in zip(files, reports, told, strict=True):
+        assert here["lines"].split("\n") == [o.line for o in report.outcomes() if not o.hidden], file.name
+
+
+def test_the_text_tells_where_and_how_far_off_and_the_html_shows_figures(kit, rigid_body):
+    (told,) = checked(kit, rigid_body, (rigid_body.folder / "specimens" / "wrong_zeros.py", ["2"]))
+    assert "worst at ω₁, t = 8.093 s" in told["text"] and "worst at" not in told["lines"]
+    assert told["html"].count("data:image/png;base64,") == 2 and "<script" not in told["html"]
+    assert told["remark"] == "Checked here. The server makes 2 more checks, with numbers drawn anew for each attempt."
+
+
+def test_what_stops_the_code_is_told_with_its_own_line(kit, rigid_body, tmp_path):
+    (tmp_path / "mine.py").write_text("def euler_eqs(t, w, I):\n    return 1 / 0\n")
+    (told,) = checked(kit, rigid_body, (tmp_path / "mine.py", ["2"]))
+    assert "[not measured: ZeroDivisionError: division by zero]" in told["lines"]
+    assert told["text"].count("in euler_eqs") == 1 and "plays.py" not in told["text"]
+
+
+def test_only_what_is_defined_is_checked_and_markup_stays_text(kit, rigid_body, tmp_path):
+    (tmp_path / "mine.py").write_text("def principal_moments(tensor):\n    raise ValueError('<script>alert(1)</script>')\n")
+    (told,) = checked(kit, rigid_body, (tmp_path / "mine.py", []))
+    assert told["lines"].count("\n") == 0 and "<script" not in told["html"] and "&lt;script&gt;" in told["html"]
+
+
+def test_an_unknown_exercise_is_a_clear_error(kit, rigid_body, tmp_path):
+    (tmp_path / "mine.py").write_text("")
+    with pytest.raises(AssertionError, match="rigid-body has no exercise 9; it has 1, 2, 3, 4, 5, 6"):
+        checked(kit, rigid_body, (tmp_path / "mine.py", ["9"]))
+
+
+def test_no_module_of_the_kit_hides_a_function_of_it():
+    modules = {"animate", "draw", "validate"}
+    assert not [name for name in set(ecp.__all__) - modules if (Path(ecp.__path__[0]) / f"{name}.py").exists()]
+
+
+def test_the_wheel_is_the_same_each_time_installs_and_holds_no_solution(tmp_path):
+    assert wheel("http://a.example") == wheel("http://a.example") != wheel("http://b.example")
+    (tmp_path / NAME).write_bytes(wheel())
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-deps",
+            "--no-index",
+            "--target",
+            str(tmp_path / "to"),
+            str(tmp_path / NAME),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    text = "".join(p.read_text() for p in (tmp_path / "to").rglob("*.py"))
+    assert "def euler_eqs" not in text and "def principal_moments" not in text and not list((tmp_path / "to").rglob("*specimen*"))

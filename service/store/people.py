@@ -57,6 +57,11 @@ async def role(database: Database, name: str) -> str:
     return str(rows[0].role) if rows else "student"
 
 
+async def secret(database: Database, name: str) -> bytes:
+    """What all servers on this database know and nobody else: to sign with."""
+    return str((await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value).encode()
+
+
 _ROLE = text("""
 UPDATE member SET role = :role FROM course c WHERE c.id = course_id AND c.slug = :course AND person_id = :person
 """)

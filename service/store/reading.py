@@ -14,13 +14,21 @@ from service.store.database import Database
 from service.store.records import Listed, Stored
 from service.store.tables import artefact, kept
 
-# The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was.
+# The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was, and
+# one that is held is not shown. Its points are its score, but for what an instructor gave instead.
 SHOWN = """
 LATERAL (
-    SELECT a.id AS attempt, a.number, a.seed, r.fault, r.score, r.max_score, r.report, r.attempt_id IS NOT NULL AS finished
+    SELECT a.id AS attempt, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
+        r.attempt_id IS NOT NULL AS finished, r.finished_at, r.version
     FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
-    WHERE a.submission_id = s.id ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
+    WHERE a.submission_id = s.id AND NOT a.held ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
 ) shown ON true
+LEFT JOIN LATERAL (
+    SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
+        shown.score + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
+    FROM override o LEFT JOIN outcome v ON v.attempt_id = shown.attempt AND v.check_id = o.check_id
+    WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
+) given ON true
 LEFT JOIN LATERAL (
     SELECT phase, scene, scenes FROM run
     WHERE run.attempt_id = shown.attempt AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
@@ -31,7 +39,8 @@ STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished
     WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
 
 _ONE = f"""
-SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, s.late, shown.*, {STATUS}
+SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, s.late, shown.*,
+    given.points, {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE s.id = :id
 """

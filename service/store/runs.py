@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, text
+from sqlalchemy import Executable, Row, text
 from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
@@ -16,9 +16,10 @@ from ecp.document import document
 from ecp.report import Report
 from service.grading.submission import Submission
 from service.queue import send_attempt, send_next
+from service.store import outcomes
 from service.store.database import Database
 from service.store.reading import keeping
-from service.store.tables import result, run
+from service.store.tables import outcome, result, run
 
 CHANNEL = "polhode"
 
@@ -96,7 +97,8 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         written = insert(result).values(values).on_conflict_do_nothing().returning(result.c.run_id)
         owner = (await connection.execute(written)).scalar() or (await connection.execute(_OWNER, of)).scalar()
         first = owner == claimed.run
-        for statement in keeping(claimed.attempt, artefacts) if first else []:
+        kept = [*keeping(claimed.attempt, artefacts), *_by_check(claimed.attempt, report)]
+        for statement in kept if first else []:
             await connection.execute(statement)
         await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
         if first:
@@ -133,6 +135,11 @@ def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
     }
 
 
+def _by_check(attempt: UUID, report: Report) -> list[Executable]:
+    rows = outcomes.rows(attempt, report)
+    return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
+
+
 async def _tell(connection: AsyncConnection, submission_id: UUID) -> None:
     """The same when this transaction is committed."""
     await connection.execute(text("SELECT pg_notify(:channel, :id)"), {"channel": CHANNEL, "id": str(submission_id)})
@@ -155,7 +162,8 @@ WHERE attempt_id = :attempt AND ending IN ('lost', 'failed') ORDER BY started_at
 
 _BEAT = text("""
 WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
-UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes, ended_at = NULL, ending = NULL, note = NULL
+UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes, ended_at = NULL, ending = NULL, note = NULL,
+    scene_at = CASE WHEN (before.phase, before.scene) = (:phase, :scene) THEN scene_at ELSE now() END
 FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.ending = 'lost')
 RETURNING (before.phase, before.scene) <> (run.phase, run.scene)
 """)

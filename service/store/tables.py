@@ -1,6 +1,8 @@
 """The tables. A submission is never altered, an attempt has one result, artefacts belong to the result's transaction.
 
 An *attempt* is one grading of a submission, a *run* is one worker's try at it: the first run that ends gives the result.
+A *held* attempt belongs to a regrade that has not been applied: nothing of it is shown for the submission. An *override* gives
+points for a check (1 or 0) or, without one, for the whole submission; of each kind one is in force.
 """
 
 from sqlalchemy import (
@@ -39,7 +41,19 @@ course = Table(
     "course", metadata, _id(), Column("slug", Text, nullable=False, unique=True), Column("title", Text, nullable=False),
 )  # fmt: skip
 
-person = Table("person", metadata, _id(), Column("name", Text, nullable=False, unique=True), _at("created_at", now=True))
+person = Table(
+    "person",
+    metadata,
+    _id(),
+    Column("name", Text, nullable=False, unique=True),
+    Column("full_name", Text, nullable=False, server_default=""),
+    Column("email", Text, nullable=False, server_default=""),
+    Column("student_id", Text, nullable=False, server_default=""),
+    Column("password", Text, nullable=True),
+    _at("created_at", now=True),
+)
+
+secret = Table("secret", metadata, Column("name", Text, primary_key=True), Column("value", Text, nullable=False))
 
 member = Table(
     "member",
@@ -98,6 +112,17 @@ assignment_version = Table(
     _at("since", now=True),
 )
 
+extension = Table(
+    "extension",
+    metadata,
+    Column("assignment_id", Uuid, ForeignKey("assignment.id"), primary_key=True),
+    Column("person_id", Uuid, ForeignKey("person.id"), primary_key=True),
+    Column("due_at", DateTime(timezone=True), nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("given_by", Text, nullable=False),
+    _at("given_at", now=True),
+)
+
 submission = Table(
     "submission",
     metadata,
@@ -117,6 +142,19 @@ submission = Table(
 Index("submission_person_assignment", submission.c.person_id, submission.c.assignment_id)
 Index("submission_submitted_at", submission.c.submitted_at)
 
+regrade = Table(
+    "regrade",
+    metadata,
+    _id(),
+    Column("assignment_id", Uuid, ForeignKey("assignment.id"), nullable=False),
+    Column("told", Text, nullable=False),
+    Column("asked_by", Text, nullable=False),
+    _at("asked_at", now=True),
+    Column("decided", Text, nullable=True),
+    Column("decided_by", Text, nullable=True),
+    _at("decided_at"),
+)
+
 attempt = Table(
     "attempt",
     metadata,
@@ -127,8 +165,11 @@ attempt = Table(
     Column("seed", BigInteger, nullable=False),
     Column("most_runs", Integer, nullable=False),
     _at("requested_at", now=True),
+    Column("regrade_id", Uuid, ForeignKey("regrade.id"), nullable=True),
+    Column("held", Boolean, nullable=False, server_default="false"),
     UniqueConstraint("submission_id", "number"),
 )
+Index("attempt_regrade", attempt.c.regrade_id, postgresql_where=attempt.c.regrade_id.is_not(None))
 
 run = Table(
     "run",
@@ -141,6 +182,7 @@ run = Table(
     Column("phase", Text, nullable=False, server_default=""),
     Column("scene", Integer, nullable=False, server_default="0"),
     Column("scenes", Integer, nullable=False, server_default="0"),
+    _at("scene_at", now=True),
     _at("ended_at"),
     Column("ending", Text, nullable=True),
     Column("note", Text, nullable=True),
@@ -159,8 +201,38 @@ result = Table(
     Column("version", Text, nullable=True),
     Column("walls", Text, nullable=True),
     Column("grading_s", Float, nullable=True),
+    Column("cancelled_by", Text, nullable=True),
     _at("finished_at", now=True),
 )
+
+outcome = Table(
+    "outcome",
+    metadata,
+    Column("attempt_id", Uuid, ForeignKey("attempt.id"), primary_key=True),
+    Column("check_id", Text, primary_key=True),
+    Column("state", Text, nullable=False),
+    Column("counted", Boolean, nullable=False),
+    Column("margin", Float, nullable=True),
+    Column("codes", ARRAY(Text), nullable=False),
+)
+
+override = Table(
+    "override",
+    metadata,
+    _id(),
+    Column("submission_id", Uuid, ForeignKey("submission.id"), nullable=False),
+    Column("check_id", Text, nullable=True),
+    Column("points", Integer, nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("given_by", Text, nullable=False),
+    _at("given_at", now=True),
+    Column("withdrawn_by", Text, nullable=True),
+    _at("withdrawn_at"),
+)
+Index(
+    "override_in_force", override.c.submission_id, func.coalesce(override.c.check_id, ""), unique=True,
+    postgresql_where=override.c.withdrawn_at.is_(None),
+)  # fmt: skip
 
 artefact = Table(
     "artefact", metadata, Column("sha256", Text, primary_key=True), Column("content", LargeBinary, nullable=False),

@@ -10,15 +10,18 @@ from fastapi.staticfiles import StaticFiles
 
 from exercises.assignment import assignments
 from service.settings import Settings
+from service.store import people
 from service.store.accept import register
 from service.store.database import Database
-from service.web import attempts, events, guard, health, kit, login, pages, pictures, problems, routes
+from service.web import attempts, events, forms, guard, health, kit, login, pages, pictures, problems, roles, routes
 from service.web.drawing import Draughtsman
 from service.web.hub import Hub
 from service.web.listener import Listener
+from service.web.templating import ENVIRONMENT
 
 ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
 PAGES = (pages.router, login.pages)
+ENVIRONMENT.globals["csrf"] = forms.hidden
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 
@@ -30,6 +33,7 @@ def create_app(settings: Settings) -> FastAPI:
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
     app.state.settings = settings
     problems.install(app)
+    roles.install(app)
     if origins := settings.allowed_origins():
         methods = ["GET", "POST", "DELETE"]
         app.add_middleware(
@@ -50,6 +54,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     assert settings.database_url is not None
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
     await register(database, assignments().values())
+    app.state.secret = await people.secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
     app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()

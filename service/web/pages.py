@@ -3,14 +3,15 @@
 from typing import Literal
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import HTMLResponse, RedirectResponse
+from fastapi.responses import HTMLResponse
 
 from exercises.assignment import assignments
 from service import charts
 from service.store.reading import recent
 from service.web.attempts import list_own
-from service.web.identity import COOKIE, Person, is_staff, who
+from service.web.identity import COOKIE, is_staff
 from service.web.problems import Problem
+from service.web.roles import Looking
 from service.web.routes import find_assignment, find_submission
 from service.web.templating import templates
 
@@ -19,10 +20,8 @@ LATEST = 100
 
 
 @router.get("/", response_class=HTMLResponse)
-async def index(request: Request) -> Response:
+async def index(request: Request, person: Looking) -> Response:
     """The latest submissions, of everybody or your own, and the assignments."""
-    if (person := await _browsing(request)) is None:
-        return RedirectResponse("/login", 303)
     walls, refusal = await request.app.state.crew.known()
     whose = None if await is_staff(request, person) else person.name
     context = {
@@ -53,33 +52,18 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
 
 @router.get("/submissions/{id}", response_class=HTMLResponse)
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
-async def report(id: str, request: Request) -> Response:
+async def report(id: str, request: Request, person: Looking) -> Response:
     """One submission: its lines, causes, figures and animations."""
-    if await _browsing(request) is None:
-        return RedirectResponse("/login", 303)
     stored = await find_submission(request, id)
     return templates.TemplateResponse(request, "report.html", {"stored": stored})
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
-async def attempts(slug: str, request: Request) -> Response:
+async def attempts(slug: str, request: Request, person: Looking) -> Response:
     """What you have sent so far for an assignment, and what changed from one to the next."""
     assignment = find_assignment(slug)
-    if (person := await _browsing(request)) is None:
-        return RedirectResponse("/login", 303)
     told = await list_own(slug, request)
     by_id = {one["id"]: one for one in told["submissions"]}
     context = {"assignment": assignment, "person": person.name, "told": told}
     context |= {"best": by_id.get(told["best"]), "last": by_id.get(told["last"]), "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "attempts.html", context)
-
-
-async def _browsing(request: Request) -> Person | None:
-    """Who looks; None for a browser that is to log in first."""
-    try:
-        return await who(request)
-    except Problem as problem:
-        asks_a_program = "authorization" in request.headers or request.app.state.settings.person_header is not None
-        if problem.status != 401 or asks_a_program:
-            raise
-        return None

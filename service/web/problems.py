@@ -4,12 +4,13 @@ import logging
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from starlette.exceptions import HTTPException
 
 from service.store.database import is_outage
+from service.web.templating import templates
 
 log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
@@ -65,11 +66,19 @@ def _plain(words: str) -> str:
     return words.encode("utf-8", "replace").decode()
 
 
-async def _problem(request: Request, error: Exception) -> JSONResponse:
+async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
     errors = [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
     headers = {"Retry-After": RETRY_AFTER_S} if error.status == 503 else {}
+    if not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", ""):
+        return _page(request, error, headers)
     return answer(error.status, error.kind, error.detail, errors, **headers)
+
+
+def _page(request: Request, error: Problem, headers: dict[str, str]) -> Response:
+    """The same for somebody who looks at pages."""
+    context = {"title": TITLES.get(error.kind, "Error"), "detail": _plain(error.detail)}
+    return templates.TemplateResponse(request, "problem.html", context, status_code=error.status, headers=headers)
 
 
 async def _http(request: Request, error: Exception) -> JSONResponse:

@@ -1,15 +1,34 @@
-"""The pages' templates; everything they show is escaped."""
+"""The pages' templates; everything they show is escaped. Every page knows who looks (``me``) and as what (``role``)."""
 
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
+from fastapi import Request
 from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, FileSystemLoader, select_autoescape
+from markupsafe import Markup
 
-templates = Jinja2Templates(
-    env=Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=select_autoescape(),
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+ENVIRONMENT = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    autoescape=select_autoescape(),
+    trim_blocks=True,
+    lstrip_blocks=True,
 )
+
+
+def moment(at: datetime | None, seconds: bool = False) -> Markup | str:
+    """A moment as a ``<time>`` element, in UTC; a dash for none."""
+    if at is None:
+        return "–"
+    at = at.astimezone(UTC)
+    shown = at.strftime("%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M")
+    return Markup('<time datetime="{}">{}</time>').format(at.isoformat(), shown)
+
+
+def _around(request: Request) -> dict[str, Any]:
+    return {"me": getattr(request.state, "person", None), "role": getattr(request.state, "role", None)}
+
+
+ENVIRONMENT.filters["moment"] = moment
+templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_around])

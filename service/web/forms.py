@@ -1,0 +1,62 @@
+"""Forms of our pages: a token that only a page of ours can have put into them, and a body of bounded size."""
+
+import hmac
+from typing import Annotated
+
+from fastapi import Depends, Request
+from markupsafe import Markup
+from starlette.datastructures import FormData, UploadFile
+
+from service.web.identity import COOKIE, same_origin
+from service.web.intake import read_capped
+from service.web.problems import Problem
+from service.web.roles import looking
+
+FIELD = "csrf"
+MOST_FORM = 2 * 1024 * 1024
+
+
+def token(request: Request) -> str:
+    """What forms shown to this browser's session carry; another session's is another."""
+    session = request.cookies.get(COOKIE) or f"person {request.state.person.name}"
+    return hmac.new(request.app.state.secret, session.encode(), "sha256").hexdigest()
+
+
+def hidden(request: Request) -> Markup:
+    """The hidden field for a form of a page."""
+    return Markup('<input type="hidden" name="{}" value="{}">').format(FIELD, token(request))
+
+
+async def checked(request: Request) -> FormData:
+    """The form that was sent; Problem 403 unless a page of ours sent it, 413 if it is too large."""
+    await looking(request)
+    same_origin(request)
+    await read_capped(request, MOST_FORM)
+    try:
+        form = await request.form(max_files=1, max_fields=200)
+    except Exception as error:
+        raise Problem(400, "invalid-request", f"the form cannot be read: {error}") from error
+    given = form.get(FIELD)
+    if not isinstance(given, str) or not hmac.compare_digest(given.encode(), token(request).encode()):
+        raise Problem(403, "not-allowed", "this form is no longer good: load the page again and repeat what you did")
+    return form
+
+
+Form = Annotated[FormData, Depends(checked)]
+
+
+def field(form: FormData, name: str, most: int = 400) -> str:
+    """A field's text without space around it, "" where it is missing; Problem 422 where it is longer than ``most``."""
+    given = form.get(name)
+    told = given.strip() if isinstance(given, str) else ""
+    if len(told) > most:
+        raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
+    return told
+
+
+async def file(form: FormData, name: str) -> tuple[str, bytes]:
+    """Name and content of the uploaded file; Problem 422 where none was chosen."""
+    given = form.get(name)
+    if not isinstance(given, UploadFile) or not given.filename:
+        raise Problem(422, "invalid-request", "choose a file first", f"/{name}")
+    return given.filename, await given.read()

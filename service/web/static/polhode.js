@@ -1,0 +1,1 @@
+// Our pages work without this.

@@ -56,21 +56,21 @@ class Accepted:
     fresh: bool
 
 
-async def accept(database: Database, new: New, key: str | None = None) -> Accepted:
-    """Store a submission and send its job; under a known key, find the one stored before.
+async def accept(database: Database, new: New, key: str | None = None, kind: str = "interactive") -> Accepted:
+    """Store a submission and send its job, ranked by ``kind``; under a known key, find the one stored before.
 
     Raises KeyReused if that one was different, Refused if the deadline is over or no submission is left. A request with the
     same key that is in flight is waited for.
     """
     try:
-        return await _accept(database, new, key)
+        return await _accept(database, new, key, kind)
     except (IntegrityError, NoResultFound):  # the database was restored to another state meanwhile
         database.persons.clear()
         await register(database, assignments().values())
-        return await _accept(database, new, key)
+        return await _accept(database, new, key, kind)
 
 
-async def _accept(database: Database, new: New, key: str | None) -> Accepted:
+async def _accept(database: Database, new: New, key: str | None, kind: str) -> Accepted:
     async with database.begin() as connection:
         who = await _person(connection, database, new.person)
         asked = {"slug": new.assignment, "course": COURSE, "person": str(who), "age": time.monotonic() - new.arrived}
@@ -90,12 +90,13 @@ async def _accept(database: Database, new: New, key: str | None) -> Accepted:
             "attempt": uuid4(),
             "seed": new.seed,
             "most_runs": MOST_RUNS,
+            "kind": kind,
         }
         stored = (await connection.execute(_STORE, values)).first()
         if stored is None:
             return await _known(connection, new, who, key)
         await _check(connection, rules, who)
-        await send(connection, values["attempt"], priority=rank("interactive", stored.open))
+        await send(connection, values["attempt"], priority=rank(kind, stored.open))
     database.persons[new.person] = who  # only now is it certain that the person is entered
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
@@ -119,9 +120,12 @@ async def _person(connection: AsyncConnection, database: Database, name: str) ->
 # A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two
 # at once cannot both be the last.
 _RULES = text(f"""
-SELECT a.id, a.due_at, a.grace_s, a.most_submissions, at, coalesce(at > a.due_at, false) AS late,
-    coalesce(at > a.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
-FROM assignment a JOIN course c ON c.id = a.course_id, (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
+SELECT a.id, until.due_at, a.grace_s, a.most_submissions, at, coalesce(at > until.due_at, false) AS late,
+    coalesce(at > until.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
+FROM assignment a JOIN course c ON c.id = a.course_id
+    LEFT JOIN extension e ON e.assignment_id = a.id AND e.person_id = CAST(:person AS uuid)
+    JOIN LATERAL (SELECT CASE WHEN a.due_at IS NOT NULL THEN greatest(a.due_at, e.due_at) END AS due_at) until ON true,
+    (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
 WHERE a.slug = :slug AND c.slug = :course
 """)
 
@@ -134,10 +138,10 @@ WITH stored AS (
     ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
 )
 INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at)
-SELECT :attempt, id, 1, 'interactive', :seed, :most_runs, clock_timestamp() FROM stored
+SELECT :attempt, id, 1, :kind, :seed, :most_runs, clock_timestamp() FROM stored
 RETURNING (
     SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
-    WHERE t.person_id = :person AND b.kind = 'interactive' AND r.attempt_id IS NULL
+    WHERE t.person_id = :person AND b.kind = :kind AND r.attempt_id IS NULL
 ) AS open
 """)
 

@@ -6,7 +6,7 @@ from datetime import datetime
 from uuid import UUID
 
 from service.store.database import Database
-from service.store.reading import SHOWN, STATUS
+from service.store.reading import LATE, SHOWN, STATUS
 
 MOST = 100
 
@@ -34,7 +34,7 @@ async def past(database: Database, person: str, slug: str) -> Sequence[Past]:
 
 
 _PAST = f"""
-SELECT s.id, s.filename, s.submitted_at, s.late, s.source, s.sha256, shown.score, shown.max_score, {STATUS}, (
+SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, {STATUS}, (
     SELECT jsonb_object_agg(o->>'id', o->>'verdict')
     FROM jsonb_array_elements(shown.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 ) AS verdicts

@@ -24,6 +24,7 @@ def rows(attempt: UUID, report: Report) -> list[dict[str, Any]]:
             "counted": outcome.counted,
             "margin": outcome.margin,
             "codes": [cause.code for cause in outcome.diagnosis],
+            "causes": [cause.sentence for cause in outcome.diagnosis],
         }
         for outcome in report.outcomes()
     ]

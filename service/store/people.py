@@ -13,7 +13,7 @@ from service.store.database import Database
 from service.store.tables import audit, course, member, person
 
 COURSE = "local"
-ROLES = ("student", "assistant", "instructor")
+ROLES = ("student", "assistant", "instructor", "former")
 LONGEST_NAME = 200
 
 

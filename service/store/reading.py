@@ -38,8 +38,13 @@ LEFT JOIN LATERAL (
 STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
     WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
 
+# A deadline that was moved later, for all or for one person, forgives; one that was moved earlier does not make late.
+LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
+    SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
+)), false)) AS late"""
+
 _ONE = f"""
-SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, s.late, shown.*,
+SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, {LATE}, shown.*,
     given.points, {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE s.id = :id

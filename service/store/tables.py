@@ -214,6 +214,7 @@ outcome = Table(
     Column("counted", Boolean, nullable=False),
     Column("margin", Float, nullable=True),
     Column("codes", ARRAY(Text), nullable=False),
+    Column("causes", ARRAY(Text), nullable=False),
 )
 
 override = Table(

@@ -29,7 +29,7 @@ CREATE TABLE override (
 CREATE UNIQUE INDEX override_in_force ON override (submission_id, coalesce(check_id, '')) WHERE withdrawn_at IS NULL;
 CREATE TABLE outcome (
     attempt_id uuid NOT NULL REFERENCES attempt, check_id text NOT NULL, state text NOT NULL, counted boolean NOT NULL,
-    margin double precision, codes text[] NOT NULL, PRIMARY KEY (attempt_id, check_id)
+    margin double precision, codes text[] NOT NULL, causes text[] NOT NULL, PRIMARY KEY (attempt_id, check_id)
 );
 ALTER TABLE run ADD scene_at timestamptz NOT NULL DEFAULT now();
 ALTER TABLE result ADD cancelled_by text;
@@ -37,13 +37,14 @@ ALTER TABLE result ADD cancelled_by text;
 
 # As service.store.outcomes tells them of a new report.
 KNOWN = """
-INSERT INTO outcome (attempt_id, check_id, state, counted, margin, codes)
+INSERT INTO outcome (attempt_id, check_id, state, counted, margin, codes, causes)
 SELECT r.attempt_id, o->>'id',
     CASE WHEN o->>'verdict' <> 'unmeasured' THEN o->>'verdict' WHEN how.ending = 'timed-out' THEN 'timeout'
         WHEN coalesce(how.ending, 'not-played') IN ('not-played', 'missing-function', 'finished') THEN 'unmeasured'
         ELSE 'error' END,
     coalesce((o->>'counted')::boolean, true), (o->>'margin')::double precision,
-    ARRAY(SELECT d->>'code' FROM jsonb_array_elements(coalesce(o->'diagnosis', '[]')) d)
+    ARRAY(SELECT d->>'code' FROM jsonb_array_elements(coalesce(o->'diagnosis', '[]')) d),
+    ARRAY(SELECT d->>'sentence' FROM jsonb_array_elements(coalesce(o->'diagnosis', '[]')) d)
 FROM result r, jsonb_array_elements(r.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
     LEFT JOIN LATERAL (SELECT f->>'ending' AS ending FROM jsonb_array_elements(coalesce(r.report->'endings', '[]')) f
         WHERE f->>'sentence' = o->>'cause' LIMIT 1) how ON true

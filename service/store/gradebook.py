@@ -1,0 +1,130 @@
+"""A class at one assignment: where every student stands, each check of the submission that counts, and what waits to be done.
+
+Of a student's submissions the one with the most points counts, of equals the newest.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import Row
+
+from service.store.database import Database
+from service.store.people import COURSE
+from service.store.reading import LATE, SHOWN, STATUS
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What became of one check: a key of ``outcomes.MARKS``; ``given`` are the points an instructor set instead."""
+
+    state: str
+    counted: bool
+    margin: float | None
+    codes: Sequence[str]
+    causes: Sequence[str]
+    given: int | None
+
+    @property
+    def shown(self) -> str:
+        """The state as it counts: that of an override, if there is one."""
+        return self.state if self.given is None else "pass" if self.given else "fail"
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A student with the submission that counts, if there is one, and its cells by check."""
+
+    name: str
+    full_name: str
+    email: str
+    student_id: str
+    submissions: int
+    submission: UUID | None
+    filename: str | None
+    submitted_at: datetime | None
+    finished_at: datetime | None
+    late: bool
+    status: str
+    score: int | None
+    points: int | None
+    max_score: int | None
+    overridden: bool
+    version: str | None
+    cells: Mapping[str, Cell] = field(default_factory=dict)
+
+    @property
+    def called(self) -> str:
+        """The name to show."""
+        return self.full_name or self.name
+
+
+async def standings(database: Database, slug: str) -> list[Standing]:
+    """Every student of the course, by name, also those who sent nothing."""
+    values = {"slug": slug, "course": COURSE}
+    cells: dict[UUID, dict[str, Cell]] = {}
+    rows = await database.rows(_STANDINGS, values)
+    attempts = [row.attempt for row in rows if row.attempt is not None]
+    for cell in await database.rows(_CELLS, {"attempts": attempts}):
+        told = Cell(cell.state, cell.counted, cell.margin, cell.codes, cell.causes, cell.points)
+        cells.setdefault(cell.attempt_id, {})[cell.check_id] = told
+    return [
+        Standing(**{name: value for name, value in row._mapping.items() if name != "attempt"}, cells=cells.get(row.attempt, {}))
+        for row in rows
+    ]
+
+
+async def overview(database: Database) -> Sequence[Row[Any]]:
+    """The assignments with their rules, how many students there are and have submitted, and what waits for somebody."""
+    return await database.rows(_OVERVIEW, {"course": COURSE})
+
+
+async def rules(database: Database, slug: str) -> Row[Any]:
+    """One of these."""
+    return next(row for row in await overview(database) if row.slug == slug)
+
+
+_STANDINGS = f"""
+WITH best AS (
+    SELECT DISTINCT ON (s.person_id) s.person_id, s.id AS submission, s.filename, s.submitted_at, {LATE}, shown.attempt,
+        shown.score, shown.max_score, shown.version, shown.finished_at, given.points,
+        coalesce(given.overridden, false) AS overridden, {STATUS}, count(*) OVER (PARTITION BY s.person_id) AS submissions
+    FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN course c ON c.id = x.course_id JOIN {SHOWN}
+    WHERE x.slug = :slug AND c.slug = :course
+    ORDER BY s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC
+)
+SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0) AS submissions, best.submission, best.filename,
+    best.submitted_at, best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'nothing sent') AS status,
+    best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.attempt
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
+WHERE c.slug = :course AND m.role = 'student'
+ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
+"""
+
+_CELLS = """
+SELECT v.attempt_id, v.check_id, v.state, v.counted, v.margin, v.codes, v.causes, o.points
+FROM outcome v JOIN attempt a ON a.id = v.attempt_id
+    LEFT JOIN override o ON o.submission_id = a.submission_id AND o.check_id = v.check_id AND o.withdrawn_at IS NULL
+WHERE v.attempt_id = ANY(CAST(:attempts AS uuid[]))
+"""
+
+_OVERVIEW = """
+SELECT x.slug, x.due_at, x.grace_s, x.most_submissions, coalesce(class.students, 0) AS students,
+    coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
+    coalesce(sent.faults, 0) AS faults, (
+        SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades
+FROM assignment x JOIN course c ON c.id = x.course_id
+    LEFT JOIN (SELECT course_id, count(*) AS students FROM member WHERE role = 'student' GROUP BY course_id) class
+        ON class.course_id = c.id
+    LEFT JOIN (
+        SELECT s.assignment_id, count(*) AS submissions, count(DISTINCT s.person_id) FILTER (WHERE m.role = 'student') AS people,
+            count(*) FILTER (WHERE state.open) AS open, count(*) FILTER (WHERE NOT state.open AND state.fault) AS faults
+        FROM submission s LEFT JOIN member m ON m.person_id = s.person_id
+            JOIN LATERAL (SELECT coalesce(bool_or(r.attempt_id IS NULL), false) AS open, bool_and(r.fault IS NOT NULL) AS fault
+                FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id WHERE a.submission_id = s.id) state ON true
+        GROUP BY s.assignment_id
+    ) sent ON sent.assignment_id = x.id
+WHERE c.slug = :course ORDER BY x.slug
+"""

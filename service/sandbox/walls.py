@@ -1,6 +1,7 @@
 """The seam: what shuts a guest in is a command that starts it and the layers its children put up. Two tiers are real, A and B."""
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -21,7 +22,8 @@ ENVIRONMENT = {
     "LC_ALL": "C.UTF-8",
     "PYTHONHASHSEED": "0",
     "PATH": "/usr/bin:/bin",
-}
+} | {name: os.environ[name] for name in ("OPENBLAS_CORETYPE",) if name in os.environ}
+"""What a guest has around it. The last digits depend on the processor that OpenBLAS sees: who pins it does so for guests too."""
 
 
 @dataclass(frozen=True)

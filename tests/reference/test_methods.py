@@ -29,7 +29,7 @@ def test_observed_order(name):
     scene, exact = SCENE, EXACT
     coarse, fine = ASYMPTOTIC[method.order]
     if method.order == 12:
-        scene = Scene("test", SCENE.w0, SCENE.I, 8.0, intervals=2)
+        scene = Scene("test", SCENE.w0, SCENE.I, 16.0, intervals=4)
         exact = Exact(scene.w0, scene.I).sample(scene.t, orientation=True)
     if method.line == "Lie group":
         coarse, fine = 128, 256

@@ -118,6 +118,14 @@ class Assignment:
                 return exercise
         raise KeyError(number)
 
+    def checks(self) -> list[Check]:
+        """All of them, in order."""
+        return [c for e in self.exercises for c in e.checks]
+
+    def most_points(self) -> int:
+        """Checks made of a submission that has every function but the optional ones."""
+        return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in self.exercises)
+
     def functions(self) -> set[str]:
         """Every name a student may define to be played."""
         return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.asks_for()}

@@ -81,6 +81,11 @@ def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[SweptPoint] = ()) -> bytes:
     """Error against calls and against CPU time for one scene, log-log, as SVG; over them ``yours``, points of a submission."""
+    return draw_class(document, scene, [yours], "yours")
+
+
+def draw_class(document: dict[str, Any], scene: str, everybody: Sequence[Sequence[SweptPoint]], whose: str = "class") -> bytes:
+    """The same with the points of many submissions."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -103,7 +108,8 @@ def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[Sw
             errors = [EXACT_ERROR]
         by_calls.loglog([p["calls"] for p in drawn], errors, **style)
         by_time.loglog([p["ratio"] for p in drawn], errors, **style)
-    _draw_yours(by_calls, by_time, yours)
+    for number, own in enumerate(everybody):
+        _draw_own((by_calls, by_time), own, whose if number == 0 else "", small=len(everybody) > 1)
     by_calls.set(xlabel="evaluations of the right-hand side", ylabel="largest error over the run, ω relative or R", title=scene)
     by_time.set(xlabel="CPU time / that of DOP853 at rtol 1e-11", ylim=(3e-16, 1e2))
     by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
@@ -113,16 +119,20 @@ def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[Sw
     return _svg(canvas, scene)
 
 
-def _draw_yours(by_calls: Any, by_time: Any, yours: Sequence[SweptPoint]) -> None:
+def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *, small: bool) -> None:
     """Open circles; CPU time in units of your own run of the notebook's setting."""
+    by_calls, by_time = axes
     unit = next((p.seconds for p in yours if (p.method, p.rtol) == ("DOP853", 1e-11)), None)
     for number, method in enumerate(dict.fromkeys(p.method for p in yours)):
         points = [p for p in yours if p.method == method and p.error is not None]
         errors = [max(p.error or 0.0, LEAST) for p in points]
-        style: dict[str, Any] = {"color": YOURS, "marker": "osv"[number], "ms": 9, "mfc": "none", "ls": STYLES[number], "lw": 1.6}
+        style: dict[str, Any] = {"color": YOURS, "marker": "osv"[number], "mfc": "none", "ls": STYLES[number]}
+        style |= {"ms": 5, "lw": 0.5, "alpha": 0.5} if small else {"ms": 9, "lw": 1.6}
         by_calls.loglog([p.calls for p in points], errors, **style)
         if unit:
-            by_time.loglog([max(p.seconds, 1e-6) / unit for p in points], errors, label=f"yours, {method}", **style)
+            by_time.loglog(
+                [max(p.seconds, 1e-6) / unit for p in points], errors, label=f"{whose}, {method}" if whose else None, **style
+            )
 
 
 def _error(point: dict[str, Any]) -> float | None:

@@ -15,6 +15,8 @@ from typing import Any
 
 from exercises.assignment import assignments
 from exercises.specimens import Specimen, specimens
+from service.demo_class import STUDENTS, enter_class
+from service.settings import Settings
 
 START_S = 60.0
 SLUG = "rigid-body"
@@ -28,16 +30,22 @@ def main() -> int:
     for stop in (signal.SIGINT, signal.SIGTERM):  # also where a shell started us with interrupts ignored
         signal.signal(stop, signal.default_int_handler)
     began, address = time.monotonic(), f"http://127.0.0.1:{(port := free_port())}"
-    environment = os.environ | {"POLHODE_DATA": os.environ.get("POLHODE_DATA", ".demo")}
-    server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)
+    os.environ.setdefault("POLHODE_DATA", ".demo")
+    server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)])
     try:
         if not _wait_ready(server, address):
             return 2
         print(f"({time.monotonic() - began:.1f} s)")
+        count = enter_class(Settings(), SLUG)
         wrong = _grade_all(address)
         print(f"\n{_summary(wrong)} ({time.monotonic() - began:.1f} s)")
         if not once:
             print(f"The notebook for students is at {address}/v1/assignments/{SLUG}/notebook.ipynb")
+            if count:
+                print(
+                    f"A class of {STUDENTS} invented students has handed in {count} times; the workers are grading what is left of it."
+                )
+            print(f"The dashboard: {address}/assignments/{SLUG}/class and {address}/queue")
             print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop it.", flush=True)
             server.wait()
         return 1 if wrong else 0

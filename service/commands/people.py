@@ -20,14 +20,12 @@ DAYS, MOST_DAYS = 200.0, 3650.0
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 
 
-class BadRoster(ValueError):
-    """The file is no roster; the message names the line."""
-
-
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the commands."""
-    roster = commands.add_parser("roster", help="enter the people of a CSV file (name, role) and give each a token to log in with")
-    roster.add_argument("file", type=Path, metavar="ROSTER.csv", help="a header with name and, if wanted, role")
+    roster = commands.add_parser("roster", help="enter the people of a CSV file and give each a token to log in with")
+    roster.add_argument(
+        "file", type=Path, metavar="ROSTER.csv", help="with a header: name and, if wanted, role, full_name, email, student_id"
+    )
     roster.add_argument("--tokens", type=Path, required=True, metavar="TOKENS.csv", help="written anew, readable by you only")
     roster.add_argument("--days", type=_days, default=DAYS, help=f"how long the tokens are good (default {DAYS:g})")
     roster.set_defaults(run=_roster)
@@ -48,40 +46,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     revoke.set_defaults(run=_revoke)
 
 
-def read_roster(file: Path) -> list[tuple[str, str | None]]:
-    """(name, role) of every line, the role None where it is not told; BadRoster for what is none."""
-    from service.store import people
-
-    found: dict[str, str | None] = {}
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
-            rows = csv.reader(stream)
-            columns = [cell.strip().casefold() for cell in next(rows, [])]
-            if "name" not in columns or set(columns) - {"name", "role"}:
-                raise BadRoster(f"{file}: the first line names the columns, name and, if wanted, role")
-            for cells in rows:
-                row = dict(zip(columns, cells, strict=False))
-                name, role = people.tidy(row.get("name", "")), row.get("role", "").strip().casefold() or None
-                if role not in (None, *people.ROLES):
-                    raise BadRoster(f"{file}, line {rows.line_num}: a role is {', '.join(people.ROLES)}, not {role[:40]}")
-                if found.setdefault(name, role) != role:
-                    raise BadRoster(f"{file}, line {rows.line_num}: {name} has two roles")
-    except people.NoName as error:
-        raise BadRoster(f"{file}, line {rows.line_num}: {error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise BadRoster(f"{file} is no CSV text in UTF-8 ({error})") from None
-    if not found:
-        raise BadRoster(f"{file} names nobody")
-    return list(found.items())
-
-
 @telling_why
 def _roster(arguments: argparse.Namespace) -> int:
+    from service import roster as rosters
     from service.store import people, tokens
 
     try:
-        roster = read_roster(arguments.file)
-    except BadRoster as error:
+        roster = rosters.read(arguments.file.read_bytes(), str(arguments.file))
+    except rosters.BadRoster as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
@@ -90,7 +62,7 @@ def _roster(arguments: argparse.Namespace) -> int:
         terms = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
         async with database.begin() as connection:
             await people.enroll(connection, roster)
-            rows = [(name, await tokens.give(connection, name, **terms)) for name, _ in roster]
+            rows = [(entry.name, await tokens.give(connection, entry.name, **terms)) for entry in roster]
             await people.note(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
             csv.writer(target).writerows([("name", "token"), *rows])
             target.flush()

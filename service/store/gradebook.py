@@ -4,7 +4,7 @@ Of a student's submissions the one with the most points counts, of equals the ne
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any
 from uuid import UUID
@@ -43,6 +43,7 @@ class Standing:
     student_id: str
     submissions: int
     submission: UUID | None
+    attempt: UUID | None
     filename: str | None
     submitted_at: datetime | None
     finished_at: datetime | None
@@ -63,17 +64,17 @@ class Standing:
 
 async def standings(database: Database, slug: str) -> list[Standing]:
     """Every student of the course, by name, also those who sent nothing."""
-    values = {"slug": slug, "course": COURSE}
-    cells: dict[UUID, dict[str, Cell]] = {}
-    rows = await database.rows(_STANDINGS, values)
-    attempts = [row.attempt for row in rows if row.attempt is not None]
-    for cell in await database.rows(_CELLS, {"attempts": attempts}):
-        told = Cell(cell.state, cell.counted, cell.margin, cell.codes, cell.causes, cell.points)
-        cells.setdefault(cell.attempt_id, {})[cell.check_id] = told
-    return [
-        Standing(**{name: value for name, value in row._mapping.items() if name != "attempt"}, cells=cells.get(row.attempt, {}))
-        for row in rows
-    ]
+    found, cells = await students(database, slug), dict[UUID, dict[str, Cell]]()
+    for row in await database.rows(_CELLS, {"attempts": [s.attempt for s in found if s.attempt is not None]}):
+        cell = Cell(row.state, row.counted, row.margin, row.codes, row.causes, row.points)
+        cells.setdefault(row.attempt_id, {})[row.check_id] = cell
+    return [replace(s, cells=cells[s.attempt]) if s.attempt in cells else s for s in found]
+
+
+async def students(database: Database, slug: str) -> list[Standing]:
+    """The same without cells."""
+    rows = await database.rows(_STANDINGS, {"slug": slug, "course": COURSE})
+    return [Standing(**row._mapping) for row in rows]
 
 
 async def overview(database: Database) -> Sequence[Row[Any]]:

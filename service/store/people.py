@@ -1,11 +1,11 @@
 """Persons and their roles in the course; their names come from a roster, a proxy, the hub, or are "local"."""
 
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import select, text
+from sqlalchemy import Row, select, text, update
 from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
@@ -38,12 +38,20 @@ async def enter(connection: AsyncConnection, name: str) -> UUID:
     return id
 
 
-async def enroll(connection: AsyncConnection, roster: Iterable[tuple[str, str | None]]) -> None:
-    """Enter (name, role) pairs; without a role, who is known keeps theirs and others are students."""
-    for name, role in roster:
+async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | None]]) -> None:
+    """Enter people, each as (name, role, full name, email, student id), of which all but the name may be missing.
+
+    What is missing or None stays as it is: without a role, who is known keeps theirs and others are students.
+    """
+    for name, *about in roster:
+        assert name is not None
+        role, full_name, email, student_id = [*about, None, None, None, None][:4]
         person_id = await enter(connection, name)
         if role is not None:
             await connection.execute(_ROLE, {"person": person_id, "role": role, "course": COURSE})
+        told = {"full_name": full_name, "email": email, "student_id": student_id}
+        if told := {column: value for column, value in told.items() if value is not None}:
+            await connection.execute(update(person).where(person.c.id == person_id).values(told))
 
 
 async def note(connection: AsyncConnection, who: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
@@ -55,6 +63,11 @@ async def role(database: Database, name: str) -> str:
     """The role of that person; "student" for somebody unknown."""
     rows = await database.rows(_ROLE_OF, {"name": name, "course": COURSE})
     return str(rows[0].role) if rows else "student"
+
+
+async def everybody(database: Database) -> Sequence[Row[Any]]:
+    """The people of the course with role, number of submissions and when the last one came, staff first."""
+    return await database.rows(_EVERYBODY, {"course": COURSE})
 
 
 async def secret(database: Database, name: str) -> bytes:
@@ -69,3 +82,14 @@ _ROLE_OF = text("""
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
 WHERE p.name = :name AND c.slug = :course
 """)
+_EVERYBODY = """
+SELECT p.name, p.full_name, p.email, p.student_id, m.role, coalesce(sent.n, 0) AS submissions, sent.last,
+    p.password IS NOT NULL AS password, coalesce(given.n, 0) AS tokens
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+    LEFT JOIN (SELECT person_id, count(*) AS n, max(submitted_at) AS last FROM submission GROUP BY 1) sent ON sent.person_id = p.id
+    LEFT JOIN (SELECT person_id, count(*) AS n FROM token WHERE revoked_at IS NULL AND expires_at > now() GROUP BY 1) given
+        ON given.person_id = p.id
+WHERE c.slug = :course
+ORDER BY array_position(ARRAY['instructor', 'assistant', 'student', 'former'], m.role),
+    lower(coalesce(nullif(p.full_name, ''), p.name))
+"""

@@ -10,17 +10,33 @@ from fastapi.staticfiles import StaticFiles
 
 from exercises.assignment import assignments
 from service.settings import Settings
-from service.store import people
 from service.store.accept import register
 from service.store.database import Database
-from service.web import attempts, events, forms, guard, health, kit, login, pages, pictures, problems, roles, routes
+from service.store.people import secret
+from service.web import (
+    attempts,
+    classes,
+    course,
+    events,
+    forms,
+    guard,
+    health,
+    kit,
+    login,
+    pages,
+    people,
+    pictures,
+    problems,
+    roles,
+    routes,
+)
 from service.web.drawing import Draughtsman
 from service.web.hub import Hub
 from service.web.listener import Listener
 from service.web.templating import ENVIRONMENT
 
 ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
-PAGES = (pages.router, login.pages)
+PAGES = (course.router, people.router, classes.router, pages.router, login.pages)
 ENVIRONMENT.globals["csrf"] = forms.hidden
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
@@ -54,7 +70,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     assert settings.database_url is not None
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
     await register(database, assignments().values())
-    app.state.secret = await people.secret(database, "forms")
+    app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
     app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()

@@ -4,7 +4,7 @@ import asyncio
 import functools
 import multiprocessing
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
@@ -39,6 +39,10 @@ class Draughtsman:
         if (kind, number) not in self._charts:
             self._charts[kind, number] = await self._once((kind, number), hand.draw_chart, kind, number)
         return self._charts[kind, number]
+
+    async def class_sweep(self, documents: Sequence[dict[str, Any]]) -> bytes:
+        """The sweeps of a class over the reference methods."""
+        return await self._once(("class", len(documents), str(documents)), hand.draw_class, documents)
 
     def stop(self) -> None:
         """End the process."""

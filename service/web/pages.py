@@ -5,32 +5,15 @@ from typing import Literal
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
-from exercises.assignment import assignments
 from service import charts
-from service.store.reading import recent
 from service.web.attempts import list_own
-from service.web.identity import COOKIE, is_staff
+from service.web.identity import COOKIE
 from service.web.problems import Problem
 from service.web.roles import Looking
 from service.web.routes import find_assignment, find_submission
 from service.web.templating import templates
 
 router = APIRouter()
-LATEST = 100
-
-
-@router.get("/", response_class=HTMLResponse)
-async def index(request: Request, person: Looking) -> Response:
-    """The latest submissions, of everybody or your own, and the assignments."""
-    walls, refusal = await request.app.state.crew.known()
-    whose = None if await is_staff(request, person) else person.name
-    context = {
-        "everybody": whose is None and not person.alone,
-        "rows": await recent(request.app.state.database, LATEST, whose),
-        "assignments": list(assignments().values()),
-        "walls": walls or refusal or "none",
-    }
-    return templates.TemplateResponse(request, "index.html", context)
 
 
 @router.get("/reference", response_class=HTMLResponse)

@@ -3,12 +3,10 @@
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Request, Response
-from sqlalchemy import text
 
 from service.grading.pictures import FORMATS
 from service.grading.pictures import find as find_figure
-from service.queue import KINDS, STEP, send
-from service.store.database import Database
+from service.store import sweeping
 from service.store.reading import find_artefact, keep
 from service.store.records import Stored
 from service.web.drawing import NotDrawn
@@ -55,22 +53,8 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
             return _cached(request, found, FORMATS.get(form, "application/json"))
         if refused := await find_artefact(database, stored.attempt, "sweep.refused"):
             raise Problem(404, "not-found", f"this function could not be swept: {refused[0].decode()}")
-        await _send_sweep(database, stored)
+        await sweeping.ask(database, stored.attempt)
     raise Problem(503, "busy", "the sweep has not been played yet: ask again later")
-
-
-async def _send_sweep(database: Database, stored: Stored) -> None:
-    """A job to sweep this submission, unless there is one: a person waits, so it goes before regrades."""
-    async with database.begin() as connection:
-        await connection.execute(_ONE_ASKS, {"attempt": str(stored.attempt)})
-        if (await connection.execute(_SENT, {"attempt": str(stored.attempt)})).first() is None:
-            await send(connection, stored.attempt, task="sweep", priority=STEP * KINDS["interactive"] - STEP // 2)
-
-
-_ONE_ASKS = text("SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :attempt, 0))")
-_SENT = text("""
-SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing') AND args->>'attempt' = :attempt
-""")
 
 
 @router.get("/v1/submissions/{id}/animations/{name}.png")

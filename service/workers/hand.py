@@ -3,8 +3,12 @@
 import atexit
 import json
 import time
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
 
-from ecp.document import document
+from ecp.document import document, read
+from ecp.outcome import Swept
 from ecp.report import Report
 from exercises.assignment import assignments
 from service import charts
@@ -75,6 +79,13 @@ def draw_chart(kind: str, number: int) -> bytes:
         return charts.draw_stability(charts.load_stability(), number)
     document = charts.load_work_precision()
     return charts.draw_work_precision(document, charts.scenes(document)[number])
+
+
+def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
+    """The sweeps of a class, as ``sweep_one`` told them, over the reference methods; those on the scene that most are on."""
+    found = [read(Swept, told) for told in documents]
+    scene = Counter(swept.scene for swept in found).most_common(1)[0][0]
+    return charts.draw_class(charts.load_work_precision(), scene, [s.points for s in found if s.scene == scene])
 
 
 def _close() -> None:

@@ -1,0 +1,147 @@
+"""A class at one assignment, for staff: every student by every check, what goes wrong, margins, attempts; rules and extensions."""
+
+from datetime import UTC, datetime
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import HTMLResponse, RedirectResponse
+from pydantic import BaseModel, Field
+from starlette.datastructures import FormData
+
+from service.store import extending, gradebook, outcomes, queueing, sweeping
+from service.store.gradebook import Standing
+from service.web import forms, tally
+from service.web.problems import Problem
+from service.web.roles import Instructor, Staff
+from service.web.routes import find_assignment
+from service.web.templating import templates
+
+router = APIRouter()
+MOST_GRACE_MIN, MOST_ALLOWED = 60.0 * 24 * 366, 10_000
+
+
+class Which(BaseModel):
+    """Which submissions: by a check, how it ended, a cause that was told."""
+
+    check: str | None = Field(None, max_length=100)
+    state: str | None = Field(None, max_length=20)
+    cause: str | None = Field(None, max_length=400)
+
+
+@router.get("/assignments/{slug}/class", response_class=HTMLResponse)
+async def class_(slug: str, request: Request, person: Staff, sort: Literal["name", "points"] = "name") -> Response:
+    """Every student by every check, and what that amounts to."""
+    assignment, database = find_assignment(slug), request.app.state.database
+    students = await gradebook.standings(database, slug)
+    if sort == "points":
+        students.sort(key=lambda s: -1 if s.points is None else s.points, reverse=True)
+    checks = tally.by_check(assignment, students)
+    context = {
+        "assignment": assignment,
+        "rules": await gradebook.rules(database, slug),
+        "students": students,
+        "sort": sort,
+        "checks": checks,
+        "causes": tally.by_cause(students),
+        "attempts": tally.by_attempts(students),
+        "decades": tally.DECADES,
+        "most_bin": max((max(c.bins) for c in checks), default=0),
+        "thin": tally.THIN,
+        "marks": outcomes.MARKS,
+        "words": outcomes.WORDS,
+        "extensions": await extending.extensions(database, slug),
+        "swept": await sweeping.documents(database, slug) if assignment.sweep is not None else None,
+    }
+    return templates.TemplateResponse(request, "class.html", context)
+
+
+@router.get("/assignments/{slug}/class/submissions", response_class=HTMLResponse)
+async def chosen(slug: str, request: Request, person: Staff, which: Annotated[Which, Query()]) -> Response:
+    """The students' submissions that count, of those whose check ended so, or who were told that cause."""
+    assignment = find_assignment(slug)
+    check, state, cause = which.check, which.state, which.cause
+    students = await gradebook.standings(request.app.state.database, slug)
+    found = [s for s in students if _fits(s, check, state, cause)]
+    label = next((c.label for c in assignment.checks() if c.id == check), check)
+    context = {"assignment": assignment, "students": found, "total": len(students), "check": check, "label": label}
+    context |= {"state": state, "cause": cause, "words": outcomes.WORDS, "marks": outcomes.MARKS}
+    return templates.TemplateResponse(request, "chosen.html", context)
+
+
+@router.get("/assignments/{slug}/class/sweep.svg")
+async def class_sweep(slug: str, request: Request, person: Staff) -> Response:
+    """Speed against accuracy of the class's own functions, those swept so far, over the reference methods."""
+    find_assignment(slug)
+    documents, _ = await sweeping.documents(request.app.state.database, slug)
+    if not documents:
+        raise Problem(404, "not-found", "nobody's function has been swept yet")
+    return Response(await request.app.state.draughtsman.class_sweep(documents), media_type="image/svg+xml")
+
+
+@router.post("/assignments/{slug}/class/sweep")
+async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Form) -> Response:
+    """Have the functions of the submissions that count swept, behind everybody who waits for a grade."""
+    find_assignment(slug)
+    await sweeping.ask_class(request.app.state.database, slug)
+    return RedirectResponse(f"/assignments/{slug}/class#speed", 303)
+
+
+@router.post("/assignments/{slug}/rules")
+async def set_rules(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
+    """Set deadline, grace and number of submissions; what is empty does not limit."""
+    find_assignment(slug)
+    grace = _number(form, "grace", MOST_GRACE_MIN) or 0.0
+    most = _number(form, "most", MOST_ALLOWED)
+    rules = queueing.Rules(_moment(form, "due"), 60.0 * grace, None if most is None else max(1, int(most)))
+    await queueing.set_rules(request.app.state.database, slug, rules, person.name)
+    return RedirectResponse(f"/assignments/{slug}/class", 303)
+
+
+@router.post("/assignments/{slug}/extensions")
+async def extend(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
+    """Give one person a later deadline, with a reason; an empty deadline takes the extension back."""
+    find_assignment(slug)
+    name, due, reason = forms.field(form, "name"), _moment(form, "due"), forms.field(form, "reason")
+    database = request.app.state.database
+    if due is None:
+        if not await extending.take_back(database, slug, name, person.name):
+            raise Problem(422, "invalid-request", f"{name or 'nobody'} has no extension that could be taken back", "/name")
+    elif not reason:
+        raise Problem(422, "invalid-request", "an extension has a reason", "/reason")
+    elif not await extending.extend(database, slug, name, due, reason=reason, by=person.name):
+        raise Problem(422, "invalid-request", f"nobody in the course is called {name!r}", "/name")
+    return RedirectResponse(f"/assignments/{slug}/class#extensions", 303)
+
+
+def _fits(student: Standing, check: str | None, state: str | None, cause: str | None) -> bool:
+    """``state`` may be "none": nothing was sent; or "not-pass": whoever the check is no ✓ for."""
+    if state == "none" and check is None:
+        return student.submission is None
+    cells = [cell for id, cell in student.cells.items() if check in (None, id) and (cell.counted or check is None)]
+    if state is not None:
+        cells = [c for c in cells if (c.shown != "pass" if state == "not-pass" else c.shown == state)]
+    if cause is not None:
+        cells = [c for c in cells if c.shown != "pass" and cause in c.causes]
+    return bool(cells) or (check is state is cause is None)
+
+
+def _moment(form: FormData, name: str) -> datetime | None:
+    """A field of kind datetime-local, in UTC; None where it is empty."""
+    if not (told := forms.field(form, name, 40)):
+        return None
+    try:
+        at = datetime.fromisoformat(told)
+        return at.replace(tzinfo=UTC) if at.tzinfo is None else at
+    except ValueError:
+        raise Problem(422, "invalid-request", f"{told[:40]!r} is no moment such as 2026-12-01T12:00", f"/{name}") from None
+
+
+def _number(form: FormData, name: str, most: float) -> float | None:
+    if not (told := forms.field(form, name, 40)):
+        return None
+    try:
+        if 0 <= (number := float(told)) <= most:
+            return number
+    except ValueError:
+        pass
+    raise Problem(422, "invalid-request", f"{told[:40]!r} is no number from 0 to {most:g}", f"/{name}")

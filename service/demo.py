@@ -42,9 +42,7 @@ def main() -> int:
         if not once:
             print(f"The notebook for students is at {address}/v1/assignments/{SLUG}/notebook.ipynb")
             if count:
-                print(
-                    f"A class of {STUDENTS} invented students has handed in {count} times; the workers are grading what is left of it."
-                )
+                print(f"A class of {STUDENTS} invented students handed in {count} times; the rest of it is being graded.")
             print(f"The dashboard: {address}/assignments/{SLUG}/class and {address}/queue")
             print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop it.", flush=True)
             server.wait()

@@ -3,10 +3,11 @@
 Of a student's submissions the one with the most points counts, of equals the newest.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from typing import Any
+from typing import Any, NamedTuple
 from uuid import UUID
 
 from sqlalchemy import Row
@@ -16,16 +17,15 @@ from service.store.people import COURSE
 from service.store.reading import LATE, SHOWN, STATUS
 
 
-@dataclass(frozen=True)
-class Cell:
-    """What became of one check: a key of ``outcomes.MARKS``; ``given`` are the points an instructor set instead."""
+class Cell(NamedTuple):
+    """What became of one check: a key of ``outcomes.MARKS``; ``given`` are the points an instructor set instead. ``causes`` are
+    codes and sentences."""
 
     state: str
     counted: bool
     margin: float | None
-    codes: Sequence[str]
-    causes: Sequence[str]
-    given: int | None
+    given: int | None = None
+    causes: tuple[tuple[str, str], ...] = ()
 
     @property
     def shown(self) -> str:
@@ -61,14 +61,30 @@ class Standing:
         """The name to show."""
         return self.full_name or self.name
 
+    def told(self, check: str | None, cause: str | None) -> list[tuple[str, Cell, str]]:
+        """The cell of that check, or without one those at which the cause was told; each with its id and first cause."""
+        if check is not None:
+            found = {check: self.cells[check]} if check in self.cells else {}
+        else:
+            wrong = {id: c for id, c in self.cells.items() if c.shown != "pass"}
+            found = {id: c for id, c in wrong.items() if any(told == cause for _, told in c.causes)}
+        return [(id, c, c.causes[0][1] if c.causes and c.shown != "pass" else "") for id, c in found.items()]
+
 
 async def standings(database: Database, slug: str) -> list[Standing]:
     """Every student of the course, by name, also those who sent nothing."""
-    found, cells = await students(database, slug), dict[UUID, dict[str, Cell]]()
-    for row in await database.rows(_CELLS, {"attempts": [s.attempt for s in found if s.attempt is not None]}):
-        cell = Cell(row.state, row.counted, row.margin, row.codes, row.causes, row.points)
-        cells.setdefault(row.attempt_id, {})[row.check_id] = cell
+    found = await students(database, slug)
+    values = {"attempts": [s.attempt for s in found if s.attempt is not None]}
+    cells = {row.attempt_id: _cells(row) for row in await database.rows(_CELLS, values)}
+    for row in await database.rows(_MORE, values):
+        own = cells[row.attempt_id]
+        own[row.check_id] = own[row.check_id]._replace(given=row.points, causes=tuple(zip(row.codes, row.causes, strict=True)))
     return [replace(s, cells=cells[s.attempt]) if s.attempt in cells else s for s in found]
+
+
+def _cells(row: Row[Any]) -> dict[str, Cell]:
+    told = zip(row.states, row.counted, row.margins, strict=True)
+    return dict(zip(row.checks, itertools.starmap(Cell, told), strict=True))
 
 
 async def students(database: Database, slug: str) -> list[Standing]:
@@ -104,11 +120,18 @@ WHERE c.slug = :course AND m.role = 'student'
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 """
 
+# A row for every student rather than for every check: a class has tens of thousands of these.
 _CELLS = """
-SELECT v.attempt_id, v.check_id, v.state, v.counted, v.margin, v.codes, v.causes, o.points
+SELECT attempt_id, array_agg(check_id) AS checks, array_agg(state) AS states, array_agg(counted) AS counted,
+    array_agg(margin) AS margins
+FROM outcome WHERE attempt_id = ANY(CAST(:attempts AS uuid[])) GROUP BY attempt_id
+"""
+
+_MORE = """
+SELECT v.attempt_id, v.check_id, v.codes, v.causes, o.points
 FROM outcome v JOIN attempt a ON a.id = v.attempt_id
     LEFT JOIN override o ON o.submission_id = a.submission_id AND o.check_id = v.check_id AND o.withdrawn_at IS NULL
-WHERE v.attempt_id = ANY(CAST(:attempts AS uuid[]))
+WHERE v.attempt_id = ANY(CAST(:attempts AS uuid[])) AND (v.state <> 'pass' AND v.causes <> '{}' OR o.points IS NOT NULL)
 """
 
 _OVERVIEW = """

@@ -39,7 +39,7 @@ async def class_(slug: str, request: Request, person: Staff, sort: Literal["name
     context = {
         "assignment": assignment,
         "rules": await gradebook.rules(database, slug),
-        "students": students,
+        "students": [(s, tally.row(s, [c.id for c in assignment.checks()])) for s in students],
         "sort": sort,
         "checks": checks,
         "causes": tally.by_cause(students),
@@ -121,7 +121,7 @@ def _fits(student: Standing, check: str | None, state: str | None, cause: str | 
     if state is not None:
         cells = [c for c in cells if (c.shown != "pass" if state == "not-pass" else c.shown == state)]
     if cause is not None:
-        cells = [c for c in cells if c.shown != "pass" and cause in c.causes]
+        cells = [c for c in cells if c.shown != "pass" and cause in (sentence for _, sentence in c.causes)]
     return bool(cells) or (check is state is cause is None)
 
 

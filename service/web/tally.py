@@ -9,12 +9,21 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
+from markupsafe import Markup
+
 from ecp.checks import Check
 from exercises.assignment import Assignment
+from service.store import outcomes
 from service.store.gradebook import Cell, Standing
 
 THIN = 3.0  # a right submission this close to what is allowed says that the tolerance is too tight
 DECADES = range(-4, 13)  # of margins told apart; what lies beyond is told with the last
+EMPTY = Markup("<td></td>")
+CELLS = {
+    (state, given): Markup('<td class="{}">{}{}</td>').format(state, mark, "*" if given else "")
+    for state, mark in outcomes.MARKS.items()
+    for given in (False, True)
+}
 
 
 @dataclass(frozen=True)
@@ -73,7 +82,7 @@ def by_cause(class_: Iterable[Standing]) -> list[CauseTally]:
     for standing in class_:
         told: dict[tuple[str, str], set[str]] = {}
         for id, cell in standing.cells.items():
-            for cause in zip(cell.codes, cell.causes, strict=True) if cell.shown != "pass" else ():
+            for cause in cell.causes if cell.shown != "pass" else ():
                 told.setdefault(cause, set()).add(id)
         for cause, checks in told.items():
             tally = found.setdefault(cause, CauseTally(*cause))
@@ -87,6 +96,15 @@ def by_attempts(class_: Iterable[Standing]) -> list[tuple[int, int]]:
     return sorted(Counter(s.submissions for s in class_).items())
 
 
+def row(standing: Standing, ids: Iterable[str]) -> Markup:
+    """A student's cells of the class's table. Made here because there are tens of thousands of them."""
+    return Markup("").join(_cell(standing.cells.get(id)) for id in ids)
+
+
+def _cell(cell: Cell | None) -> Markup:
+    return EMPTY if cell is None or not cell.counted else CELLS[cell.shown, cell.given is not None]
+
+
 def _cells(class_: Iterable[Standing], id: str) -> list[Cell]:
     return [cell for s in class_ if (cell := s.cells.get(id)) is not None and cell.counted]
 
@@ -94,7 +112,7 @@ def _cells(class_: Iterable[Standing], id: str) -> list[Cell]:
 def _check(check: Check, exercise: str, hidden: bool, cells: Sequence[Cell]) -> CheckTally:
     margins = [c.margin for c in cells if c.margin is not None and c.margin > 0]
     passed = [c.margin for c in cells if c.margin is not None and c.state == "pass"]
-    causes = Counter(cause for c in cells if c.shown != "pass" for cause in c.causes[:1])
+    causes = Counter(sentence for c in cells if c.shown != "pass" for _, sentence in c.causes[:1])
     bins = Counter(min(max(math.floor(math.log10(m)), DECADES[0]), DECADES[-1]) for m in margins)
     states, counts = Counter(c.shown for c in cells), [bins[decade] for decade in DECADES]
     return CheckTally(check, exercise, hidden, states, causes, margins, min(passed, default=None), counts)

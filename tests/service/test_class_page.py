@@ -199,7 +199,7 @@ def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch
         class_ = run(url, lambda database: standings(database, "rigid-body"))
         counts.append(len(asked))
         assert len(class_) == 6 + more and tally.by_check(ASSIGNMENT, class_)[5].made == 3 + more
-    assert counts == [2, 2]
+    assert counts == [3, 3]
 
 
 async def _many(database, count):

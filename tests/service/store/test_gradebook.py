@@ -44,7 +44,8 @@ def test_the_states_of_checks(database_url):
     assert {id: cell.state for id, cell in cells.items()} == {
         "2-energy": "pass", "2-momentum": "fail", "2-motion": "timeout", "2-pointwise": "error", "2-secret": "unmeasured",
     }  # fmt: skip
-    assert cells["2-momentum"].causes == [SLIP.sentence] and cells["2-momentum"].margin == 0.5 and cells["2-energy"].causes == []
+    assert cells["2-momentum"].causes == ((SLIP.code, SLIP.sentence),) and cells["2-momentum"].margin == 0.5
+    assert cells["2-energy"].causes == ()
 
 
 def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(database_url):

@@ -123,7 +123,7 @@ class Assignment:
         return [c for e in self.exercises for c in e.checks]
 
     def most_points(self) -> int:
-        """Checks made of a submission that has every function but the optional ones."""
+        """A point for each check, but for those of functions that may be left out: these are a bonus."""
         return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in self.exercises)
 
     def functions(self) -> set[str]:

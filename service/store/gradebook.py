@@ -13,8 +13,8 @@ from uuid import UUID
 from sqlalchemy import Row
 
 from service.store.database import Database
+from service.store.grades import BEST, SOMEBODY
 from service.store.people import COURSE
-from service.store.reading import LATE, SHOWN, STATUS
 
 
 class Cell(NamedTuple):
@@ -104,19 +104,12 @@ async def rules(database: Database, slug: str) -> Row[Any]:
 
 
 _STANDINGS = f"""
-WITH best AS (
-    SELECT DISTINCT ON (s.person_id) s.person_id, s.id AS submission, s.filename, s.submitted_at, {LATE}, shown.attempt,
-        shown.score, shown.max_score, shown.version, shown.finished_at, given.points,
-        coalesce(given.overridden, false) AS overridden, {STATUS}, count(*) OVER (PARTITION BY s.person_id) AS submissions
-    FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN course c ON c.id = x.course_id JOIN {SHOWN}
-    WHERE x.slug = :slug AND c.slug = :course
-    ORDER BY s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC
-)
-SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0) AS submissions, best.submission, best.filename,
+WITH best AS MATERIALIZED ({BEST})
+SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.attempts, 0) AS submissions, best.id AS submission, best.filename,
     best.submitted_at, best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'nothing sent') AS status,
     best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.attempt
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
-WHERE c.slug = :course AND m.role = 'student'
+WHERE c.slug = :course AND m.role = 'student' AND {SOMEBODY}
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 """
 
@@ -134,13 +127,14 @@ FROM outcome v JOIN attempt a ON a.id = v.attempt_id
 WHERE v.attempt_id = ANY(CAST(:attempts AS uuid[])) AND (v.state <> 'pass' AND v.causes <> '{}' OR o.points IS NOT NULL)
 """
 
-_OVERVIEW = """
+_OVERVIEW = f"""
 SELECT x.slug, x.due_at, x.grace_s, x.most_submissions, coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades
 FROM assignment x JOIN course c ON c.id = x.course_id
-    LEFT JOIN (SELECT course_id, count(*) AS students FROM member WHERE role = 'student' GROUP BY course_id) class
+    LEFT JOIN (SELECT m.course_id, count(*) AS students FROM member m JOIN person p ON p.id = m.person_id
+        WHERE m.role = 'student' AND {SOMEBODY} GROUP BY 1) class
         ON class.course_id = c.id
     LEFT JOIN (
         SELECT s.assignment_id, count(*) AS submissions, count(DISTINCT s.person_id) FILTER (WHERE m.role = 'student') AS people,

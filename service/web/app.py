@@ -18,6 +18,7 @@ from service.web import (
     classes,
     course,
     events,
+    exports,
     forms,
     guard,
     health,
@@ -36,7 +37,7 @@ from service.web.listener import Listener
 from service.web.templating import ENVIRONMENT
 
 ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
-PAGES = (course.router, people.router, classes.router, pages.router, login.pages)
+PAGES = (course.router, people.router, classes.router, exports.router, pages.router, login.pages)
 ENVIRONMENT.globals["csrf"] = forms.hidden
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]

@@ -96,10 +96,10 @@ def multipart(fields, files):
 
 def test_the_course_tells_who_has_submitted_and_what_waits(looks):
     status, page, headers = looks("prof", "/")
-    assert status == 200 and "<b>4/6</b> submitted" in page and "1 being graded" in page
+    assert status == 200 and "<b>4/5</b> submitted" in page and "1 being graded" in page
     assert "default-src 'self'" in headers["content-security-policy"] and not re.search(r"\sstyle=|\son[a-z]+=", page)
     own = looks("ann", "/")[1]
-    assert "being graded" not in own and "4/6" not in own and own.count("/submissions/") == 1
+    assert "being graded" not in own and "4/5" not in own and own.count("/submissions/") == 1
 
 
 def test_the_class_by_check(looks):
@@ -118,13 +118,13 @@ def test_causes_by_number_of_students_lead_to_their_submissions(looks):
     link, count = re.search(r'href="(/assignments/[^"]*cause=[^"]*)">(\d+) student', page).groups()
     assert count == "2" and SLIP.sentence in page
     chosen = looks("prof", link.replace("&amp;", "&"))[1]
-    assert "<h1>2 of 6 students</h1>" in chosen and "ben" in chosen and "cleo" in chosen and ">ann<" not in chosen
+    assert "<h1>2 of 5 students</h1>" in chosen and "ben" in chosen and "cleo" in chosen and ">ann<" not in chosen
     by_check = looks("prof", f"{CLASS}/submissions?check=2-energy&state=not-pass")[1]
-    assert "<h1>2 of 6" in by_check and "rotational energy conserved" in by_check
-    assert "<h1>1 of 6" in looks("prof", f"{CLASS}/submissions?check=2-momentum&state=timeout")[1]
-    assert "<h1>2 of 6" in looks("prof", f"{CLASS}/submissions?state=none")[1]
+    assert "<h1>2 of 5" in by_check and "rotational energy conserved" in by_check
+    assert "<h1>1 of 5" in looks("prof", f"{CLASS}/submissions?check=2-momentum&state=timeout")[1]
+    assert "<h1>1 of 5" in looks("prof", f"{CLASS}/submissions?state=none")[1]
     evil = looks("prof", f"{CLASS}/submissions?cause={urllib.parse.quote(EVIL)}")[1]
-    assert "<h1>0 of 6" in evil and "<script>alert" not in evil
+    assert "<h1>0 of 5" in evil and "<script>alert" not in evil
 
 
 def test_a_roster_enters_people_and_may_give_tokens(looks, url):
@@ -198,7 +198,7 @@ def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch
         asked.clear()
         class_ = run(url, lambda database: standings(database, "rigid-body"))
         counts.append(len(asked))
-        assert len(class_) == 6 + more and tally.by_check(ASSIGNMENT, class_)[5].made == 3 + more
+        assert len(class_) == 5 + more and tally.by_check(ASSIGNMENT, class_)[5].made == 3 + more
     assert counts == [3, 3]
 
 

@@ -25,6 +25,13 @@ env: .venv/runtime  ## make .venv from the hashed lock and compile its bytecode
 	@$(INSTALL) --require-hashes -r requirements-test.lock
 	@touch $@
 
+# A browser for its tests, where we may install one; elsewhere they are skipped and say so.
+.venv/browser: .venv/tests
+	@command -v chromium >/dev/null || { test "$$(id -u)" = 0 && command -v apt-get >/dev/null && echo "polhode: installing chromium" \
+		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends chromium fonts-dejavu-core >/dev/null 2>&1; } \
+		|| echo "polhode: there is no chromium: tests of pages in a browser will be skipped"
+	@touch $@
+
 demo: env  ## start a server, grade the specimens over HTTP, print the lines (ONCE=1: then stop)
 	@$(CLEAN_ENV) $(BIN)/python -m service.demo $(if $(ONCE),--once)
 
@@ -37,15 +44,16 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-test: lint  ## lint, then every test
+test: lint .venv/browser  ## lint, then every test
 	@$(CLEAN_ENV) $(BIN)/python -m pytest
 
-bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging and queue cost, false ✗, a surge
+bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
 	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
+	@$(CLEAN_ENV) $(BIN)/python -m bench.pages
 
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
 	@$(CLEAN_ENV) $(BIN)/python -m tests.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
@@ -53,7 +61,7 @@ chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases u
 lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
 	uv lock $(UPGRADE)
 	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
-	uv export --quiet --format requirements.txt --all-groups --no-emit-project --no-header --output-file requirements-test.lock
+	uv export --quiet --format requirements.txt --all-groups --all-extras --no-emit-project --no-header --output-file requirements-test.lock
 	@! grep -nE 'https?://' requirements.lock requirements-test.lock
 
 clean:  ## remove what the other targets made

@@ -6,6 +6,7 @@ import os
 import selectors
 import signal
 import socket
+import threading
 import time
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -25,6 +26,7 @@ LOAD_S = 2 * LOAD_BUDGET_S
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
+LOOK_S = 0.2  # so often it is seen whether the play is wanted any more
 CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
 
 
@@ -62,11 +64,15 @@ class NoAnswer(Exception):
 
 @dataclass
 class Conversation:
-    """``stopped`` says why the host ended it, if it did; ``ended`` how the child did, once it is known."""
+    """``stopped`` says why the host ended it, if it did; ``ended`` how the child did, once it is known.
+
+    Another thread may set ``unwanted``: then it ends at once.
+    """
 
     job: Job
     reader: Reader
     pipes: Pipes
+    unwanted: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
     stopped: Ending | None = None
     ended: Ended | None = None
@@ -97,12 +103,12 @@ class Conversation:
                     os.close(self.pipes.job)
 
     def _goes_on(self) -> bool:
-        return self.stopped is None and bool(self._selector.get_map())
+        return self.stopped is None and not self.unwanted.is_set() and bool(self._selector.get_map())
 
     def _step(self) -> None:
         """Wait for the next that is ready, and take it."""
-        ready = self._selector.select(self._patience.left(self.reader.started))
-        if not ready:
+        ready = self._selector.select(min(LOOK_S, self._patience.left(self.reader.started)))
+        if not ready and self._patience.left(self.reader.started) == 0:
             self.stopped = Ending.TIMED_OUT
         for key, _ in ready:
             if key.fd == self.pipes.job:

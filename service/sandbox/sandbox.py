@@ -1,11 +1,12 @@
 """Playing jobs: one warm guest behind some walls, replaced after many plays, after an odd one and when it is lost."""
 
+import threading
 from collections.abc import Callable
 
 from ecp.outcome import Ending, SceneEnding
 from service.sandbox.job import Job
 from service.sandbox.probe import probe
-from service.sandbox.seen import Fault, Seen
+from service.sandbox.seen import Fault, Seen, Stopped
 from service.sandbox.walls import Walls
 from service.sandbox.zygote import Zygote, ZygoteLost
 
@@ -23,13 +24,14 @@ class Sandbox:
         self._plays = 0
         self.zygotes = 0  # started so far
         self.rehearsed = False
+        self.unwanted = threading.Event()  # set by another thread, it ends what is being played; the guest stays warm
 
     def start(self) -> None:
         """Begin warming a guest; returns before it is warm."""
         if self._zygote is None:
             self._plays = 0
             self.zygotes += 1
-            self._zygote = Zygote(self._walls.command, self._walls.environment)
+            self._zygote = Zygote(self._walls.command, self._walls.environment, self.unwanted)
 
     def wait_ready(self) -> None:
         """Return when a guest is warm; Fault if it cannot start."""
@@ -49,7 +51,7 @@ class Sandbox:
     def play(self, job: Job, tell: Callable[[str], None] = lambda scene: None) -> Seen:
         """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us.
 
-        ``tell`` is called with the name of each scene that begins.
+        Stopped as soon as it is ``unwanted``. ``tell`` is called with the name of each scene that begins.
         """
         seen = Seen()
         while (left := job.without(set(seen.endings))).scenes:
@@ -73,6 +75,8 @@ class Sandbox:
                 if attempt == TRIES - 1:
                     raise Fault(str(lost)) from lost
                 continue
+            except Stopped:
+                raise
             except BaseException:
                 self.close()
                 raise

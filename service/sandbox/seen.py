@@ -59,5 +59,9 @@ class Seen:
         return scene in self.endings and self.endings[scene].ending is Ending.FINISHED
 
 
+class Stopped(Exception):
+    """Whoever began to play wants it no more."""
+
+
 class Fault(Exception):
     """Our own failure: the submission could not be graded. Never a verdict."""

@@ -6,12 +6,13 @@ import signal
 import socket
 import subprocess
 import tempfile
+import threading
 from collections.abc import Callable, Mapping, Sequence
 
 from service.sandbox.conversation import Conversation, Ended, Pipes
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
-from service.sandbox.seen import KEPT_OUTPUT, Fault, Seen
+from service.sandbox.seen import KEPT_OUTPUT, Fault, Seen, Stopped
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0
@@ -23,9 +24,13 @@ class ZygoteLost(Exception):
 
 
 class Zygote:
-    """A guest process behind ``command``; the command gets the number of its control socket as last argument."""
+    """A guest process behind ``command``; the command gets the number of its control socket as last argument.
 
-    def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
+    ``unwanted`` may be set by another thread: it ends a play, not the guest.
+    """
+
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str], unwanted: threading.Event) -> None:
+        self._unwanted = unwanted
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- it lives as long as the guest
         self._ready = False
@@ -58,7 +63,8 @@ class Zygote:
 
         False when the play ended so oddly that this zygote should be replaced.
 
-        ZygoteLost when the zygote does not answer: it must be killed, and the play may be tried again with another.
+        Stopped when nobody wants it any more. ZygoteLost when the zygote does not answer: it must be killed, and the play may be
+        tried again with another.
         """
         self.wait_ready()
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
@@ -71,7 +77,7 @@ class Zygote:
         except BaseException:
             _close(*ours)
             raise
-        talk = Conversation(job, Reader(job, seen, tell), Pipes(self._control, *ours))
+        talk = Conversation(job, Reader(job, seen, tell), Pipes(self._control, *ours), self._unwanted)
         try:
             talk.hold()
         except OSError as error:
@@ -82,6 +88,8 @@ class Zygote:
             os.close(child)
         if talk.ended is None:
             talk.ended = self._buried()
+        if self._unwanted.is_set():
+            raise Stopped
         seen.stdout = text(talk.output.decode(errors="replace"), KEPT_OUTPUT)
         talk.conclude(seen)
         return not talk.odd

@@ -101,11 +101,12 @@ async def _accept(database: Database, new: New, key: str | None, kind: str) -> A
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
-async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
-    """The next attempt of a submission, with its job."""
+async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int, *, held_for: UUID | None = None) -> UUID:
+    """The next attempt of a submission, with its job; ``held_for`` a regrade, nothing of it is shown until that is applied."""
     await take_turn(connection, of)
     id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
+    values |= {"regrade_id": held_for, "held": held_for is not None}
     values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
     await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
     await send_attempt(connection, id)
@@ -148,7 +149,7 @@ RETURNING (
 _USED = text("""
 SELECT count(*) FROM submission s
     JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
-        WHERE a.submission_id = s.id) fault ON NOT fault.ours
+        WHERE a.submission_id = s.id AND NOT a.held) fault ON NOT fault.ours
 WHERE s.person_id = :person AND s.assignment_id = :assignment
 """)
 

@@ -24,6 +24,7 @@ class Past:
     status: str
     score: int | None
     max_score: int | None
+    points: int | None
     verdicts: dict[str, str]
 
 
@@ -34,7 +35,7 @@ async def past(database: Database, person: str, slug: str) -> Sequence[Past]:
 
 
 _PAST = f"""
-SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, {STATUS}, (
+SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, given.points, {STATUS}, (
     SELECT jsonb_object_agg(o->>'id', o->>'verdict')
     FROM jsonb_array_elements(shown.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 ) AS verdicts

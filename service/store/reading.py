@@ -26,7 +26,7 @@ LATERAL (
 LEFT JOIN LATERAL (
     SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
         shown.score + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
-    FROM override o LEFT JOIN outcome v ON v.attempt_id = shown.attempt AND v.check_id = o.check_id
+    FROM override o LEFT JOIN outcome v ON v.attempt_id = shown.attempt AND v.check_id = o.check_id AND v.counted
     WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
 ) given ON true
 LEFT JOIN LATERAL (
@@ -51,7 +51,7 @@ WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, {STATUS}
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, given.points, {STATUS}
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
 """
@@ -76,7 +76,7 @@ async def read(database: Database, id: UUID) -> Stored | None:
 async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Listed]:
     """The latest submissions, of all or of one person, newest first, without their source and report."""
     return [
-        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score)
+        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points)
         for r in await database.rows(_LIST, {"most": most, "person": person})
     ]
 
@@ -131,4 +131,6 @@ def _stored(row: Row[tuple[object, ...]]) -> Stored:
         report=None if row.report is None else read_document(Report, row.report),
         fault=row.fault,
         status=row.status,
+        cancelled_by=row.cancelled_by,
+        points=row.points,
     )

@@ -34,6 +34,7 @@ class Stored:
     """A submission as accepted, with the result shown for it, if there is one: a report, or the fault that kept us from making it.
 
     ``attempt`` is the one shown: the last with a report, else the last one. ``status`` is queued, running, graded or faulted.
+    ``cancelled_by`` tells who of the staff stopped it, ``points`` the score but for what an instructor gave instead.
     """
 
     id: UUID
@@ -49,6 +50,8 @@ class Stored:
     report: Report | None
     fault: str | None
     status: str
+    cancelled_by: str | None = None
+    points: int | None = None
 
     @property
     def finished(self) -> bool:
@@ -58,7 +61,7 @@ class Stored:
 
 @dataclass(frozen=True)
 class Listed:
-    """A submission as a list shows it; ``score`` and ``max_score`` are None where there is no report."""
+    """A submission as a list shows it; ``score``, ``max_score`` and ``points`` are None where there is no report."""
 
     id: UUID
     filename: str
@@ -67,3 +70,4 @@ class Listed:
     status: str
     score: int | None
     max_score: int | None
+    points: int | None = None

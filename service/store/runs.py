@@ -58,11 +58,11 @@ async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -
             fault = f"grading was begun {len(lost)} times and never ended ({known})"
             await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
             await send_next(connection, attempt, found.submission_id)
-            await _tell(connection, found.submission_id)
+            await tell_in(connection, found.submission_id)
             return None
         values = {"id": new_run, "attempt_id": attempt, "worker": worker, "phase": "starting"}
         await connection.execute(insert(run).values(values).on_conflict_do_nothing())
-        await _tell(connection, found.submission_id)
+        await tell_in(connection, found.submission_id)
     return Claim(**_asked(attempt, found), run=new_run)
 
 
@@ -72,12 +72,17 @@ async def question(database: Database, attempt: UUID) -> Question:
         return Question(**_asked(attempt, (await connection.execute(_CLAIM, {"attempt": attempt})).one()))
 
 
-async def beat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> None:
-    """Tell that the run is alive and how far it is. If it was thought to be lost, it is not."""
+async def beat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
+    """Tell that the run is alive and how far it is. If it was thought to be lost, it is not.
+
+    False where it is wanted no more: it was cancelled, or another run was first.
+    """
     values = {"run": claimed.run, "phase": phase, "scene": scene, "scenes": scenes}
     async with database.begin() as connection:
-        if (await connection.execute(_BEAT, values)).scalar():
-            await _tell(connection, claimed.submission_id)
+        row = (await connection.execute(_BEAT, values)).first()
+        if row is not None and row.moved:
+            await tell_in(connection, claimed.submission_id)
+    return row is not None
 
 
 async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
@@ -103,7 +108,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
         if first:
             await send_next(connection, claimed.attempt, claimed.submission_id)
-            await _tell(connection, claimed.submission_id)
+            await tell_in(connection, claimed.submission_id)
         return first
 
 
@@ -115,13 +120,19 @@ async def give_back(database: Database, claimed: Claim, ending: str, note: str) 
         if open and (await connection.execute(_OWNER, {"attempt": claimed.attempt})).first() is None:
             await connection.execute(_DROP_JOBS, {"attempt": str(claimed.attempt)})
             await send_attempt(connection, claimed.attempt, begun=ending == "released")
-            await _tell(connection, claimed.submission_id)
+            await tell_in(connection, claimed.submission_id)
+
+
+async def concede(database: Database, claimed: Claim) -> None:
+    """End a run whose attempt has its result from elsewhere."""
+    async with database.begin() as connection:
+        await connection.execute(_END, {"run": claimed.run, "ending": "superseded"})
 
 
 async def tell(database: Database, submission_id: UUID) -> None:
     """Wake whoever follows that submission, on any server."""
     async with database.begin() as connection:
-        await _tell(connection, submission_id)
+        await tell_in(connection, submission_id)
 
 
 def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
@@ -140,7 +151,7 @@ def _by_check(attempt: UUID, report: Report) -> list[Executable]:
     return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
 
 
-async def _tell(connection: AsyncConnection, submission_id: UUID) -> None:
+async def tell_in(connection: AsyncConnection, submission_id: UUID) -> None:
     """The same when this transaction is committed."""
     await connection.execute(text("SELECT pg_notify(:channel, :id)"), {"channel": CHANNEL, "id": str(submission_id)})
 
@@ -165,12 +176,15 @@ WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
 UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes, ended_at = NULL, ending = NULL, note = NULL,
     scene_at = CASE WHEN (before.phase, before.scene) = (:phase, :scene) THEN scene_at ELSE now() END
 FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.ending = 'lost')
-RETURNING (before.phase, before.scene) <> (run.phase, run.scene)
+    AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = run.attempt_id)
+RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
 """)
 
 _OWNER = text("SELECT run_id FROM result WHERE attempt_id = :attempt")
 
-_END = text("UPDATE run SET ended_at = now(), ending = :ending, note = NULL WHERE id = :run AND ending IS DISTINCT FROM 'finished'")
+_END = text("""
+UPDATE run SET ended_at = now(), ending = :ending, note = NULL WHERE id = :run AND coalesce(ending, '') NOT IN ('finished', 'cancelled')
+""")
 
 _END_IF_OPEN = text("UPDATE run SET ended_at = now(), ending = :ending, note = :note WHERE id = :run AND ended_at IS NULL")
 

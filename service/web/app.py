@@ -10,11 +10,13 @@ from fastapi.staticfiles import StaticFiles
 
 from exercises.assignment import assignments
 from service.settings import Settings
+from service.store import queueing
 from service.store.accept import register
 from service.store.database import Database
 from service.store.people import secret
 from service.web import (
     attempts,
+    audit,
     classes,
     course,
     events,
@@ -24,10 +26,13 @@ from service.web import (
     health,
     kit,
     login,
+    overrides,
     pages,
     people,
     pictures,
     problems,
+    queue,
+    regrades,
     roles,
     routes,
 )
@@ -35,9 +40,21 @@ from service.web.drawing import Draughtsman
 from service.web.hub import Hub
 from service.web.listener import Listener
 from service.web.templating import ENVIRONMENT
+from service.web.watching import Watch
 
 ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
-PAGES = (course.router, people.router, classes.router, exports.router, pages.router, login.pages)
+PAGES = (
+    course.router,
+    people.router,
+    classes.router,
+    exports.router,
+    queue.router,
+    regrades.router,
+    overrides.router,
+    audit.router,
+    pages.router,
+    login.pages,
+)
 ENVIRONMENT.globals["csrf"] = forms.hidden
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
@@ -76,6 +93,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
     app.state.listener.start()
+    app.state.queue = Watch(app.state.listener, lambda: queueing.look(database), queue.shown)
     try:
         yield
     finally:

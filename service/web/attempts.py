@@ -23,8 +23,8 @@ async def list_own(slug: str, request: Request) -> dict[str, Any]:
     person = await who(request)
     found = await past(request.app.state.database, person.name, slug)
     told = await asyncio.to_thread(_told, found)
-    graded = [one for one in told if one["score"] is not None]
-    best = max(graded, key=lambda one: one["score"], default=None)  # of equals the newest
+    graded = [one for one in told if one["points"] is not None]
+    best = max(graded, key=lambda one: one["points"], default=None)  # of equals the newest
     return {"assignment": slug, "submissions": told, "best": best and best["id"], "last": told[0]["id"] if told else None}
 
 
@@ -38,6 +38,7 @@ def _told(found: Sequence[Past]) -> list[dict[str, Any]]:
             "status": one.status,
             "score": one.score,
             "max_score": one.max_score,
+            "points": one.points,
             "sha256": one.sha256,
             "verdicts": one.verdicts,
             "changed": None if earlier is None else _changed(earlier, one),

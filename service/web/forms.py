@@ -48,7 +48,7 @@ Form = Annotated[FormData, Depends(checked)]
 def field(form: FormData, name: str, most: int = 400) -> str:
     """A field's text without space around it, "" where it is missing; Problem 422 where it is longer than ``most``."""
     given = form.get(name)
-    told = given.strip() if isinstance(given, str) else ""
+    told = given.replace("\x00", "").strip() if isinstance(given, str) else ""  # no NUL in a database
     if len(told) > most:
         raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
     return told

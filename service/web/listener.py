@@ -43,8 +43,8 @@ class Listener:
         self._leaving = True
         self._wake_all()
 
-    async def looks(self, submission: str, seconds: float) -> AsyncIterator[None]:
-        """Now, after every news of the submission, and from time to time; ends after ``seconds``."""
+    async def looks(self, submission: str, seconds: float, every: float = LOOK_AGAIN_S) -> AsyncIterator[None]:
+        """Now, after every news of the submission, and ``every`` so many seconds; ends after ``seconds``."""
         loop, event = asyncio.get_running_loop(), asyncio.Event()
         until = loop.time() + seconds
         self._asleep[submission].add(event)
@@ -52,7 +52,7 @@ class Listener:
             yield
             while (left := until - loop.time()) > 0 and not self._leaving:
                 with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(event.wait(), min(LOOK_AGAIN_S, left))
+                    await asyncio.wait_for(event.wait(), min(every, left))
                 event.clear()
                 yield
         finally:

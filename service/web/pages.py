@@ -6,6 +6,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
 from service import charts
+from service.web import overrides
 from service.web.attempts import list_own
 from service.web.identity import COOKIE
 from service.web.problems import Problem
@@ -38,7 +39,7 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
 async def report(id: str, request: Request, person: Looking) -> Response:
     """One submission: its lines, causes, figures and animations."""
     stored = await find_submission(request, id)
-    return templates.TemplateResponse(request, "report.html", {"stored": stored})
+    return templates.TemplateResponse(request, "report.html", {"stored": stored} | await overrides.context(request, stored))
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

@@ -17,6 +17,7 @@ RETRY_AFTER_S = "5"
 
 TITLES = {
     "bad-submission": "This cannot be graded",
+    "changed-meanwhile": "Somebody else was first",
     "busy": "The server cannot answer this now",
     "deadline-over": "The deadline is over",
     "fault": "polhode failed",

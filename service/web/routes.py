@@ -14,7 +14,7 @@ from fastapi.responses import JSONResponse, PlainTextResponse
 from ecp.document import document
 from exercises import wheel
 from exercises.assignment import Assignment, assignments
-from service.store import reading
+from service.store import overriding, reading
 from service.store.accept import KeyReused, Refused, accept
 from service.store.database import Database, is_outage
 from service.store.records import New, Stored
@@ -100,8 +100,11 @@ async def submit(
 
 @router.get("/v1/submissions/{id}")
 async def show_submission(id: str, request: Request) -> dict[str, Any]:
-    """Status of a submission, and its report once there is one."""
-    return _document(await find_submission(request, id))
+    """Status of a submission, its report once there is one, and points that an instructor gave."""
+    stored = await find_submission(request, id)
+    given = [one for one in await overriding.of_submission(_database(request), stored.id) if one.in_force]
+    told = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in given]
+    return _document(stored) | ({"points": stored.points, "overrides": told} if told else {})
 
 
 @router.get("/v1/submissions/{id}/report.txt")
@@ -135,7 +138,8 @@ async def find_submission(request: Request, id: str) -> Stored:
 def _document(stored: Stored) -> dict[str, Any]:
     told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
     told |= {"report": document(stored.report) if stored.report else None}
-    return told | ({"fault": stored.fault} if stored.fault else {})
+    told |= {"fault": stored.fault} if stored.fault else {}
+    return told | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
 
 
 def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:

@@ -46,10 +46,16 @@ def zygotes() -> int:
     return max(0, _sandbox.zygotes - 1) if _sandbox else 0
 
 
+def stop_playing(stop: bool = True) -> None:
+    """From another thread: end what is being played, and play nothing, until this is called with False."""
+    if _sandbox is not None:
+        (_sandbox.unwanted.set if stop else _sandbox.unwanted.clear)()
+
+
 def grade_one(
     submission: Submission, slug: str, exercises: list[str] | None, seed: int, tell: Tell = lambda phase, scene, scenes: None
 ) -> tuple[Report, dict[str, bytes]]:
-    """The report and the artefacts to keep."""
+    """The report and the artefacts to keep. Stopped where ``stop_playing`` was called meanwhile."""
     began = time.perf_counter()
     graded = grade(submission, assignments()[slug], _own(), seed, exercises, tell=tell)
     judged = time.perf_counter()

@@ -21,7 +21,7 @@ from service import logs
 from service.grading.sweep import NotSwept
 from service.queue import QUEUE, new_app
 from service.sandbox.choose import WallsMissing, choose
-from service.sandbox.seen import Fault
+from service.sandbox.seen import Fault, Stopped
 from service.sandbox.wire import text
 from service.settings import Settings
 from service.store import enrolment, rescue, runs
@@ -130,12 +130,16 @@ class Slot:
             )
             first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
             log.info("graded" if first else "came second")
+        except Stopped:
+            log.info("stopped, as the attempt has its result")
+            await patiently(partial(runs.concede, self._database, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
             words = text(str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}", 400)
             await patiently(partial(runs.give_back, self._database, claimed, "failed", words), PATIENCE_S)
         finally:
             beats.cancel()
+            hand.stop_playing(False)
             self._claimed = None
 
     async def _sweep(self, attempt: str) -> None:
@@ -157,7 +161,8 @@ class Slot:
         while True:
             await asyncio.sleep(BEAT_S)
             with _bearing_outages():
-                await runs.beat(self._database, claimed, *self._progress)
+                if not await runs.beat(self._database, claimed, *self._progress):
+                    hand.stop_playing()
 
     async def _look_after(self) -> None:
         """Tell that this worker is there, and rescue what others lost."""

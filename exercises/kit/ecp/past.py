@@ -43,7 +43,9 @@ class Attempts:
     def _row(self, one: dict[str, Any]) -> tuple[str, ...]:
         at = datetime.fromisoformat(one["submitted_at"]).astimezone()
         when = f"{at:%Y-%m-%d %H:%M}{' late' if one['late'] else ''}"
-        score = one["status"] if one["score"] is None else f"{one['score']} of {one['max_score']}"
+        points = one.get("points", one["score"])
+        graded = "" if points == one["score"] else f" (graded {one['score']})"
+        score = one["status"] if one["score"] is None else f"{points} of {one['max_score']}{graded}"
         note = ", ".join(word for word, id in (("best", self.best), ("last", self.last)) if id == one["id"])
         return when, score, note, one["changed"]["told"] if one["changed"] else ""
 

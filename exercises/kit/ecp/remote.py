@@ -116,6 +116,8 @@ def _wait(url: str, who: Mapping[str, str], line: Line, page: str) -> dict[str, 
     except KeyboardInterrupt:
         raise NotGraded(f"You stopped waiting. What you sent is stored; its report will be at {page}") from None
     if document["report"] is None:
+        if who_stopped := document.get("cancelled_by"):
+            raise NotGraded(f"Grading was stopped by {who_stopped}, of the course's staff. That costs you nothing; see {page}")
         failed = document.get("fault", "it gave no reason")
         raise NotGraded(f"The server failed while grading: {failed}. That is not your mistake and costs you nothing; see {page}")
     return document

@@ -57,16 +57,17 @@ async def _stop(connection: AsyncConnection, attempts: Sequence[UUID], who: str)
     return stopped
 
 
-# Locked as by who claims it, and before the person: so a run begun meanwhile is seen and ended, and nobody waits in a circle.
+# Locked as by who claims it, and before the person: so a run begun meanwhile is seen and ended, and nobody waits in a circle. Not
+# more than that, as a result that is being written locks the attempt's key.
 _FOUND = text("""
 SELECT a.number, a.held, s.id AS submission, p.name AS person
 FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-WHERE a.id = :attempt FOR UPDATE OF a
+WHERE a.id = :attempt FOR NO KEY UPDATE OF a
 """)
 
 _OPEN = text("""
 SELECT a.id FROM attempt a WHERE a.regrade_id = :regrade
-    AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = a.id) ORDER BY a.id FOR UPDATE OF a
+    AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = a.id) ORDER BY a.id FOR NO KEY UPDATE OF a
 """)
 
 _END_RUNS = text("""

@@ -1,4 +1,4 @@
-"""Points that an instructor gives instead of what was measured, for a check or for all: with a reason, and withdrawn, not erased."""
+"""Points that an instructor gives instead of what was measured, with a reason: never erased, only withdrawn or replaced."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -76,12 +76,18 @@ async def give(
         values = {"submission_id": submission, "check_id": check, "points": points, "reason": reason, "given_by": who}
         await connection.execute(insert(override).values(values | {"given_at": text("clock_timestamp()")}))
         measured = before.score if outcome is None else int(outcome.state == "pass")
-        told = {"check": check, "before": measured if old is None else old.points, "after": points, "reason": reason}
-        await _tell(connection, submission, before, who, "override", told)
+        told = {
+            "action": "override",
+            "check": check,
+            "before": measured if old is None else old.points,
+            "after": points,
+            "reason": reason,
+        }
+        await _tell(connection, submission, before, who, told)
 
 
 async def withdraw(database: Database, submission: UUID, id: UUID, who: str) -> bool:
-    """What was measured counts again. False where there is no such override of that submission; NotGiven where it is over already."""
+    """What was measured counts again. False where that submission has no such override; NotGiven where it is over already."""
     async with database.begin() as connection:
         before = await _locked(connection, submission)
         known = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
@@ -91,8 +97,8 @@ async def withdraw(database: Database, submission: UUID, id: UUID, who: str) -> 
         if not one.in_force:
             raise NotGiven("changed-meanwhile", f"it was withdrawn or replaced by {one.withdrawn_by} already")
         await connection.execute(_WITHDRAW, {"submission": submission, "id": id, "who": who})
-        told = {"check": one.check, "before": one.points, "after": None, "reason": one.reason}
-        await _tell(connection, submission, before, who, "override withdrawn", told)
+        told = {"action": "override withdrawn", "check": one.check, "before": one.points, "after": None, "reason": one.reason}
+        await _tell(connection, submission, before, who, told)
     return True
 
 
@@ -114,10 +120,9 @@ async def _locked(connection: AsyncConnection, submission: UUID) -> Row[Any]:
     return (await connection.execute(_SHOWN, {"id": submission})).one()
 
 
-async def _tell(
-    connection: AsyncConnection, submission: UUID, before: Row[Any], who: str, action: str, told: dict[str, Any]
-) -> None:
+async def _tell(connection: AsyncConnection, submission: UUID, before: Row[Any], who: str, told: dict[str, Any]) -> None:
     after = (await connection.execute(_SHOWN, {"id": submission})).one()
+    action = told.pop("action")
     detail = {"person": before.person, **told, "points": [before.points, after.points]}
     await note(connection, who, action, str(submission), detail)
     await runs.tell_in(connection, submission)

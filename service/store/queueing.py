@@ -85,7 +85,8 @@ _PLACES = f"""
 SELECT j.position, j.total, a.id AS attempt, a.kind, a.number, a.held, a.requested_at, s.id AS submission, p.name AS person,
     x.slug AS assignment
 FROM (
-    SELECT (args->>'attempt')::uuid AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position, count(*) OVER () AS total
+    SELECT (args->>'attempt')::uuid AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position,
+        count(*) OVER () AS total
     FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade' ORDER BY priority DESC, id LIMIT {MOST_PLACES}
 ) j JOIN attempt a ON a.id = j.attempt JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id

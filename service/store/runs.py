@@ -162,7 +162,7 @@ SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exer
     (SELECT count(*) FROM run WHERE run.attempt_id = a.id AND ending IN ('lost', 'failed')) AS lost
 FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
     LEFT JOIN result r ON r.attempt_id = a.id
-WHERE a.id = :attempt FOR UPDATE OF a
+WHERE a.id = :attempt FOR NO KEY UPDATE OF a
 """)
 
 # A run that came back late is no loss: its worker lives, it was only slow.
@@ -183,7 +183,8 @@ RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
 _OWNER = text("SELECT run_id FROM result WHERE attempt_id = :attempt")
 
 _END = text("""
-UPDATE run SET ended_at = now(), ending = :ending, note = NULL WHERE id = :run AND coalesce(ending, '') NOT IN ('finished', 'cancelled')
+UPDATE run SET ended_at = now(), ending = :ending, note = NULL
+WHERE id = :run AND coalesce(ending, '') NOT IN ('finished', 'cancelled')
 """)
 
 _END_IF_OPEN = text("UPDATE run SET ended_at = now(), ending = :ending, note = :note WHERE id = :run AND ended_at IS NULL")

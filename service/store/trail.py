@@ -17,6 +17,7 @@ async def trail(database: Database, subject: str | None = None, before: int | No
 
 _TRAIL = f"""
 SELECT id, at, who, action, subject, detail FROM audit
-WHERE (CAST(:subject AS text) IS NULL OR :subject IN (subject, who, detail->>'person')) AND id < coalesce(CAST(:before AS bigint), 9223372036854775807)
+WHERE (CAST(:subject AS text) IS NULL OR CAST(:subject AS text) IN (subject, who, detail->>'person'))
+    AND id < coalesce(CAST(:before AS bigint), 9223372036854775807)
 ORDER BY id DESC LIMIT {MOST}
 """

@@ -18,7 +18,7 @@ from service.web.templating import templates
 
 router = APIRouter()
 LONG_S = 5.0  # in one scene: most take a tenth of that
-SILENT_S = 2.0
+SILENT_S, LEFT_S = 2.0, 5.0  # a run tells every half second that it is alive, a worker every three
 
 
 @router.get("/queue", response_class=HTMLResponse)
@@ -74,7 +74,7 @@ def shown(queue: Queue) -> dict[str, Any]:
         "kinds": [(kind.n, kind.kind) for kind in queue.waiting],
         "places": [row._asdict() for row in queue.places],
         "going": [_going(run) for run in queue.going],
-        "workers": [w._asdict() | {"silent_s": lasting(w.silent_s), "busy": w.name in busy} for w in queue.workers],
+        "workers": [w._asdict() | {"silent_s": _silence(w.silent_s, LEFT_S), "busy": w.name in busy} for w in queue.workers],
         "faults": [row._asdict() for row in queue.faults],
     }
 
@@ -89,10 +89,14 @@ def lasting(seconds: float) -> str:
     return f"{whole // 60} min"
 
 
+def _silence(seconds: float, usual: float) -> str:
+    return f"silent for {lasting(seconds)}" if seconds > usual else "alive"
+
+
 def _going(run: Row[Any]) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
     told = {"phase": phase, "running": lasting(run.running_s), "in_scene": lasting(run.scene_s), "stuck": ""}
-    told["silent"] = f"silent for {lasting(run.silent_s)}" if run.silent_s > SILENT_S else "alive"
+    told["silent"] = _silence(run.silent_s, SILENT_S)
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
         told["stuck"] = f"{lasting(run.scene_s)} {where}: perhaps an endless loop; its budget ends it"

@@ -20,10 +20,8 @@ def diff(pairs: Sequence[Row[Any]], flips: Iterable[Row[Any]], labels: Mapping[s
     kinds: Counter[tuple[str, str]] = Counter()
     for flip in flips:
         told = f"{_mark(flip.was)} → {_mark(flip.now)}"
-        words = f"{_word(flip.was)}, now {_word(flip.now)}"
-        by_attempt[flip.attempt].append(
-            {"check": flip.check_id, "label": labels.get(flip.check_id, ""), "told": told, "words": words}
-        )
+        named = {"check": flip.check_id, "label": labels.get(flip.check_id, "")}
+        by_attempt[flip.attempt].append(named | {"told": told, "words": f"{_word(flip.was)}, now {_word(flip.now)}"})
         kinds[flip.check_id, told] += 1
     groups: dict[str, list[dict[str, Any]]] = {name: [] for name in GROUPS}
     for row in pairs:

@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 from typing import Annotated, Any
 from uuid import UUID
 
-from fastapi import APIRouter, Header, Request
+from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
@@ -23,6 +23,16 @@ from service.web.watching import Watch
 
 router = APIRouter()
 _watched: weakref.WeakValueDictionary[UUID, Watch[Any]] = weakref.WeakValueDictionary()  # while somebody looks
+
+
+async def _find(request: Request, id: str) -> Regrade:
+    found = await regrading.find(request.app.state.database, identifier(id))
+    if found is None:
+        raise Problem(404, "not-found", "there is no such regrade")
+    return found
+
+
+Found = Annotated[Regrade, Depends(_find)]
 
 
 @router.get("/assignments/{slug}/regrades", response_class=HTMLResponse)
@@ -47,9 +57,9 @@ async def begin(slug: str, request: Request, person: Staff, form: Form) -> Respo
 
 
 @router.get("/regrades/{id}", response_class=HTMLResponse)
-async def page(id: str, request: Request, person: Staff) -> Response:
+async def page(request: Request, person: Staff, regrade: Found) -> Response:
     """How far it is, and what it changes."""
-    regrade, database = await _find(request, id), request.app.state.database
+    database = request.app.state.database
     pairs, flips = await regrading.pairs(database, regrade.id), await regrading.flips(database, regrade.id)
     assignment = find_assignment(regrade.assignment)
     context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
@@ -61,17 +71,16 @@ async def page(id: str, request: Request, person: Staff) -> Response:
 
 @router.get("/regrades/{id}/events", response_class=EventSourceResponse)
 async def events(
-    id: str, request: Request, person: Staff, last_event_id: Annotated[str | None, Header()] = None
+    request: Request, person: Staff, regrade: Found, last_event_id: Annotated[str | None, Header()] = None
 ) -> AsyncIterator[ServerSentEvent]:
     """An event whenever more is finished or it is decided, at most one per second."""
-    async for event in _watch(request, identifier(id)).events(last_event_id):
+    async for event in _watch(request, regrade.id).events(last_event_id):
         yield event
 
 
 @router.post("/regrades/{id}/apply")
-async def apply(id: str, request: Request, person: Instructor, form: Form) -> Response:
+async def apply(request: Request, person: Instructor, form: Form, regrade: Found) -> Response:
     """Let the new results count."""
-    regrade = await _find(request, id)
     try:
         await regrading.apply(request.app.state.database, regrade.id, person.name)
     except regrading.Unfinished as why:
@@ -82,9 +91,8 @@ async def apply(id: str, request: Request, person: Instructor, form: Form) -> Re
 
 
 @router.post("/regrades/{id}/drop")
-async def drop(id: str, request: Request, person: Staff, form: Form) -> Response:
+async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> Response:
     """Leave everything as it was."""
-    regrade = await _find(request, id)
     if request.state.role != "instructor" and person.name != regrade.asked_by:
         raise Problem(403, "not-allowed", "only instructors and who asked for a regrade may drop it")
     try:
@@ -109,13 +117,6 @@ async def _meant(request: Request, assignment: Assignment, which: str, check: st
     if stored is None or stored.assignment != assignment.slug:
         raise Problem(404, "not-found", f"{assignment.slug} has no submission {which[:80]}")
     return stored.id, None, f"one submission of {stored.person}"
-
-
-async def _find(request: Request, id: str) -> Regrade:
-    found = await regrading.find(request.app.state.database, identifier(id))
-    if found is None:
-        raise Problem(404, "not-found", "there is no such regrade")
-    return found
 
 
 def _watch(request: Request, id: UUID) -> Watch[Regrade | None]:

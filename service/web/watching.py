@@ -32,7 +32,7 @@ class Watch(Generic[T]):
             if clock() >= self._until:
                 changes = self._changes
                 self._seen = self._show(await self._look())
-                self._until = clock() + 0.8 * EVERY_S if changes == self._changes else float("-inf")
+                self._until = clock() + 0.95 * EVERY_S if changes == self._changes else float("-inf")
             return self._seen
 
     def changed(self) -> None:

@@ -1,0 +1,36 @@
+"""A play that nobody wants any more ends at once; the guest stays warm and plays the next."""
+
+import threading
+import time
+
+import pytest
+
+from exercises.assignment import assignments
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox.seen import Stopped
+
+GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
+LOOPS = {
+    "while it is loaded": "while True:\n    pass\n" + GOOD,
+    "in a scene": GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n",
+    "printing": "while True:\n    print('x' * 10, flush=True)\n    import time\n    time.sleep(0.01)\n" + GOOD,
+}
+
+
+@pytest.mark.parametrize("where", LOOPS)
+def test_stopped_within_a_second_and_the_next_is_graded_by_the_same_guest(sandbox, rigid_body, where):
+    sandbox.wait_ready()
+    before, timer = sandbox.zygotes, threading.Timer(1.0, sandbox.unwanted.set)
+    timer.start()
+    began = time.monotonic()
+    try:
+        with pytest.raises(Stopped):
+            grade(Submission(LOOPS[where]), rigid_body, sandbox, 7, ["2"])
+        assert 0.9 < time.monotonic() - began < 2.0
+        with pytest.raises(Stopped):
+            grade(Submission(GOOD), rigid_body, sandbox, 7, ["2"])
+    finally:
+        sandbox.unwanted.clear()
+    assert grade(Submission(GOOD), assignments()["rigid-body"], sandbox, 7, ["2"]).report.passed
+    assert sandbox.zygotes == before

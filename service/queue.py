@@ -4,9 +4,12 @@ The queue only wakes workers; the tables are the truth. Whatever was accepted an
 ``service.store.rescue``.
 """
 
+from collections import defaultdict
+from collections.abc import Sequence
 from uuid import UUID
 
 from procrastinate import App, PsycopgConnector
+from procrastinate.types import JSONValue
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
@@ -47,8 +50,20 @@ async def send_attempt(connection: AsyncConnection, attempt: UUID, *, begun: boo
 
     One that had ``begun`` and lost its worker has waited already: it goes before all others of its kind.
     """
-    found = (await connection.execute(_OPEN_BEFORE, {"attempt": attempt})).one()
+    found = (await connection.execute(_OPEN_BEFORE, {"attempts": [attempt]})).one()
     await send(connection, attempt, priority=rank(found.kind, 0) + 1 if begun else rank(found.kind, found.open))
+
+
+async def send_attempts(connection: AsyncConnection, attempts: Sequence[UUID]) -> None:
+    """The same for many, none of which was begun."""
+    by_rank: defaultdict[int, list[UUID]] = defaultdict(list)
+    for row in (await connection.execute(_OPEN_BEFORE, {"attempts": list(attempts)})).all():
+        by_rank[rank(row.kind, row.open)].append(row.id)
+    raw = (await connection.get_raw_connection()).driver_connection
+    for priority, those in by_rank.items():
+        job = _sender.configure_task("grade", queue=QUEUE, priority=priority, connection=raw)
+        asked: list[dict[str, JSONValue]] = [{"attempt": str(attempt)} for attempt in those]
+        await job.batch_defer_async(*asked)
 
 
 async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -> None:
@@ -68,8 +83,17 @@ async def take_turn(connection: AsyncConnection, submission: UUID) -> None:
     await connection.execute(_TURN, {"submission": submission})
 
 
+async def take_turns(connection: AsyncConnection, submissions: Sequence[UUID]) -> None:
+    """The same for the persons of many, always in the same order, so that two who do this do not wait for each other."""
+    await connection.execute(_TURNS, {"submissions": list(submissions)})
+
+
 PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
 _TURN = text(f"SELECT {PERSON_LOCK.format('person_id')} FROM submission WHERE id = :submission")
+_TURNS = text(f"""
+SELECT {PERSON_LOCK.format("person_id")}
+FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(:submissions) ORDER BY person_id) AS persons
+""")
 
 _NEXT = text(f"""
 SELECT j.id AS job, b.id AS attempt
@@ -81,9 +105,9 @@ ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
 """)
 
 _OPEN_BEFORE = text("""
-SELECT a.kind, (
+SELECT a.id, a.kind, (
     SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
     WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.attempt_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
 ) AS open
-FROM attempt a JOIN submission s ON s.id = a.submission_id WHERE a.id = :attempt
+FROM attempt a JOIN submission s ON s.id = a.submission_id WHERE a.id = ANY(:attempts) ORDER BY a.requested_at, a.id
 """)

@@ -101,12 +101,11 @@ async def _accept(database: Database, new: New, key: str | None, kind: str) -> A
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
-async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int, *, held_for: UUID | None = None) -> UUID:
-    """The next attempt of a submission, with its job; ``held_for`` a regrade, nothing of it is shown until that is applied."""
+async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
+    """The next attempt of a submission, with its job."""
     await take_turn(connection, of)
     id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
-    values |= {"regrade_id": held_for, "held": held_for is not None}
     values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
     await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
     await send_attempt(connection, id)

@@ -8,15 +8,16 @@ from uuid import UUID
 
 from sqlalchemy import Row, delete, text
 
-from service.queue import take_turn
+from service.queue import send_attempts, take_turns
 from service.store import runs
-from service.store.accept import add_attempt
+from service.store.accept import MOST_RUNS
 from service.store.cancelling import cancel_all_of
 from service.store.database import Database
 from service.store.people import note
 from service.store.reading import SHOWN
 from service.store.tables import regrade
 
+AT_ONCE = 50
 BEST, EVERY = "all", "every"
 """What is graded again: everybody's best submission, or each submission of everybody."""
 
@@ -52,16 +53,17 @@ class Regrade:
 async def begin(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, told: str) -> UUID:
     """Grade again, held: one submission by its id, the best or every one of everybody; with ``check``, those without ✓ at it.
 
-    Each person's in their turn; what is being graded is left alone. ``told`` says to people what is meant.
+    Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``told`` says to people what is
+    meant.
     """
     one = which if isinstance(which, UUID) else None
     asked = {"slug": slug, "one": one, "best": which == BEST, "check": check}
     async with database.begin() as connection:
         made = (await connection.execute(_BEGIN, {"slug": slug, "told": told, "who": who})).one().id
         meant = (await connection.execute(_MEANT, asked)).all()
-    count = 0
-    for submission in meant:
-        count += await _add(database, made, submission.id)
+    count, ids = 0, [row.id for row in meant]
+    for start in range(0, len(ids), AT_ONCE):
+        count += await _add(database, made, ids[start : start + AT_ONCE])
     async with database.begin() as connection:
         if count:
             await note(connection, who, "regrade begun", str(made), {"assignment": slug, "what": told, "submissions": count})
@@ -70,15 +72,16 @@ async def begin(database: Database, slug: str, which: UUID | str, who: str, *, c
     raise NothingToGrade
 
 
-async def _add(database: Database, made: UUID, submission: UUID) -> bool:
-    """A held attempt, unless the submission is being graded or the regrade has been decided meanwhile."""
-    async with database.begin() as connection:  # each by itself: who submits meanwhile waits for none but their own
-        await take_turn(connection, submission)
-        last = (await connection.execute(_LAST, {"id": submission, "regrade": made})).first()
-        if last is None or not last.finished:
-            return False
-        await add_attempt(connection, submission, "regrade", last.seed, held_for=made)
-    return True
+async def _add(database: Database, made: UUID, submissions: Sequence[UUID]) -> int:
+    """Held attempts of those that are not being graded, unless the regrade has been decided meanwhile; how many."""
+    async with database.begin() as connection:
+        await take_turns(connection, submissions)
+        if (await connection.execute(_UNDECIDED, {"id": made})).first() is None:
+            return 0
+        values = {"regrade": made, "submissions": list(submissions), "most_runs": MOST_RUNS}
+        added = [row.id for row in (await connection.execute(_ADD, values)).all()]
+        await send_attempts(connection, added)
+    return len(added)
 
 
 async def find(database: Database, id: UUID) -> Regrade | None:
@@ -143,8 +146,8 @@ INSERT INTO regrade (assignment_id, told, asked_by) SELECT id, :told, :who FROM 
 
 # A person's best has the most points; of equals it is the newest.
 _MEANT = text(f"""
-SELECT id FROM (
-    SELECT s.id, s.person_id, s.submitted_at, shown.attempt,
+SELECT id, person_id FROM (
+    SELECT s.id, s.person_id, shown.attempt,
         row_number() OVER (PARTITION BY s.person_id ORDER BY given.points DESC NULLS LAST, s.submitted_at DESC, s.id) AS place
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
     WHERE x.slug = :slug AND CAST(:one AS uuid) IS NULL AND shown.score IS NOT NULL
@@ -152,13 +155,20 @@ SELECT id FROM (
 WHERE (place = 1 OR NOT :best) AND (CAST(:check AS text) IS NULL OR EXISTS (
     SELECT 1 FROM outcome o WHERE o.attempt_id = ranked.attempt AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
 UNION ALL
-SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
+SELECT s.id, s.person_id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
+ORDER BY person_id
 """)
 
-_LAST = text("""
-SELECT a.seed, r.attempt_id IS NOT NULL AS finished
-FROM regrade g, attempt a LEFT JOIN result r ON r.attempt_id = a.id
-WHERE g.id = :regrade AND g.decided IS NULL AND a.submission_id = :id AND NOT a.held ORDER BY a.number DESC LIMIT 1 FOR SHARE OF g
+_UNDECIDED = text("SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE")
+
+_ADD = text("""
+INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at, regrade_id, held)
+SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM attempt b WHERE b.submission_id = s.id), 'regrade', a.seed, :most_runs,
+    clock_timestamp(), :regrade, true
+FROM submission s
+    JOIN LATERAL (SELECT * FROM attempt WHERE submission_id = s.id AND NOT held ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.attempt_id = a.id
+WHERE s.id = ANY(:submissions) RETURNING id
 """)
 
 _FIND = """

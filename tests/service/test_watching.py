@@ -1,4 +1,4 @@
-"""Pages that tell news by themselves: one look a second for all of them, one event for each change, an end when the server stops."""
+"""Pages that tell news by themselves: one look a second for all of them, an event for each change, an end with the server."""
 
 import asyncio
 import itertools

@@ -158,8 +158,8 @@ def test_it_can_be_tried_again_and_what_has_a_report_cannot(database_url):
 
 def test_of_a_long_queue_the_first_two_hundred_are_shown_and_all_are_counted(database_url):
     _, attempt = submitted(database_url)
-    more = "INSERT INTO procrastinate_jobs (queue_name, task_name, priority, args, status) SELECT queue_name, task_name, priority, args, "
-    sql(database_url, more + "status FROM procrastinate_jobs, generate_series(1, 249)")
+    more = "INSERT INTO procrastinate_jobs (queue_name, task_name, priority, args) SELECT queue_name, task_name, priority, args "
+    sql(database_url, more + "FROM procrastinate_jobs, generate_series(1, 249)")
     queue = run(database_url, look)
     assert [place.position for place in queue.places] == list(range(1, 201)) and queue.places[0].attempt == attempt
     assert queue.places[0].total == queue.waiting[0].n == 250

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from exercises.assignment import assignments
-from service.commands import database, people, plan, queue
+from service.commands import credentials, database, people, plan, queue
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -50,7 +50,7 @@ def main(argv: list[str] | None = None) -> int:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
-    for more in (database, queue, plan, people):
+    for more in (database, queue, plan, people, credentials):
         more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)

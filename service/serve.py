@@ -13,6 +13,7 @@ from service import logs
 from service.keeper import Keeper
 from service.settings import Settings
 from service.store.account import DatabaseUnavailable
+from service.web import oidc
 from service.web.app import create_app
 
 CLOSE_S = 2  # what a stopping server gives its open answers, event streams among them
@@ -24,6 +25,7 @@ def serve(settings: Settings) -> int:
     keeper = None
     signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
+        oidc.provider(settings)  # to fail before a database is started
         door = _open_door(settings)
         keeper = Keeper(settings)
         keeper.begin()
@@ -32,7 +34,7 @@ def serve(settings: Settings) -> int:
         server = _Server(config)
         server.run(sockets=[door])
         return 0 if server.started else 2
-    except (DatabaseUnavailable, OperationalError, OSError) as error:
+    except (oidc.NotInstalled, DatabaseUnavailable, OperationalError, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -3,8 +3,9 @@
 import os
 from pathlib import Path
 from typing import Literal
+from urllib.parse import urlsplit
 
-from pydantic import AliasChoices, Field, field_validator, model_validator
+from pydantic import AliasChoices, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
@@ -33,6 +34,11 @@ class Settings(BaseSettings):
     hub_service: str = Field("polhode", description="The name this server has as a service of that hub.")
     origins: str = Field("", description="Sites whose pages may call the server, with commas between.")
     public_url: str | None = Field(None, description="The address students use, where a proxy changes it.")
+    oidc_issuer: str | None = Field(None, description="The OpenID provider whose users may sign in (https://…).")
+    oidc_client_id: str | None = Field(None, description="What this server is called there.")
+    oidc_client_secret: SecretStr | None = Field(None, description="The secret it has there; none for a public client.")
+    oidc_claim: str = Field("preferred_username", description="The claim that is the person's name.")
+    oidc_name: str = Field("your institution", description="What the button says to sign in with.")
     log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Log lines from this level on.")
 
     @field_validator("origins")
@@ -50,6 +56,23 @@ class Settings(BaseSettings):
             if os.environ.get("POLHODE_HUB_API_URL"):
                 raise ValueError("POLHODE_HUB_API_URL needs POLHODE_IDENTITY=token: else everybody is one local student")
             self.hub_api_url = None
+        return self
+
+    @field_validator("oidc_issuer")
+    @classmethod
+    def _issuer(cls, issuer: str | None) -> str | None:
+        told = urlsplit(issuer or "")
+        loopback = told.hostname in ("localhost", "127.0.0.1", "::1")
+        if issuer is not None and not (told.netloc and (told.scheme == "https" or (told.scheme == "http" and loopback))):
+            raise ValueError("an issuer is https://…, without encryption only on this machine")
+        return issuer
+
+    @model_validator(mode="after")
+    def _provider_needs_tokens(self) -> "Settings":
+        if self.oidc_issuer is not None and self.oidc_client_id is None:
+            raise ValueError("POLHODE_OIDC_ISSUER needs POLHODE_OIDC_CLIENT_ID")
+        if self.oidc_issuer is not None and self.identity == "local":
+            raise ValueError("POLHODE_OIDC_ISSUER needs POLHODE_IDENTITY=token: else everybody is one local student")
         return self
 
     @field_validator("database_url")

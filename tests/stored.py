@@ -6,7 +6,9 @@ import uuid
 import psycopg
 
 from exercises.assignment import assignments
+from service import passwords
 from service.grading.submission import Submission
+from service.store import people, tokens
 from service.store.accept import register
 from service.store.database import Database
 from service.store.records import New
@@ -42,3 +44,17 @@ def new_database(url, template):
     with psycopg.connect(url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
         connection.execute(f"CREATE DATABASE {name} TEMPLATE {template}")
     return url.replace("/polhode?", f"/{name}?")
+
+
+def entered(url, name, role="student", password=None):
+    """A token of somebody in the course, who has that password."""
+
+    async def enter(database):
+        async with database.begin() as connection:
+            await people.enroll(connection, [(name, role)])
+            return await tokens.give(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)
+
+    token = run(url, enter)
+    if password:
+        sql(url, "UPDATE person SET password = %s WHERE name = %s", passwords.hashed(password), name)
+    return token

@@ -80,6 +80,15 @@ token = Table(
 
 Index("token_person", token.c.person_id)
 
+sign_in = Table(
+    "sign_in",
+    metadata,
+    Column("issuer", Text, primary_key=True),
+    Column("subject", Text, primary_key=True),
+    Column("person_id", Uuid, ForeignKey("person.id"), nullable=False, unique=True),
+    _at("since", now=True),
+)
+
 login = Table(
     "login",
     metadata,

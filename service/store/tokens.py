@@ -1,7 +1,7 @@
 """Opaque tokens, of which only the SHA-256 is kept, and logins by a code that is confirmed in a browser (after RFC 8628)."""
 
 import secrets
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -13,7 +13,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from service.store.database import Database
 from service.store.people import enter
 
-PREFIX = "polhode_"
+PREFIX, SESSION = "polhode_", "session_"
 SCOPES = ("submit", "read", "login")
 NOTEBOOK, BROWSER = ("submit", "read"), ("read", "login")
 TOLD = len(PREFIX) + 4  # characters of a token that a list tells
@@ -42,10 +42,12 @@ class TooManyLogins(Exception):
 
 async def give(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
     """A new token for that person, who is entered if need be: told now and never again."""
-    token = PREFIX + secrets.token_urlsafe(32)
-    values = {"person": await enter(connection, name), "digest": _digest(token), "start": token[:TOLD], "label": label}
-    await connection.execute(_GIVE, values | {"scopes": list(scopes), "seconds": seconds})
-    return token
+    return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
+
+
+async def begin_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
+    """The secret of a new session of that person in a browser; it is no token that a program could bring."""
+    return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
 
 
 async def find(database: Database, token: str) -> Known | None:
@@ -66,6 +68,17 @@ async def revoke(connection: AsyncConnection, *, id: UUID | None = None, person:
     """Revoke one token by its id, or all of a person with every login under way; how many tokens there were."""
     await connection.execute(_FORGET, {"person": person})
     return len((await connection.execute(_REVOKE, {"id": id, "person": person})).all())
+
+
+async def revoke_own(connection: AsyncConnection, name: str, id: UUID) -> bool:
+    """Revoke one token or session if it is that person's; False if it is not, or is over."""
+    return bool((await connection.execute(_REVOKE_OWN, {"id": id, "person": name})).all())
+
+
+async def end_sessions(connection: AsyncConnection, name: str, *, but: UUID | None = None) -> int:
+    """End the person's sessions in all browsers, but that one, with every login under way; how many there were."""
+    await connection.execute(_FORGET, {"person": name})
+    return len((await connection.execute(_END, {"person": name, "but": but})).all())
 
 
 async def all_of(database: Database, person: str | None = None) -> Sequence[Row[Any]]:
@@ -111,6 +124,13 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
     return None
 
 
+async def _new(connection: AsyncConnection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
+    token = prefix + secrets.token_urlsafe(32)
+    values = {"person": await enter(connection, name), "digest": _digest(token), "start": token[:TOLD]}
+    await connection.execute(_GIVE, {**terms, **values})
+    return token
+
+
 def _digest(token: str) -> str:
     return sha256(token.encode()).hexdigest()
 
@@ -132,6 +152,15 @@ FROM token t JOIN person p ON p.id = t.person_id WHERE t.digest = :digest
 _REVOKE = text("""
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid) OR p.name = CAST(:person AS text)) RETURNING t.id
+""")
+_REVOKE_OWN = text("""
+UPDATE token t SET revoked_at = now() FROM person p
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t.id = :id AND p.name = :person RETURNING t.id
+""")
+_END = text(f"""
+UPDATE token t SET revoked_at = now() FROM person p
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
+    AND starts_with(t.start, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
 """)
 _FORGET = text("DELETE FROM login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
 _LIST = """

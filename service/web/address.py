@@ -11,6 +11,12 @@ def public_address(request: Request) -> str:
     return str(request.app.state.settings.public_url or request.base_url).rstrip("/")
 
 
+def local_path(told: str) -> str:
+    """The path on this server that somebody wants to come back to; "" for anything that may lead elsewhere."""
+    inside = told.startswith("/") and not told.startswith("//") and "\\" not in told
+    return told if inside and told.isascii() and told.isprintable() and " " not in told else ""
+
+
 def is_own_name(request: Request) -> bool:
     """Whether it was asked by number, as localhost, or by a name of its own: not by one that another site made to point here."""
     settings = request.app.state.settings

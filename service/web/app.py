@@ -15,10 +15,12 @@ from service.store.accept import register
 from service.store.database import Database
 from service.store.people import secret
 from service.web import (
+    account,
     attempts,
     audit,
     classes,
     course,
+    entrance,
     events,
     exports,
     forms,
@@ -26,6 +28,7 @@ from service.web import (
     health,
     kit,
     login,
+    oidc,
     overrides,
     pages,
     people,
@@ -39,7 +42,9 @@ from service.web import (
 from service.web.drawing import Draughtsman
 from service.web.hub import Hub
 from service.web.listener import Listener
+from service.web.passwords import Passwords
 from service.web.templating import ENVIRONMENT
+from service.web.throttle import Throttle
 from service.web.watching import Watch
 
 ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
@@ -53,7 +58,9 @@ PAGES = (
     overrides.router,
     audit.router,
     pages.router,
-    login.pages,
+    entrance.router,
+    account.router,
+    oidc.router,
 )
 ENVIRONMENT.globals["csrf"] = forms.hidden
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
@@ -65,7 +72,7 @@ def create_app(settings: Settings) -> FastAPI:
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
-    app.state.settings = settings
+    app.state.settings, app.state.oidc = settings, oidc.provider(settings)
     problems.install(app)
     roles.install(app)
     if origins := settings.allowed_origins():
@@ -90,6 +97,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     await register(database, assignments().values())
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
+    app.state.passwords, app.state.throttle = Passwords(database), Throttle()
     app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
     app.state.listener.start()
@@ -99,5 +107,6 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     finally:
         app.state.draughtsman.stop()
         app.state.hub.stop()
+        app.state.passwords.stop()
         await app.state.listener.stop()
         await database.close()

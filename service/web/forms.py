@@ -7,19 +7,26 @@ from fastapi import Depends, Request
 from markupsafe import Markup
 from starlette.datastructures import FormData, UploadFile
 
-from service.web.identity import COOKIE, same_origin
+from service.web.identity import same_origin
 from service.web.intake import read_capped
 from service.web.problems import Problem
-from service.web.roles import looking
+from service.web.roles import glancing, looking
+from service.web.session import visit
 
 FIELD = "csrf"
 MOST_FORM = 2 * 1024 * 1024
+STALE = "this form is no longer good: load the page again and repeat what you did (cookies must be allowed)"
 
 
 def token(request: Request) -> str:
-    """What forms shown to this browser's session carry; another session's is another."""
-    session = request.cookies.get(COOKIE) or f"person {request.state.person.name}"
-    return hmac.new(request.app.state.secret, session.encode(), "sha256").hexdigest()
+    """What forms shown to this browser's session carry; another session's is another, as is the one before logging in."""
+    if session := getattr(request.state, "session", None):
+        whose = f"session {session.id}"
+    elif person := getattr(request.state, "person", None):
+        whose = f"person {person.name}"
+    else:
+        whose = f"visit {visit(request)}"
+    return hmac.new(request.app.state.secret, whose.encode(), "sha256").hexdigest()
 
 
 def hidden(request: Request) -> Markup:
@@ -30,6 +37,16 @@ def hidden(request: Request) -> Markup:
 async def checked(request: Request) -> FormData:
     """The form that was sent; Problem 403 unless a page of ours sent it, 413 if it is too large."""
     await looking(request)
+    return await _read(request)
+
+
+async def checked_of_anybody(request: Request) -> FormData:
+    """The same for a form on a page that is open to all, such as the one to log in with."""
+    await glancing(request)
+    return await _read(request)
+
+
+async def _read(request: Request) -> FormData:
     same_origin(request)
     await read_capped(request, MOST_FORM)
     try:
@@ -38,17 +55,27 @@ async def checked(request: Request) -> FormData:
         raise Problem(400, "invalid-request", f"the form cannot be read: {error}") from error
     given = form.get(FIELD)
     if not isinstance(given, str) or not hmac.compare_digest(given.encode(), token(request).encode()):
-        raise Problem(403, "not-allowed", "this form is no longer good: load the page again and repeat what you did")
+        raise Problem(403, "not-allowed", STALE)
     return form
 
 
 Form = Annotated[FormData, Depends(checked)]
+OpenForm = Annotated[FormData, Depends(checked_of_anybody)]
 
 
 def field(form: FormData, name: str, most: int = 400) -> str:
     """A field's text without space around it, "" where it is missing; Problem 422 where it is longer than ``most``."""
     given = form.get(name)
     told = given.replace("\x00", "").strip() if isinstance(given, str) else ""  # no NUL in a database
+    if len(told) > most:
+        raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
+    return told
+
+
+def secret(form: FormData, name: str, most: int = 1000) -> str:
+    """A field's text exactly as it was typed, "" where it is missing; Problem 422 where it is longer than ``most``."""
+    given = form.get(name)
+    told = given if isinstance(given, str) else ""
     if len(told) > most:
         raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
     return told

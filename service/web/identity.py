@@ -7,12 +7,13 @@ from fastapi import Request
 
 from service.settings import Settings
 from service.store import people, tokens
+from service.web import session
 from service.web.address import is_own_name, public_address
 from service.web.hub import Hub
 from service.web.problems import Problem
 
 LOCAL = "local"  # whoever asks, where nothing tells persons apart
-COOKIE = "polhode_session"
+COOKIE = session.COOKIE
 STAFF = ("assistant", "instructor")
 
 
@@ -100,10 +101,13 @@ def _by_header(request: Request) -> Person | None:
 
 
 async def _by_cookie(request: Request) -> Person | None:
-    if not (cookie := request.cookies.get(COOKIE)):
+    if (secret := session.opened(request)) is None:
         return None
-    known = await tokens.find(request.app.state.database, cookie)
-    return Person(known.person, known.scopes) if known is not None and known.over is None else None
+    known = await tokens.find(request.app.state.database, secret)
+    if known is None or known.over is not None:
+        return None
+    request.state.session = known
+    return Person(known.person, known.scopes)
 
 
 def _alone(request: Request) -> Person:

@@ -1,19 +1,16 @@
-"""Logging a notebook in: it shows a code, a browser confirms it, the notebook gets a token of its own. After RFC 8628."""
+"""Logging a notebook in: it shows a code, a browser confirms it at /login, the notebook gets a token of its own. After RFC 8628."""
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Form, Request, Response
-from fastapi.responses import HTMLResponse, JSONResponse
+from fastapi import APIRouter, Body, Request, Response
+from fastapi.responses import JSONResponse
 
-from exercises.assignment import assignments
 from service.store import tokens
 from service.web.address import public_address
-from service.web.identity import COOKIE, by_token, same_origin, who
+from service.web.identity import who
 from service.web.problems import Problem
-from service.web.templating import templates
 
-router, pages = APIRouter(), APIRouter()
-SESSION_S = 12 * 3600.0
+router = APIRouter()
 INTERVAL_S = 2
 LONGEST_LABEL = 60
 ShortText = Annotated[str, Body(embed=True, max_length=120)]
@@ -68,60 +65,3 @@ async def forget(request: Request) -> Response:
     async with request.app.state.database.begin() as connection:
         await tokens.revoke(connection, id=known.id)
     return Response(status_code=204)
-
-
-@pages.get("/login", response_class=HTMLResponse)
-async def ask(request: Request, code: str = "") -> HTMLResponse:
-    """The page that confirms a code, or logs a browser in."""
-    return await _page(request, code[:20], "", 200)
-
-
-@pages.post("/login", response_class=HTMLResponse)
-async def answer(
-    request: Request,
-    code: Annotated[str, Form(max_length=20)] = "",
-    token: Annotated[str, Form(max_length=200)] = "",
-    refuse: Annotated[str, Form(max_length=10)] = "",
-) -> HTMLResponse:
-    """Confirm or refuse the code, as whom the given token or the browser's session is."""
-    same_origin(request)
-    database = request.app.state.database
-    try:
-        person = await by_token(request, token.strip()) if token.strip() else await who(request, "login")
-        if "login" not in person.scopes:
-            raise Problem(403, "not-allowed", "this token is a notebook's own: only one that your course gave you logs in here")
-        if code and not await tokens.confirm_login(database, code, None if refuse else person.name):
-            raise Problem(404, "not-found", "no login waits under this code: begin again in the notebook")
-    except Problem as problem:
-        return await _page(request, code, problem.detail, problem.status)
-    done = "refused" if refuse else "confirmed" if code else "in"
-    context = {"person": person.name, "done": done, "assignments": assignments().values()}
-    response = templates.TemplateResponse(request, "login_done.html", context)
-    if token.strip():
-        async with database.begin() as connection:
-            session = await tokens.give(connection, person.name, label="a browser", scopes=tokens.BROWSER, seconds=SESSION_S)
-        secure = public_address(request).startswith("https://")
-        response.set_cookie(COOKIE, session, max_age=int(SESSION_S), httponly=True, samesite="lax", secure=secure)
-    return response
-
-
-@pages.post("/logout", response_class=HTMLResponse)
-async def leave(request: Request) -> HTMLResponse:
-    """Forget the browser's session."""
-    same_origin(request)
-    if known := await tokens.find(request.app.state.database, request.cookies.get(COOKIE, "")):
-        async with request.app.state.database.begin() as connection:
-            await tokens.revoke(connection, id=known.id)
-    response = templates.TemplateResponse(request, "login_done.html", {"person": None, "done": "out"})
-    response.delete_cookie(COOKIE)
-    return response
-
-
-async def _page(request: Request, code: str, error: str, status: int) -> HTMLResponse:
-    try:
-        person = await who(request, "login")
-    except Problem:
-        person = None
-    label = await tokens.open_login(request.app.state.database, code) if code else None
-    context = {"code": code, "label": label, "person": person, "error": error}
-    return templates.TemplateResponse(request, "login.html", context, status_code=status)

@@ -31,6 +31,7 @@ TITLES = {
     "not-found": "There is nothing here",
     "not-ready": "The result is not there yet",
     "too-large": "The request is too large",
+    "too-many": "Too many have failed",
     "unknown-exercise": "The assignment has no such exercise",
     "unsupported-media-type": "Send JSON or a multipart file",
 }
@@ -38,11 +39,18 @@ BY_STATUS = {404: "not-found", 405: "invalid-request", 413: "too-large", 415: "u
 
 
 class Problem(Exception):
-    """An error answer. ``kind`` is a key of TITLES; ``pointer`` names the offending part of a JSON body (RFC 6901)."""
+    """An error answer. ``kind`` is a key of TITLES; ``pointer`` names the offending part of a JSON body (RFC 6901);
+    ``retry_after`` tells in how many seconds it is worth another try."""
 
-    def __init__(self, status: int, kind: str, detail: str, pointer: str | None = None) -> None:
+    def __init__(self, status: int, kind: str, detail: str, pointer: str | None = None, *, retry_after: int | None = None) -> None:
         super().__init__(detail)
-        self.status, self.kind, self.detail, self.pointer = status, kind, detail, pointer
+        self.status, self.kind, self.detail, self.pointer, self.retry_after = status, kind, detail, pointer, retry_after
+
+    def headers(self) -> dict[str, str]:
+        """What the answer says besides."""
+        if self.retry_after is not None:
+            return {"Retry-After": str(self.retry_after)}
+        return {"Retry-After": RETRY_AFTER_S} if self.status == 503 else {}
 
 
 def install(app: FastAPI) -> None:
@@ -70,16 +78,20 @@ def _plain(words: str) -> str:
 async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
     errors = [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
-    headers = {"Retry-After": RETRY_AFTER_S} if error.status == 503 else {}
-    if not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", ""):
-        return _page(request, error, headers)
-    return answer(error.status, error.kind, error.detail, errors, **headers)
+    if wants_page(request):
+        return _page(request, error)
+    return answer(error.status, error.kind, error.detail, errors, **error.headers())
 
 
-def _page(request: Request, error: Problem, headers: dict[str, str]) -> Response:
+def wants_page(request: Request) -> bool:
+    """Whether a browser asks for a page, to show it to somebody."""
+    return not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", "")
+
+
+def _page(request: Request, error: Problem) -> Response:
     """The same for somebody who looks at pages."""
     context = {"title": TITLES.get(error.kind, "Error"), "detail": _plain(error.detail)}
-    return templates.TemplateResponse(request, "problem.html", context, status_code=error.status, headers=headers)
+    return templates.TemplateResponse(request, "problem.html", context, status_code=error.status, headers=error.headers())
 
 
 async def _http(request: Request, error: Exception) -> JSONResponse:

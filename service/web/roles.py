@@ -24,8 +24,19 @@ async def looking(request: Request) -> Person:
         if problem.status != 401 or asks_a_program:
             raise
         raise LogInFirst from None
-    if not hasattr(request.state, "role"):
-        request.state.role = "instructor" if person.alone else await people.role(request.app.state.database, person.name)
+    await _learn_role(request, person)
+    return person
+
+
+async def glancing(request: Request) -> Person | None:
+    """Whoever looks at a page that is open to all, with their role, or None if nothing tells who it is."""
+    try:
+        person = await who(request)
+    except Problem as problem:
+        if problem.status != 401:
+            raise
+        return None
+    await _learn_role(request, person)
     return person
 
 
@@ -45,9 +56,15 @@ async def instructor(request: Request) -> Person:
     return person
 
 
+Glancing = Annotated[Person | None, Depends(glancing)]
 Looking = Annotated[Person, Depends(looking)]
 Staff = Annotated[Person, Depends(staff)]
 Instructor = Annotated[Person, Depends(instructor)]
+
+
+async def _learn_role(request: Request, person: Person) -> None:
+    if not hasattr(request.state, "role"):
+        request.state.role = "instructor" if person.alone else await people.role(request.app.state.database, person.name)
 
 
 def install(app: FastAPI) -> None:

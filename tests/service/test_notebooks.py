@@ -6,7 +6,6 @@ import re
 import signal
 import threading
 import time
-import urllib.parse
 import urllib.request
 
 import nbformat
@@ -14,6 +13,7 @@ import pytest
 from nbclient import NotebookClient
 
 from service.store import tokens
+from tests.browser import Browser
 from tests.stored import run, sql
 
 pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
@@ -180,8 +180,7 @@ def test_login_revoked_and_offline(new_server, tmp_path, play, database_url):
     def confirm():
         while not (waiting := sql(database_url, "SELECT user_code FROM login")):
             time.sleep(0.1)
-        form = urllib.parse.urlencode({"code": waiting[0][0], "token": course}).encode()
-        urllib.request.urlopen(server.url + "/login", form, timeout=30).close()
+        Browser(server).log_in(code=waiting[0][0], token=course)
 
     student = threading.Thread(target=confirm)
     student.start()

@@ -68,7 +68,7 @@ def test_many_that_start_at_once_migrate_once(old_url):
         thread.start()
     for thread in threads:
         thread.join()
-    assert not failures and migrate(old_url) == "0004"
+    assert not failures and migrate(old_url) == "0005"
 
 
 def test_a_new_procrastinate_needs_a_revision_of_ours():

@@ -10,6 +10,7 @@ import time
 import urllib.parse
 
 from service.store import people, tokens
+from tests.screenless import Browser
 from tests.stored import run
 
 
@@ -32,10 +33,11 @@ class Visitor:
                 return await tokens.give(connection, name, label="test", scopes=scopes, seconds=1000.0)
 
         self.server, self.name, self.token = server, name, run(url, given)
+        self._session = Browser(server).log_in(token=self.token).cookie("polhode_session").value
 
     def _ask(self, method, path, body=None, **headers):
         connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=60)
-        given = {"Cookie": f"polhode_session={self.token}", "Accept": "text/html", "Origin": self.server.url} | headers
+        given = {"Cookie": f"polhode_session={self._session}", "Accept": "text/html", "Origin": self.server.url} | headers
         connection.request(method, path, body, given)
         return connection, connection.getresponse()
 

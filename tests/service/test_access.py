@@ -9,7 +9,7 @@ import pytest
 from fastapi.routing import APIRoute
 
 from service.web import app, roles
-from tests.browser import HIDDEN, Browser
+from tests.screenless import HIDDEN, Browser
 from tests.stored import entered, new, new_database, run
 
 ROLES = ("student", "assistant", "instructor")
@@ -70,7 +70,7 @@ def submission(url):
 
 def filled(path, submission):
     """The path with something for each of its parameters."""
-    known = {"slug": "rigid-body", "id": submission}
+    known = {"slug": "rigid-body", "id": submission, "form": "canvas"}
     return re.sub(r"\{(\w+)(?::\w+)?\}", lambda part: known.get(part[1], "1"), path)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from service import passwords
 from service.store import tokens
-from tests.browser import Browser
+from tests.screenless import Browser
 from tests.stored import entered, new_database, run, sql
 
 PASSWORD, ANOTHER = "correct horse battery", "staple, staple, staple"

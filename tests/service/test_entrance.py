@@ -9,7 +9,7 @@ import psycopg
 import pytest
 
 from service import passwords
-from tests.browser import HIDDEN, Browser
+from tests.screenless import HIDDEN, Browser
 from tests.stored import entered, new_database, sql
 
 PASSWORD = "correct horse battery"

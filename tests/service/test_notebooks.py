@@ -13,7 +13,7 @@ import pytest
 from nbclient import NotebookClient
 
 from service.store import tokens
-from tests.browser import Browser
+from tests.screenless import Browser
 from tests.stored import run, sql
 
 pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
@@ -165,7 +165,7 @@ def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_p
     begun.set()
     harm.join()
     assert shown(remote).count("✓") == 5
-    assert fetch(server, "/").count('scope="row"') == 1, "one submission, however often it was asked for"
+    assert fetch(server, "/").count('href="/submissions/') == 1, "one submission, however often it was asked for"
 
 
 def test_login_revoked_and_offline(new_server, tmp_path, play, database_url):

@@ -8,8 +8,8 @@ import urllib.request
 
 import pytest
 
-from tests.browser import Browser
 from tests.oidc import Provider
+from tests.screenless import Browser
 from tests.stored import entered, new_database, sql
 
 

@@ -36,7 +36,8 @@ class Unfinished(Exception):
 
 @dataclass(frozen=True)
 class Regrade:
-    """A regrade: what it is about (``told``), who asked, what became of it, and how many of its attempts have their result."""
+    """A regrade: what it is about (``told``), who asked, what became of it, and of its attempts, how many are finished
+    and how many of these have a report (``graded``)."""
 
     id: UUID
     assignment: str
@@ -47,6 +48,7 @@ class Regrade:
     decided_by: str | None
     decided_at: datetime | None
     finished: int
+    graded: int
     total: int
 
 
@@ -173,7 +175,7 @@ WHERE s.id = ANY(:submissions) RETURNING id
 
 _FIND = """
 SELECT g.id, x.slug AS assignment, g.told, g.asked_by, g.asked_at, g.decided, g.decided_by, g.decided_at,
-    count(r.attempt_id) AS finished, count(a.id) AS total
+    count(r.attempt_id) AS finished, count(r.score) AS graded, count(a.id) AS total
 FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN attempt a ON a.regrade_id = g.id
     LEFT JOIN result r ON r.attempt_id = a.id
 WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug ORDER BY g.asked_at DESC LIMIT 100
@@ -233,5 +235,5 @@ FROM (
         LATERAL (VALUES (was.attempt, true), (a.id, false)) AS told (attempt, old), outcome o
     WHERE a.regrade_id = :id AND o.attempt_id = told.attempt
 ) both_sides
-GROUP BY attempt, check_id HAVING count(*) = 1 OR min(state) <> max(state)
+GROUP BY attempt, check_id HAVING count(*) = 1 OR min(state) <> max(state) ORDER BY check_id
 """

@@ -11,5 +11,5 @@ def send(address):
 
 
 attempt("path", lambda: send(SECRETS + "/canary.sock"))
-attempt("abstract", lambda: send("\0polhode-canary"))
+attempt("abstract", lambda: send(ABSTRACT))
 attempt("pair", lambda: socket.socketpair())

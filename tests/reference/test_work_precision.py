@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +24,8 @@ def test_points_tell_error_over_the_whole_run_cost_and_invariants():
 
 def test_a_blow_up_has_infinite_error_and_no_number():
     long = Scene("long", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 2000.0)
-    points = list(measure([long], [BY_NAME["Euler"]], repeats=1))
+    coarsest = replace(BY_NAME["Euler"], settings=BY_NAME["Euler"].settings[:1])
+    points = list(measure([long], [coarsest], repeats=1))
     assert np.isinf(points[0].error_R) and np.isinf(points[0].energy)
 
 

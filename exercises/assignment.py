@@ -139,10 +139,14 @@ class Assignment:
         for exercise in self.exercises:
             errors += [f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(names))]
             errors += [e for c in exercise.checks for e in c.errors()]
+            errors += [f"motion {m.name}: scene {m.scene} brings no R" for m in exercise.motions if not self._turns(m.scene)]
         for at, scene in enumerate(self.scenes):
             if scene.after is not None and scene.after not in names[:at]:
                 errors.append(f"scene {scene.name} comes after {scene.after}, which is not declared before it")
         return errors
+
+    def _turns(self, scene: str) -> bool:
+        return any("R" in s.returns for s in self.scenes if s.name == scene)
 
 
 @functools.cache

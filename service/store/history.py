@@ -1,4 +1,4 @@
-"""A person's submissions to an assignment with what became of each: what a student looks back on."""
+"""A person's submissions to an assignment with what became of each: what a student looks back on; and the attempts at one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,6 +28,52 @@ class Past:
     verdicts: dict[str, str]
 
 
+@dataclass(frozen=True)
+class Step:
+    """A submission as a timeline shows it; ``points`` are None where there is no report, ``before`` is the one before it."""
+
+    id: UUID
+    filename: str
+    submitted_at: datetime
+    late: bool
+    status: str
+    points: int | None
+    max_score: int | None
+    before: UUID | None
+
+
+@dataclass(frozen=True)
+class Grading:
+    """An attempt: why it was made, when it was asked for, when the run that counts was started, where and with what result.
+
+    ``runs`` is how many were begun. A ``held`` one belongs to a regrade that has not been applied.
+    """
+
+    number: int
+    kind: str
+    held: bool
+    requested_at: datetime
+    started_at: datetime | None
+    worker: str | None
+    runs: int
+    finished_at: datetime | None
+    score: int | None
+    max_score: int | None
+    version: str | None
+    fault: str | None
+    cancelled_by: str | None
+
+
+async def timeline(database: Database, person: str, slug: str) -> Sequence[Step]:
+    """The latest MOST of a person's submissions, newest first, without their sources."""
+    return [Step(**row._mapping) for row in await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})]
+
+
+async def gradings(database: Database, submission: UUID) -> Sequence[Grading]:
+    """All attempts at a submission, the first one first."""
+    return [Grading(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
+
+
 async def past(database: Database, person: str, slug: str) -> Sequence[Past]:
     """The latest MOST of them, newest first."""
     rows = await database.rows(_PAST, {"person": person, "slug": slug, "most": MOST})
@@ -41,4 +87,21 @@ SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score
 ) AS verdicts
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most
+"""
+
+_TIMELINE = f"""
+SELECT s.id, s.filename, s.submitted_at, s.late, given.points, shown.max_score, {STATUS},
+    lag(s.id) OVER (ORDER BY s.submitted_at, s.id) AS before
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
+"""
+
+_GRADINGS = """
+SELECT a.number, a.kind, a.held, a.requested_at, r.started_at, r.worker, (SELECT count(*) FROM run WHERE attempt_id = a.id) AS runs,
+    v.finished_at, v.score, v.max_score, v.version, v.fault, v.cancelled_by
+FROM attempt a LEFT JOIN result v ON v.attempt_id = a.id LEFT JOIN LATERAL (
+    SELECT started_at, worker FROM run WHERE run.attempt_id = a.id AND coalesce(run.id = v.run_id, true)
+    ORDER BY started_at DESC LIMIT 1
+) r ON true
+WHERE a.submission_id = :submission ORDER BY a.number
 """

@@ -44,7 +44,8 @@ LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
 )), false)) AS late"""
 
 _ONE = f"""
-SELECT s.id, x.slug AS assignment, p.name AS person, s.source, s.filename, s.exercises, s.submitted_at, {LATE}, shown.*,
+SELECT s.id, x.slug AS assignment, p.name AS person, p.full_name, s.source, s.filename, s.exercises, s.submitted_at,
+    {LATE}, shown.*,
     given.points, {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE s.id = :id
@@ -133,4 +134,5 @@ def _stored(row: Row[tuple[object, ...]]) -> Stored:
         status=row.status,
         cancelled_by=row.cancelled_by,
         points=row.points,
+        full_name=row.full_name,
     )

@@ -52,6 +52,7 @@ class Stored:
     status: str
     cancelled_by: str | None = None
     points: int | None = None
+    full_name: str = ""
 
     @property
     def finished(self) -> bool:

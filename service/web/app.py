@@ -28,6 +28,7 @@ from service.web import (
     health,
     kit,
     login,
+    motion,
     oidc,
     overrides,
     pages,
@@ -38,6 +39,7 @@ from service.web import (
     regrades,
     roles,
     routes,
+    submissions,
 )
 from service.web.drawing import Draughtsman
 from service.web.hub import Hub
@@ -58,6 +60,8 @@ PAGES = (
     overrides.router,
     audit.router,
     pages.router,
+    submissions.router,
+    motion.router,
     entrance.router,
     account.router,
     oidc.router,

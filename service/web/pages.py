@@ -1,4 +1,4 @@
-"""Pages to look at: the latest submissions, one report with its figures, the charts of the reference methods."""
+"""Pages to look at: the latest submissions, and the charts of the reference methods."""
 
 from typing import Literal
 
@@ -6,12 +6,11 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
 from service import charts
-from service.web import overrides
 from service.web.attempts import list_own
 from service.web.identity import COOKIE
 from service.web.problems import Problem
 from service.web.roles import Looking
-from service.web.routes import find_assignment, find_submission
+from service.web.routes import find_assignment
 from service.web.templating import templates
 
 router = APIRouter()
@@ -32,14 +31,6 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
     if not 0 <= number < known:
         raise Problem(404, "not-found", f"there is no chart {number}")
     return Response(await request.app.state.draughtsman.chart(kind, number), media_type="image/svg+xml")
-
-
-@router.get("/submissions/{id}", response_class=HTMLResponse)
-@router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
-async def report(id: str, request: Request, person: Looking) -> Response:
-    """One submission: its lines, causes, figures and animations."""
-    stored = await find_submission(request, id)
-    return templates.TemplateResponse(request, "report.html", {"stored": stored} | await overrides.context(request, stored))
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

@@ -1,5 +1,6 @@
 """Pictures of a report: figures drawn when somebody looks, contact sheets, and the sweep of a submission's own function."""
 
+from collections.abc import Awaitable, Callable
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Request, Response
@@ -21,25 +22,36 @@ SWEPT_IN_S = 50.0
 @router.get("/v1/submissions/{id}/figures/{name}.{form}")
 async def figure(stored: Submission, name: str, form: Literal["png", "svg"], request: Request) -> Response:
     """A figure of the report, drawn when first asked for and kept."""
-    database = request.app.state.database
     known = {f.name for f in stored.report.figures} if stored.report else set()
     if name not in known or find_figure(find_assignment(stored.assignment), name) is None:
         raise Problem(404, "not-found", f"the report has no figure {name[:80]}")
-    kept = f"figures/{name}.{form}"
-    if (found := await find_artefact(database, stored.attempt, kept)) is None:
+
+    async def draw(packed: bytes) -> bytes:
+        drawn: bytes = await request.app.state.draughtsman.figure(stored, name, packed, form)
+        return drawn
+
+    return await kept_or_made(request, stored, f"figures/{name}.{form}", FORMATS[form], draw)
+
+
+async def kept_or_made(
+    request: Request, stored: Stored, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
+) -> Response:
+    """The artefact ``name``; the first who asks has it made of the attempt's packed arrays, and it is kept."""
+    database = request.app.state.database
+    if (found := await find_artefact(database, stored.attempt, name)) is None:
         packed = await find_artefact(database, stored.attempt, "arrays.npz")
         if packed is None:
             raise Problem(404, "not-found", "the arrays of this submission are gone")
         try:
-            content = await request.app.state.draughtsman.figure(stored, name, packed[0], form)
+            content = await make(packed[0])
         except (ArithmeticError, ValueError) as error:
             raise Problem(404, "not-found", f"these numbers cannot be drawn: {error}") from error
         except NotDrawn as error:
             raise Problem(503, "busy", "the picture could not be drawn: ask again") from error
-        await keep(database, stored.attempt, {kept: content})
-        found = await find_artefact(database, stored.attempt, kept)
+        await keep(database, stored.attempt, {name: content})
+        found = await find_artefact(database, stored.attempt, name)
         assert found is not None
-    return _cached(request, found, FORMATS[form])
+    return _cached(request, found, media_type)
 
 
 @router.get("/v1/submissions/{id}/sweep.{form}")

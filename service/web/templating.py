@@ -1,6 +1,6 @@
 """The pages' templates; everything they show is escaped. Every page knows who looks (``me``) and as what (``role``)."""
 
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +26,17 @@ def moment(at: datetime | None, seconds: bool = False) -> Markup | str:
     return Markup('<time datetime="{}">{}</time>').format(at.isoformat(), shown)
 
 
+def duration(took: timedelta) -> str:
+    """How long something took, in the unit that suits it."""
+    seconds = took.total_seconds()
+    if seconds < 1:
+        return f"{1e3 * seconds:.0f} ms"
+    return f"{seconds:.1f} s" if seconds < 90 else f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
 def _around(request: Request) -> dict[str, Any]:
     return {"me": getattr(request.state, "person", None), "role": getattr(request.state, "role", None)}
 
 
-ENVIRONMENT.filters["moment"] = moment
+ENVIRONMENT.filters |= {"moment": moment, "duration": duration}
 templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_around])

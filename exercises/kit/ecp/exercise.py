@@ -1,4 +1,4 @@
-"""An exercise as it is declared: its checks, its figures, and the animation of a student's own that it shows."""
+"""An exercise as it is declared: its checks, its figures, the animation of a student's own that it shows, the motions to play."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -33,6 +33,22 @@ class Animation:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """A motion to play: the attitudes R (n, 3, 3) that ``scene`` brought back, beside the exact ones, as a box that turns.
+
+    ``half`` (3,) are half the edges of the uniform box that has the scene's moments, up to a factor; ``axis`` (0, 1, 2) is the
+    body axis whose path is shown.
+    """
+
+    name: str
+    title: str
+    alt: str
+    scene: str
+    half: tuple[float, float, float]
+    axis: int
+
+
+@dataclass(frozen=True)
 class Exercise:
     """A numbered section. A submission that defines any of its ``functions``, or of those it can do without, has attempted it.
 
@@ -46,6 +62,7 @@ class Exercise:
     figures: tuple[Figure, ...] = ()
     animations: tuple[Animation, ...] = ()
     optional: tuple[str, ...] = ()
+    motions: tuple[Motion, ...] = ()
 
     def asks_for(self) -> set[str]:
         """Names of the functions it is about."""
@@ -57,8 +74,8 @@ class Exercise:
         return [check for check in self.checks if not absent & {function_of(scene) for scene in check.scenes}]
 
     def scenes(self) -> set[str]:
-        """Names of the scenes its checks, figures and animations read."""
-        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in self.animations]
+        """Names of the scenes its checks, figures, animations and motions read."""
+        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in (*self.animations, *self.motions)]
         return {s for c in self.checks for s in c.scenes} | set(shown)
 
 

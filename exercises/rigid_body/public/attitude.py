@@ -5,7 +5,7 @@ import numpy as np
 from ecp.checks import Arrays, below, close, shows
 from ecp.exercise import Animation, Exercise
 
-from . import figures
+from . import figures, motions
 from .measures import orthonormality_error, space_momentum
 from .setting import SYMMETRIC
 from .watched import momentum_shown
@@ -59,4 +59,5 @@ ATTITUDE = Exercise(
             "film",
         ),
     ),
+    motions=(motions.PRECESSION,),
 )

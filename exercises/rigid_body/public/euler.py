@@ -3,7 +3,7 @@
 from ecp.checks import conserved
 from ecp.exercise import Exercise
 
-from . import figures
+from . import figures, motions
 from .measures import kinetic_energy, momentum_norm
 from .setting import BODY
 from .wording import NOTEBOOK, at_time, omega
@@ -34,4 +34,5 @@ EULER = Exercise(
         omega("2-motion", "ω(t) follows the exact motion", "torque-free"),
     ),
     figures=(figures.OMEGA, figures.OMEGA_RESIDUAL),
+    motions=(motions.TORQUE_FREE,),
 )

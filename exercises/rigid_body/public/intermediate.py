@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays, close, holds
 from ecp.exercise import Animation, Exercise
 
-from . import figures
+from . import figures, motions
 from .measures import transverse
 from .setting import NUDGE, SPIN
 from .wording import film, omega
@@ -64,4 +64,5 @@ INTERMEDIATE = Exercise(
         ),
     ),
     optional=("animate_tumble",),
+    motions=(motions.TUMBLE,),
 )

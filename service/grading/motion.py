@@ -1,0 +1,128 @@
+"""A motion to play: a submission's attitude R(t) beside the exact one, in a few thousand bytes.
+
+What came back is a stranger's: not finite, not a rotation, or a rotation for a while. What can be shown is shown up to there.
+"""
+
+import json
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.checks import Arrays
+from ecp.exercise import Motion
+from exercises.assignment import Assignment
+from service.grading.grade import draw_inputs, truth
+
+Array = NDArray[np.float64]
+FRAMES = 120
+SCALE = 9999  # components of unit quaternions as whole numbers: no more digits than with 1000, and a step of 0.01°
+NEAR = 0.1  # |RᵀR − 1| up to which the nearest rotation is shown
+SEEN = 1e-6  # what is told of it
+ALIKE = 1e-5  # degrees, below which two attitudes are called the same
+
+
+class Sound(NamedTuple):
+    """Rotations R (m, 3, 3) for the first m samples of a motion that can be shown, and how far what came back is ``off`` them."""
+
+    R: Array
+    off: float
+
+
+def find(assignment: Assignment, name: str) -> Motion | None:
+    """The motion of that name, or None."""
+    return next((m for e in assignment.exercises for m in e.motions if m.name == name), None)
+
+
+def tell(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> bytes:
+    """The motion as JSON, for the arrays that its scene brought back. ValueError where they are not those of the scene.
+
+    ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular momentum, unit quaternions
+    (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4 f,), in 1/SCALE; ``told``: what is to be said.
+    """
+    scene = assignment.scene(motion.scene)
+    exact = truth(scene, draw_inputs(scene, seed))
+    t, R = exact["t"], exact["R"]
+    given = np.asarray(seen.get("R"))
+    if given.shape != R.shape or given.dtype.kind != "f":
+        raise ValueError("no attitude came back for it")
+    yours, at = sound(given), np.linspace(0, len(t) - 1, min(FRAMES, len(t))).astype(int)
+    document = {
+        "t": np.round(1e3 * t[at]).astype(int).tolist(),
+        "half": [round(x, 4) for x in motion.half],
+        "axis": motion.axis,
+        "scale": SCALE,
+        "L": np.round(_momentum(motion, exact), 4).tolist(),
+        "exact": _whole(quaternions(R[at])),
+        "yours": _whole(quaternions(yours.R[at[at < len(yours.R)]])),
+        "told": _told(yours, given, t, R),
+    }
+    return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+
+
+def sound(R: Array) -> Sound:
+    """The rotations nearest to ``R`` (n, 3, 3), up to the first that is too far from any."""
+    with np.errstate(all="ignore"):
+        off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
+        good = np.isfinite(off) & (off <= NEAR) & (np.linalg.det(np.where(np.isfinite(R), R, 0.0)) > 0)
+    many = len(R) if good.all() else int(np.argmin(good))
+    left, _, right = np.linalg.svd(R[:many])
+    return Sound(left @ right, float(off[:many].max(initial=0.0)))
+
+
+def quaternions(R: Array) -> Array:
+    """Unit quaternions (m, 4) of rotations (m, 3, 3), each on the side of the one before."""
+    if not len(R):
+        return np.zeros((0, 4))
+    x, y, z = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]
+    squares = np.maximum(1 + np.stack([x + y + z, x - y - z, y - x - z, z - x - y], axis=1), 0) / 4
+    q = np.sqrt(squares)
+    largest, rows = q.argmax(axis=1), np.arange(len(R))
+    plus, minus = R + np.swapaxes(R, 1, 2), R - np.swapaxes(R, 1, 2)
+    w, a, b = minus[:, [2, 0, 1], [1, 2, 0]], plus[:, 0], plus[:, 1]
+    products = np.zeros((len(R), 4, 4))  # four times qᵢqⱼ, off the diagonal
+    products[:, 0, 1:] = products[:, 1:, 0] = w
+    products[:, 1, 2] = products[:, 2, 1] = a[:, 1]
+    products[:, 1, 3] = products[:, 3, 1] = a[:, 2]
+    products[:, 2, 3] = products[:, 3, 2] = b[:, 2]
+    q = np.where(np.arange(4) == largest[:, None], q, products[rows, largest] / (4 * q[rows, largest, None]))
+    sides = np.where(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0, -1.0, 1.0)
+    return np.asarray(q * np.concatenate([[1.0], np.cumprod(sides)])[:, None])
+
+
+def _whole(q: Array) -> list[int]:
+    whole: list[int] = np.round(SCALE * q).astype(int).ravel().tolist()
+    return whole
+
+
+def _momentum(motion: Motion, exact: Arrays) -> Array:
+    """The direction (3,) of the exact L in space."""
+    squares = np.square(motion.half)
+    L = exact["R"][0] @ ((squares.sum() - squares) * exact["w"][:, 0])
+    return np.asarray(L / np.linalg.norm(L))
+
+
+def _told(yours: Sound, given: Array, t: Array, R: Array) -> list[str]:
+    """How far the two are apart, and from when on nothing can be shown."""
+    many, told = len(yours.R), []
+    if many:
+        halves = np.linalg.norm(yours.R - R[:many], axis=(1, 2)) / np.sqrt(8)
+        apart = np.degrees(2 * np.arcsin(np.minimum(halves, 1.0)))
+        most = int(apart.argmax())
+        alike = apart[most] < ALIKE
+        told.append(
+            f"Never more than {ALIKE:.5f}° apart." if alike else f"Farthest apart at t = {t[most]:.3g} s, by {apart[most]:.3g}°."
+        )
+    if yours.off > SEEN:
+        told.append(f"Your R is not quite a rotation, max |RᵀR − 1| = {yours.off:.2g}: shown is the nearest one.")
+    if many < len(t):
+        told.append(f"{'From' if many else 'At'} t = {t[many]:.3g} s {'on ' if many else ''}{_why(given[many])}.")
+    return told
+
+
+def _why(R: Array) -> str:
+    if not np.isfinite(R).all():
+        return "your R is not finite"
+    with np.errstate(all="ignore"):
+        off = float(np.abs(R.T @ R - np.eye(3)).max())
+    return f"your R is not a rotation: max |RᵀR − 1| = {off:.3g}" if off > NEAR else "your R is a reflection, not a rotation"

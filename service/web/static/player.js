@@ -1,0 +1,196 @@
+// The player of a motion: two boxes that turn, the student's beside the exact one. Play, scrub, turn by dragging or by arrow keys.
+
+import { apart, attitude, column, longer, product, times, transposed } from "./turning.js";
+
+const CORNERS = [[1, 1], [1, -1], [-1, -1], [-1, 1]];
+const INKS = ["face1", "face2", "face3", "edge", "axis", "momentum", "words", "rule"];
+const LIGHT = [0.35, 0.55, 0.76]; // right, up, towards the eye
+const SIZE = 0.78, TIP = 1.15; // of the box's half diagonal and of an arrow, in the reach of the picture
+const SHORTEST = 8, LONGEST = 20; // seconds a motion is played in
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
+/** Make a player of a canvas whose data-motion is the address of a motion; it stays hidden where there is none. */
+export async function play(canvas) {
+  const answer = await fetch(canvas.dataset.motion).catch(() => null);
+  if (answer?.ok && canvas.isConnected) new Player(canvas, await answer.json());
+}
+
+const make = (name, properties) => Object.assign(document.createElement(name), properties);
+
+class Player {
+  constructor(canvas, motion) {
+    Object.assign(this, { canvas, motion, at: 0, yaw: -0.6, pitch: 0.35, playing: false, pen: canvas.getContext("2d") });
+    this.end = motion.t.at(-1);
+    this.rate = this.end / Math.min(Math.max(this.end / 1000, SHORTEST), LONGEST); // ms of the motion in a second
+    this.half = longer(motion.half, SIZE / Math.hypot(...motion.half));
+    this.addControls(canvas.closest("figure"));
+    this.listen();
+    new ResizeObserver(() => this.size()).observe(canvas);
+    dark.addEventListener("change", () => this.colour());
+    this.colour();
+    const seen = new IntersectionObserver(entries => {
+      if (!entries.some(entry => entry.isIntersecting)) return;
+      seen.disconnect();
+      if (!still.matches) this.toggle(true); // once, from the beginning to the end
+    }, { threshold: 0.6 });
+    seen.observe(canvas);
+  }
+
+  addControls(figure) {
+    const bar = make("div", { className: "controls" });
+    this.button = make("button", { type: "button" });
+    this.slider = make("input", { type: "range", min: 0, max: this.end, step: 1, value: 0 });
+    this.slider.setAttribute("aria-label", "Time");
+    this.told = make("span", { className: "at" });
+    bar.append(this.button, this.slider, this.told);
+    this.canvas.after(bar);
+    this.canvas.title = "Drag, or use the arrow keys, to turn the view";
+    figure.querySelector("figcaption").append(`. ${this.motion.told.join(" ")}`);
+    figure.hidden = false;
+    this.toggle(false);
+  }
+
+  listen() {
+    const { canvas } = this;
+    this.button.addEventListener("click", () => this.toggle(!this.playing));
+    this.slider.addEventListener("input", () => { this.toggle(false); this.at = Number(this.slider.value); this.draw(); });
+    canvas.addEventListener("pointerdown", event => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", event => {
+      if (canvas.hasPointerCapture(event.pointerId)) this.turn(0.01 * event.movementX, 0.01 * event.movementY);
+    });
+    canvas.addEventListener("keydown", event => {
+      const by = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+      if (!by) return;
+      event.preventDefault();
+      this.turn(...by);
+    });
+  }
+
+  turn(yaw, pitch) {
+    this.yaw += yaw;
+    this.pitch = Math.min(Math.max(this.pitch + pitch, -1.5), 1.5);
+    this.draw();
+  }
+
+  toggle(on) {
+    this.playing = on;
+    this.button.textContent = on ? "❚❚ Pause" : "▶ Play";
+    if (!on) return;
+    if (this.at >= this.end) this.at = 0;
+    let last;
+    const tick = now => {
+      if (!this.playing || !this.canvas.isConnected) return;
+      this.at = Math.min(this.at + Math.min(now - (last ?? now), 100) / 1000 * this.rate, this.end);
+      last = now;
+      this.draw();
+      if (this.at < this.end) requestAnimationFrame(tick);
+      else this.toggle(false);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  colour() {
+    const style = getComputedStyle(this.canvas);
+    this.ink = Object.fromEntries(INKS.map(name => [name, style.getPropertyValue(`--motion-${name}`).trim()]));
+    this.size();
+  }
+
+  size() {
+    const dense = devicePixelRatio || 1, { clientWidth: wide, clientHeight: high } = this.canvas;
+    Object.assign(this.canvas, { width: Math.round(wide * dense), height: Math.round(high * dense) });
+    Object.assign(this, { wide, high, dense });
+    this.draw();
+  }
+
+  attitude(which, time) {
+    return attitude(this.motion.t, this.motion[which], time);
+  }
+
+  draw() {
+    if (!this.wide) return;
+    const { pen, wide, high, dense } = this;
+    const [c, s, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
+    this.view = [[c, s, 0], [-s * sp, c * sp, cp], [s * cp, -c * cp, sp]]; // right, up, towards the eye; z of space is up
+    pen.setTransform(dense, 0, 0, dense, 0, 0);
+    pen.clearRect(0, 0, wide, high);
+    pen.textAlign = "center";
+    pen.font = "13px system-ui, sans-serif";
+    this.reach = (Math.min(wide / 2, high - 24) / 2 - 24) / TIP;
+    const yours = this.attitude("yours", this.at), exact = this.attitude("exact", this.at);
+    this.body("yours", yours, wide / 4);
+    this.body("exact", exact, 3 * wide / 4);
+    this.line([[wide / 2, 8], [wide / 2, high - 8]], this.ink.rule, 1);
+    const difference = yours ? `${apart(yours, exact).toFixed(1)}° apart` : "yours is not a rotation";
+    this.told.textContent = `${(this.at / 1000).toFixed(2)} s, ${difference}`;
+    this.slider.value = this.at;
+    this.slider.setAttribute("aria-valuetext", this.told.textContent);
+  }
+
+  body(which, R, x) {
+    const { pen, half } = this, { axis, L } = this.motion, y = (this.high - 24) / 2;
+    this.put = v => [x + this.reach * v[0], y - this.reach * v[1]];
+    pen.fillStyle = this.ink.words;
+    pen.fillText(R ? which : `${which}: not a rotation`, x, this.high - 8);
+    if (!R) return;
+    const turned = product(this.view, R), along = column(turned, axis), seenL = times(this.view, L), inBody = times(transposed(R), L);
+    const ways = half.map((h, k) => h / Math.max(Math.abs(inBody[k]), 1e-9)), way = Math.min(...ways), out = ways.indexOf(way);
+    const arrows = [ // from where they leave the box; over it, where that is a face that is seen
+      { from: longer(along, half[axis]), to: along, ink: this.ink.axis, name: "ê" + "₁₂₃"[axis], over: along[2] > 0 },
+      { from: longer(seenL, way), to: seenL, ink: this.ink.momentum, name: "L", over: turned[2][out] * inBody[out] > 0 },
+    ];
+    this.trail(which, -1);
+    for (const arrow of arrows) if (!arrow.over) this.arrow(arrow);
+    for (const k of [0, 1, 2]) this.face(turned, k, turned[2][k] > 0 ? 1 : -1);
+    for (const arrow of arrows) if (arrow.over) this.arrow(arrow);
+    this.trail(which, 1);
+  }
+
+  face(turned, k, side) {
+    const { pen, half } = this, [p, q] = [0, 1, 2].filter(other => other !== k);
+    const lit = side * LIGHT.reduce((sum, l, i) => sum + l * turned[i][k], 0), path = new Path2D();
+    for (const [a, b] of CORNERS) path.lineTo(...this.put(turned.map(row => side * half[k] * row[k] + a * half[p] * row[p] + b * half[q] * row[q])));
+    path.closePath();
+    const shade = `rgb(0 0 0 / ${(0.45 * (1 - Math.max(0, lit))).toFixed(3)})`;
+    for (const ink of [this.ink[`face${k + 1}`], side < 0 ? "rgb(255 255 255 / 0.35)" : "transparent", shade]) { // the far end of an axis is paler
+      pen.fillStyle = ink;
+      pen.fill(path);
+    }
+    Object.assign(pen, { strokeStyle: this.ink.edge, lineWidth: 1, lineJoin: "round" });
+    pen.stroke(path);
+  }
+
+  arrow({ from, to, ink, name }) {
+    const { pen } = this, [x0, y0] = this.put(from), [x, y] = this.put(longer(to, TIP)), length = Math.hypot(x - x0, y - y0);
+    const [u, v] = length > 1 ? [(x - x0) / length, (y - y0) / length] : [0, -1];
+    this.line([[x0, y0], [x, y]], ink, 2.5);
+    pen.fillStyle = ink;
+    pen.beginPath();
+    for (const [f, g] of [[4, 0], [-6, 4], [-6, -4]]) pen.lineTo(x + f * u - g * v, y + f * v + g * u);
+    pen.fill();
+    pen.fillText(name, x + 13 * u, y + 13 * v + 4);
+  }
+
+  /** The path so far of the axis' tip, on a sphere around the box: its half towards the eye (1) or away (-1). */
+  trail(which, side) {
+    const { t, axis } = this.motion, so = [...t.flatMap((one, k) => (k ? [(one + t[k - 1]) / 2, one] : [one])).filter(one => one < this.at), this.at];
+    let points = [];
+    this.pen.globalAlpha = side > 0 ? 0.8 : 0.35;
+    for (const time of [...so, null]) {
+      const R = time === null ? null : this.attitude(which, time), v = R && times(this.view, column(R, axis));
+      if (v) points.push(this.put(longer(v, TIP)));
+      if (v && v[2] * side >= 0) continue;
+      if (points.length > 1) this.line(points, this.ink.axis, 1.2);
+      points = points.slice(-1);
+    }
+    this.pen.globalAlpha = 1;
+  }
+
+  line(points, ink, wide) {
+    const { pen } = this;
+    Object.assign(pen, { strokeStyle: ink, lineWidth: wide });
+    pen.beginPath();
+    for (const [x, y] of points) pen.lineTo(x, y);
+    pen.stroke();
+  }
+}

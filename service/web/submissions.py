@@ -1,0 +1,88 @@
+"""The page of one submission: its report, source, motions, what it cost, and the person's other submissions."""
+
+import asyncio
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import HTMLResponse
+
+from ecp.outcome import Outcome
+from exercises.assignment import assignments
+from service.store import outcomes, reading
+from service.store.history import gradings, timeline
+from service.store.records import Stored
+from service.web import motion, overrides
+from service.web.difference import SIGNS, Changed, TooLong, difference
+from service.web.identity import STAFF
+from service.web.problems import Problem
+from service.web.roles import Looking
+from service.web.routes import find_submission
+from service.web.source import cells, places
+from service.web.templating import templates
+
+router = APIRouter()
+
+
+@router.get("/submissions/{id}", response_class=HTMLResponse)
+@router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
+async def report(id: str, request: Request, person: Looking) -> Response:
+    """One submission; the staff see more of how it was graded than whoever sent it."""
+    stored, database = await find_submission(request, id), request.app.state.database
+    context = await asyncio.to_thread(_shown, stored) | {
+        "stored": stored,
+        "staff": request.state.role in STAFF,
+        "gradings": await gradings(database, stored.id),
+        "timeline": await timeline(database, stored.person, stored.assignment),
+    }
+    return templates.TemplateResponse(request, "report.html", context | await overrides.context(request, stored))
+
+
+@router.get("/submissions/{id}/diff", response_class=HTMLResponse)
+async def changes(id: str, request: Request, person: Looking) -> Response:
+    """How the source differs from that of the same person's submission before it."""
+    stored, database = await find_submission(request, id), request.app.state.database
+    before = next(
+        (step.before for step in await timeline(database, stored.person, stored.assignment) if step.id == stored.id), None
+    )
+    earlier = await reading.read(database, before) if before else None
+    if earlier is None:
+        raise Problem(404, "not-found", "no earlier submission is known to compare this one with")
+    groups = await asyncio.to_thread(_compared, earlier, stored)
+    context = {"stored": stored, "earlier": earlier, "groups": groups, "signs": SIGNS}
+    return templates.TemplateResponse(request, "diff.html", context)
+
+
+def _shown(stored: Stored) -> dict[str, Any]:
+    """What the page needs and takes time: the source, line by line, and where its failing lines are."""
+    endings = stored.report.endings if stored.report else []
+    shown = cells(stored.submission, endings)
+    known = {cell.name: cell.place for cell in shown}
+    assignment = assignments().get(stored.assignment)
+    return {
+        "cells": shown,
+        "lines": sum(len(cell.lines) for cell in shown),
+        "stops": [
+            (number, ending, [(known[p.cell], p) for p in places(ending) if p.cell in known])
+            for number, ending in enumerate(endings)
+            if ending.traceback
+        ],
+        "motions": motion.played_in(assignment, stored.report) if assignment and stored.report else {},
+        "state": lambda outcome: outcomes.state(outcome, endings),
+        "tolerance": _tolerance,
+    }
+
+
+def _tolerance(outcome: Outcome) -> str:
+    """The numbers that were allowed, and why just these."""
+    allowed = outcome.tolerance
+    numbers = {"rtol": allowed.rtol, "atol": allowed.atol, "limit": allowed.limit}
+    told = ", ".join(f"{name} {value:.3g}" for name, value in numbers.items() if value is not None)
+    return f"{told}: {allowed.reason}" if told else allowed.reason
+
+
+def _compared(earlier: Stored, stored: Stored) -> list[list[Changed]] | None:
+    """The changed stretches; None where they are too long to be found."""
+    try:
+        return difference(earlier.submission, stored.submission)
+    except TooLong:
+        return None

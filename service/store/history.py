@@ -69,6 +69,12 @@ async def timeline(database: Database, person: str, slug: str) -> Sequence[Step]
     return [Step(**row._mapping) for row in await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})]
 
 
+async def before(database: Database, submission: UUID) -> UUID | None:
+    """The same person's submission before that one, to the same assignment."""
+    rows = await database.rows(_BEFORE, {"submission": submission})
+    return rows[0].id if rows else None
+
+
 async def gradings(database: Database, submission: UUID) -> Sequence[Grading]:
     """All attempts at a submission, the first one first."""
     return [Grading(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
@@ -90,10 +96,18 @@ WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :mo
 """
 
 _TIMELINE = f"""
-SELECT s.id, s.filename, s.submitted_at, s.late, given.points, shown.max_score, {STATUS},
-    lag(s.id) OVER (ORDER BY s.submitted_at, s.id) AS before
-FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
-WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
+WITH s AS (
+    SELECT s.*, lag(s.id) OVER (ORDER BY s.submitted_at, s.id) AS before
+    FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
+    WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
+)
+SELECT s.id, s.filename, s.submitted_at, s.late, given.points, shown.max_score, {STATUS}, s.before
+FROM s JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
+"""
+
+_BEFORE = """
+SELECT b.id FROM submission s JOIN submission b USING (person_id, assignment_id)
+WHERE s.id = :submission AND (b.submitted_at, b.id) < (s.submitted_at, s.id) ORDER BY b.submitted_at DESC, b.id DESC LIMIT 1
 """
 
 _GRADINGS = """

@@ -1,4 +1,4 @@
-"""The source of a submission to look at: its cells line by line, with marks where an exception was raised or a syntax error lies."""
+"""The source of a submission to look at: its cells line by line, marked where an exception was raised or a syntax error lies."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -15,7 +15,7 @@ FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
 
 @dataclass(frozen=True)
 class Mark:
-    """Where an ending was caused: by the line itself where ``raised``, else on the way there. ``ending`` is its place in the report."""
+    """What a line has to do with the ``ending`` at that place in the report: it stopped the code (``raised``), or led there."""
 
     ending: int
     raised: bool

@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse
 from ecp.outcome import Outcome
 from exercises.assignment import assignments
 from service.store import outcomes, reading
-from service.store.history import gradings, timeline
+from service.store.history import before, gradings, timeline
 from service.store.records import Stored
 from service.web import motion, overrides
 from service.web.difference import SIGNS, Changed, TooLong, difference
@@ -41,10 +41,8 @@ async def report(id: str, request: Request, person: Looking) -> Response:
 async def changes(id: str, request: Request, person: Looking) -> Response:
     """How the source differs from that of the same person's submission before it."""
     stored, database = await find_submission(request, id), request.app.state.database
-    before = next(
-        (step.before for step in await timeline(database, stored.person, stored.assignment) if step.id == stored.id), None
-    )
-    earlier = await reading.read(database, before) if before else None
+    found = await before(database, stored.id)
+    earlier = await reading.read(database, found) if found else None
     if earlier is None:
         raise Problem(404, "not-found", "no earlier submission is known to compare this one with")
     groups = await asyncio.to_thread(_compared, earlier, stored)

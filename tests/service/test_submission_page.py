@@ -100,7 +100,8 @@ def marked(told):
 
 
 def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann):
-    source = "A = '\x0c'  # a form feed begins no line\n\n\ndef deeper(w):\n    return w['no']\n\n\ndef euler_eqs(t, w, I):\n    return deeper(w)\n"
+    source = "A = '\x0c'  # a form feed begins no line\n\n\ndef deeper(w):\n    return w['no']\n\n\n"
+    source += "def euler_eqs(t, w, I):\n    return deeper(w)\n"
     told = page(server, ann, send(server, ann, source))
     (deep, way) = marked(told)
     assert deep[:3] == ("failing", "line-1-5", 5) and way[:3] == ("on-the-way", "line-1-9", 9)
@@ -363,7 +364,8 @@ def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, pro
 COPIED = """
 WITH s AS (
     INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint)
-    SELECT gen_random_uuid(), assignment_id, person_id, source, sha256, filename, fingerprint FROM submission WHERE id = %s RETURNING id
+    SELECT gen_random_uuid(), assignment_id, person_id, source, sha256, filename, fingerprint FROM submission WHERE id = %s
+    RETURNING id
 ), a AS (
     INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs)
     SELECT gen_random_uuid(), id, 1, 'interactive', 1, 3 FROM s RETURNING id
@@ -400,7 +402,8 @@ class Tags(html.parser.HTMLParser):
 
 def test_a_strangers_text_stays_text(server, url):
     eve = token(url, f"eve {NASTY}")
-    source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\ndef euler_eqs(t, w, I):\n    raise ValueError({NASTY + BIDI!r})  # {NASTY}{BIDI}\n"
+    source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\n"
+    source += f"def euler_eqs(t, w, I):\n    raise ValueError({NASTY + BIDI!r})  # {NASTY}{BIDI}\n"
     script = type(f"{NASTY}", (), {}).__name__
     send(
         server, eve, f"E = type({script!r}, (Exception,), {{}})\n\ndef euler_eqs(t, w, I):\n    raise E({BIDI!r})\n", f"{NASTY}.py"

@@ -75,7 +75,7 @@ class Exercise:
 
     def scenes(self) -> set[str]:
         """Names of the scenes its checks, figures, animations and motions read."""
-        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in (*self.animations, *self.motions)]
+        shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in self.animations] + [m.scene for m in self.motions]
         return {s for c in self.checks for s in c.scenes} | set(shown)
 
 

@@ -1,0 +1,48 @@
+"""A real browser: Debian's Chromium, driven by playwright. What it says on its console as an error fails the test."""
+
+import shutil
+
+import pytest
+
+ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """One Chromium for all tests."""
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("no chromium on this machine: apt-get install chromium")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed", exc_type=ImportError)
+    with sync_api.sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=program, args=[*ARGUMENTS, "--no-first-run"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def page(browser):
+    """``page(color_scheme=…, width=…, reduced_motion=…, …)`` opens a page in a context of its own, with playwright's options.
+
+    At the end of the test no page may have had an error of a script, an error on its console or a violation of its CSP, but for
+    those whose words are in ``page.allowed``.
+    """
+    contexts, errors = [], []
+
+    def opened(*, width=1280, height=900, **options):
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        contexts.append(context)
+        new = context.new_page()
+        new.set_default_timeout(20_000)
+        new.on("pageerror", lambda error: errors.append(f"{new.url}: {error}"))
+        new.on("console", lambda said: errors.append(f"{new.url}: {said.text}") if said.type == "error" else None)
+        new.add_init_script(
+            "addEventListener('securitypolicyviolation', e => console.error('CSP', e.violatedDirective, e.blockedURI))"
+        )
+        return new
+
+    opened.allowed = []
+    yield opened
+    for context in contexts:
+        context.close()
+    assert not [error for error in errors if not any(words in error for words in opened.allowed)]

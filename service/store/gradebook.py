@@ -141,7 +141,7 @@ FROM assignment x JOIN course c ON c.id = x.course_id
             count(*) FILTER (WHERE state.open) AS open, count(*) FILTER (WHERE NOT state.open AND state.fault) AS faults
         FROM submission s LEFT JOIN member m ON m.person_id = s.person_id
             JOIN LATERAL (SELECT coalesce(bool_or(r.attempt_id IS NULL), false) AS open, bool_and(r.fault IS NOT NULL) AS fault
-                FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id WHERE a.submission_id = s.id) state ON true
+                FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id WHERE a.submission_id = s.id AND NOT a.held) state ON true
         GROUP BY s.assignment_id
     ) sent ON sent.assignment_id = x.id
 WHERE c.slug = :course ORDER BY x.slug

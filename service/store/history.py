@@ -101,8 +101,8 @@ WITH s AS (
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
     WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
 )
-SELECT s.id, s.filename, s.submitted_at, s.late, given.points, shown.max_score, {STATUS}, s.before
-FROM s JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
+SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, {STATUS}, s.before
+FROM s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
 """
 
 _BEFORE = """

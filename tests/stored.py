@@ -2,6 +2,7 @@
 
 import asyncio
 import uuid
+from concurrent.futures import ThreadPoolExecutor
 
 import psycopg
 
@@ -29,7 +30,8 @@ def run(url, action):
         finally:
             await database.close()
 
-    return asyncio.run(main())
+    with ThreadPoolExecutor(1) as thread:  # where a browser is driven this one has a running event loop
+        return thread.submit(lambda: asyncio.run(main())).result()
 
 
 def sql(url, statement, *values):

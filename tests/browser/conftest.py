@@ -7,9 +7,10 @@ import pytest
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
-    """One Chromium for all tests."""
+    """A Chromium for all tests of a module. While it is there this thread has a running event loop, which must not outlive the
+    module: ``asyncio.run`` refuses to work beside it."""
     program = shutil.which("chromium")
     if program is None:
         pytest.skip("no chromium on this machine: apt-get install chromium")

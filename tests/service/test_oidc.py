@@ -8,7 +8,7 @@ import urllib.request
 
 import pytest
 
-from tests.oidc import Provider
+from tests.oidc import PUBLIC, Provider
 from tests.screenless import Browser
 from tests.stored import entered, new_database, sql
 
@@ -132,6 +132,14 @@ def test_what_it_did_sign_is_taken_also_when_signed_by_these_tests(server, provi
     provider.user("s-6", preferred_username="cas after all")
     provider.tamper("signed again")
     assert sign_in(Browser(server), "s-6")[0] == 200
+
+
+def test_a_public_client_needs_no_secret(new_server, tmp_path, database_url, provider):
+    own = settings(database_url, provider) | {"POLHODE_OIDC_CLIENT_ID": PUBLIC, "POLHODE_OIDC_CLIENT_SECRET": ""}
+    server = new_server(tmp_path / "data", "/livez", **own)
+    provider.user("s-13", preferred_username="ina")
+    assert ">ina</dd>" in sign_in(Browser(server), "s-13")[1]
+    server.stop()
 
 
 def test_a_provider_that_offers_tokens_without_signature_is_not_taken_at_its_word(new_server, tmp_path, database_url, provider):

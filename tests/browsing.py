@@ -25,12 +25,12 @@ def enter(url, **roles):
 
 
 class Visitor:
-    """A person at a browser, with a session."""
+    """A person at a browser who has logged in; their ``token`` is for programs."""
 
-    def __init__(self, server, url, name, scopes=tokens.BROWSER):
+    def __init__(self, server, url, name):
         async def given(database):
             async with database.begin() as connection:
-                return await tokens.give(connection, name, label="test", scopes=scopes, seconds=1000.0)
+                return await tokens.give(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)
 
         self.server, self.name, self.token = server, name, run(url, given)
         self._session = Browser(server).log_in(token=self.token).cookie("polhode_session").value

@@ -7,7 +7,7 @@ import urllib.request
 
 import pytest
 
-from service.store import rescue, tokens
+from service.store import rescue
 from tests.browsing import Visitor, enter
 from tests.stored import new_database, run, sql
 
@@ -37,11 +37,10 @@ def people(server, url):
     return {name: Visitor(server, url, name) for name in ("prof", "tutor", "ann", "ben")}
 
 
-def post(server, url, name, source):
+def post(server, person, source):
     """Submit as that person; the id."""
-    token = Visitor(server, url, name, tokens.SCOPES).token
     body = json.dumps({"source": source, "exercises": ["2"]}).encode()
-    headers = {"Content-Type": "application/json", "Authorization": f"Bearer {token}"}
+    headers = {"Content-Type": "application/json", "Authorization": f"Bearer {person.token}"}
     with urllib.request.urlopen(
         urllib.request.Request(f"{server.url}/v1/assignments/rigid-body/submissions", body, headers), timeout=30
     ) as answer:
@@ -69,9 +68,9 @@ def runs(url, id):
 
 def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, people):
     before = sql(url, "SELECT name, zygotes FROM worker")
-    loop = post(server, url, "ann", LOOP)
+    loop = post(server, people["ann"], LOOP)
     wait_for(lambda: runs(url, loop))
-    good = post(server, url, "ben", GOOD)
+    good = post(server, people["ben"], GOOD)
     following = people["tutor"].follow("/queue/events")
     page = wait_for(lambda: (p := people["tutor"].open("/queue")[1]).count("perhaps an endless loop") and p)
     assert "⏱ 5 s in one scene" in page or "⏱ 6 s in one scene" in page
@@ -104,9 +103,9 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
 
 
 def test_a_loop_outside_of_every_function_and_what_waits_can_be_cancelled_and_tried_again(server, url, people):
-    loop = post(server, url, "ann", LOADING)
+    loop = post(server, people["ann"], LOADING)
     wait_for(lambda: sql(url, "SELECT 1 FROM run WHERE ended_at IS NULL"))
-    waiting = post(server, url, "ann", GOOD)
+    waiting = post(server, people["ann"], GOOD)
     assert people["prof"].send(f"/queue/{attempt_of(url, waiting)}/cancel", "/queue")[0] == 303
     began = time.monotonic()
     assert people["prof"].send(f"/queue/{attempt_of(url, loop)}/cancel", "/queue")[0] == 303

@@ -11,12 +11,13 @@ from exercises.assignment import Assignment, assignments
 from service.grading import motion, pictures
 from service.web.pictures import Submission, kept_or_made
 from service.web.problems import Problem
+from service.web.roles import Looking
 
 router = APIRouter()
 
 
 @router.get("/submissions/{id}/motions/{name}.json")
-async def show(stored: Submission, name: str, request: Request) -> Response:
+async def show(person: Looking, stored: Submission, name: str, request: Request) -> Response:
     """A motion of the report, made when first asked for and kept."""
     assignment = assignments().get(stored.assignment)
     played = played_in(assignment, stored.report) if assignment and stored.report else {}

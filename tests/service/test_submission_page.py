@@ -298,7 +298,7 @@ def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof)
         f"/submissions/{second['id']}/diff",
         f"/submissions/{second['id']}/motions/torque-free.json",
     ):
-        assert call(server, path, cara)[0] == 404
+        assert call(server, path, cara)[0] == 403
 
 
 def test_a_difference_is_of_the_code_and_tells_lines_before_and_now():

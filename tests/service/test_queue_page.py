@@ -85,7 +85,7 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     wait_for(lambda: people["ben"].json(f"/v1/submissions/{good}")["status"] == "graded", 10)
     told = people["ann"].json(f"/v1/submissions/{loop}")
     assert (told["status"], told["fault"], told["cancelled_by"], told["report"]) == ("faulted", "cancelled by tutor", "tutor", None)
-    assert "stopped by tutor, of the staff of the course. That costs you no" in people["ann"].open(f"/submissions/{loop}")[1]
+    assert "Stopped by tutor. This costs nothing" in people["ann"].open(f"/submissions/{loop}")[1]
     assert sql(url, "SELECT name, zygotes FROM worker") == before, "the same worker with the same warm guest"
     endings = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s"
     assert sql(url, endings, loop) == [("cancelled",)] and sql(url, endings, good) == [("finished",)]

@@ -50,3 +50,14 @@ def test_a_made_up_method_makes_no_new_series():
         ask(answers, f"MADE{k}")
     methods = {s.labels["method"] for m in PROCESS.collect() for s in m.samples if "method" in s.labels}
     assert methods <= {"GET", "HEAD", "POST", "other"}
+
+
+async def draws(scope, receive, send):
+    await send({"type": "http.response.start", "status": 200, "headers": [(b"content-type", b"image/svg+xml")]})
+    await send({"type": "http.response.body", "body": b"<svg/>"})
+
+
+def test_a_chart_opened_by_itself_may_have_styles_and_nothing_else():
+    policies = [dict(ask(app)[0]["headers"])[b"content-security-policy"].decode() for app in (draws, answers)]
+    assert "default-src 'none'; style-src 'unsafe-inline'" in policies[0] and policies[0].endswith("sandbox")
+    assert "unsafe-inline" not in policies[1]

@@ -7,7 +7,7 @@ from fastapi import Depends, Request
 from markupsafe import Markup
 from starlette.datastructures import FormData, UploadFile
 
-from service.web.identity import same_origin
+from service.web.identity import same_origin, who
 from service.web.intake import read_capped
 from service.web.problems import Problem
 from service.web.roles import glancing, looking
@@ -35,8 +35,9 @@ def hidden(request: Request) -> Markup:
 
 
 async def checked(request: Request) -> FormData:
-    """The form that was sent; Problem 403 unless a page of ours sent it, 413 if it is too large."""
+    """The form that was sent; Problem 403 unless a page of ours sent it, to whoever may log in, 413 if it is too large."""
     await looking(request)
+    await who(request, "login")  # a token that may only read or submit changes nothing here
     return await _read(request)
 
 
@@ -48,13 +49,12 @@ async def checked_of_anybody(request: Request) -> FormData:
 
 async def _read(request: Request) -> FormData:
     same_origin(request)
-    await read_capped(request, MOST_FORM)
+    await read_capped(request, MOST_FORM, f"a form has at most {MOST_FORM} bytes")
     try:
         form = await request.form(max_files=1, max_fields=200)
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be read: {error}") from error
-    given = form.get(FIELD)
-    if not isinstance(given, str) or not hmac.compare_digest(given.encode(), token(request).encode()):
+    if not hmac.compare_digest(secret(form, FIELD).encode(), token(request).encode()):
         raise Problem(403, "not-allowed", STALE)
     return form
 
@@ -65,25 +65,21 @@ OpenForm = Annotated[FormData, Depends(checked_of_anybody)]
 
 def field(form: FormData, name: str, most: int = 400) -> str:
     """A field's text without space around it, "" where it is missing; Problem 422 where it is longer than ``most``."""
-    given = form.get(name)
-    told = given.replace("\x00", "").strip() if isinstance(given, str) else ""  # no NUL in a database
-    if len(told) > most:
-        raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
-    return told
+    return secret(form, name, most).replace("\x00", "").strip()  # no NUL in a database
 
 
 def secret(form: FormData, name: str, most: int = 1000) -> str:
     """A field's text exactly as it was typed, "" where it is missing; Problem 422 where it is longer than ``most``."""
     given = form.get(name)
-    told = given if isinstance(given, str) else ""
+    told = given.encode("utf-8", "replace").decode() if isinstance(given, str) else ""  # a form names its own encoding
     if len(told) > most:
         raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
     return told
 
 
 async def file(form: FormData, name: str) -> tuple[str, bytes]:
-    """Name and content of the uploaded file; Problem 422 where none was chosen."""
+    """Name, as far as it can be printed, and content of the uploaded file; Problem 422 where none was chosen."""
     given = form.get(name)
     if not isinstance(given, UploadFile) or not given.filename:
         raise Problem(422, "invalid-request", "choose a file first", f"/{name}")
-    return given.filename, await given.read()
+    return "".join(c for c in given.filename if c.isprintable())[:200] or "the file", await given.read()

@@ -39,13 +39,13 @@ async def receive(request: Request, assignment: Assignment) -> Received:
     return received
 
 
-async def read_capped(request: Request, most: int = MOST_BODY) -> None:
-    """Read the body into the request's own cache, but never more than ``most`` of it."""
+async def read_capped(request: Request, most: int = MOST_BODY, told: str = f"a submission has at most {MOST_BYTES} bytes") -> None:
+    """Read the body into the request's own cache; Problem 413 with the sentence ``told`` for more than ``most`` of it."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
         if len(body) > most:
-            raise Problem(413, "too-large", f"a submission has at most {MOST_BYTES} bytes")
+            raise Problem(413, "too-large", told)
     request._body = bytes(body)
 
 

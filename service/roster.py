@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from service.store import people
 
-COLUMNS = ("name", "role", "full_name", "email", "student_id")
+COLUMNS = people.ROSTER
 LONGEST = 200
 
 

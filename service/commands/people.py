@@ -1,7 +1,6 @@
 """polhode roster and token: who is in the course, and the tokens they log in with."""
 
 import argparse
-import csv
 import getpass
 import os
 import sys
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from service.commands.reach import database_url, do, telling_why
+from service.grades.cells import table
 from service.settings import Settings
 
 if TYPE_CHECKING:
@@ -62,9 +62,9 @@ def _roster(arguments: argparse.Namespace) -> int:
         terms = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
         async with database.begin() as connection:
             await people.enroll(connection, roster)
-            rows = [(entry.name, await tokens.give(connection, entry.name, **terms)) for entry in roster]
+            rows = await tokens.give_all(connection, [entry.name for entry in roster], **terms)
             await people.note(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
-            csv.writer(target).writerows([("name", "token"), *rows])
+            target.write(table(("name", "token"), rows))
             target.flush()
 
     with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:

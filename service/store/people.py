@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, select, text, update
+from sqlalchemy import Row, select, text
 from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
@@ -14,6 +14,7 @@ from service.store.tables import audit, course, member, person
 
 COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
+ROSTER = ("name", "role", "full_name", "email", "student_id")
 LONGEST_NAME = 200
 
 
@@ -43,15 +44,11 @@ async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | No
 
     What is missing or None stays as it is: without a role, who is known keeps theirs and others are students.
     """
-    for name, *about in roster:
-        assert name is not None
-        role, full_name, email, student_id = [*about, None, None, None, None][:4]
-        person_id = await enter(connection, name)
-        if role is not None:
-            await connection.execute(_ROLE, {"person": person_id, "role": role, "course": COURSE})
-        told = {"full_name": full_name, "email": email, "student_id": student_id}
-        if told := {column: value for column, value in told.items() if value is not None}:
-            await connection.execute(update(person).where(person.c.id == person_id).values(told))
+    told = sorted([*about, None, None, None, None][:5] for about in ([*entry] for entry in roster))
+    columns = dict(zip(ROSTER, zip(*told, strict=True), strict=False))
+    values = {name: list(column) for name, column in columns.items()} | {"course": COURSE}
+    for statement in (_ENTER_ALL, _MEMBERS, _ROLES, _ABOUT) if told else ():
+        await connection.execute(statement, values)
 
 
 async def note(connection: AsyncConnection, who: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
@@ -75,8 +72,22 @@ async def secret(database: Database, name: str) -> bytes:
     return str((await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value).encode()
 
 
-_ROLE = text("""
-UPDATE member SET role = :role FROM course c WHERE c.id = course_id AND c.slug = :course AND person_id = :person
+_ENTER_ALL = text("INSERT INTO person (name) SELECT unnest(CAST(:name AS text[])) ON CONFLICT DO NOTHING")
+_MEMBERS = text("""
+INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FROM course c, person p
+WHERE c.slug = :course AND p.name = ANY(CAST(:name AS text[])) ON CONFLICT DO NOTHING
+""")
+_ROLES = text("""
+UPDATE member m SET role = told.role
+FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS told (name, role) JOIN person p USING (name), course c
+WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND told.role IS NOT NULL
+""")
+_ABOUT = text("""
+UPDATE person p SET full_name = coalesce(told.full_name, p.full_name), email = coalesce(told.email, p.email),
+    student_id = coalesce(told.student_id, p.student_id)
+FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]), CAST(:student_id AS text[]))
+    AS told (name, full_name, email, student_id)
+WHERE p.name = told.name AND coalesce(told.full_name, told.email, told.student_id) IS NOT NULL
 """)
 _ROLE_OF = text("""
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id

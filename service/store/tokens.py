@@ -45,6 +45,16 @@ async def give(connection: AsyncConnection, name: str, *, label: str, scopes: Se
     return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
 
 
+async def give_all(
+    connection: AsyncConnection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float
+) -> list[tuple[str, str]]:
+    """A new token for each of these persons, who are entered already, with their names."""
+    given = [(name, PREFIX + secrets.token_urlsafe(32)) for name in names]
+    values = {"names": list(names), "digests": [_digest(token) for _, token in given], "starts": [t[:TOLD] for _, t in given]}
+    await connection.execute(_GIVE_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
+    return given
+
+
 async def begin_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
     """The secret of a new session of that person in a browser; it is no token that a program could bring."""
     return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
@@ -143,6 +153,12 @@ def _tidy(code: str) -> str:
 _GIVE = text("""
 INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
 VALUES (:person, :digest, :start, :label, :scopes, now() + make_interval(secs => :seconds))
+""")
+_GIVE_ALL = text("""
+INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
+SELECT p.id, told.digest, told.start, :label, :scopes, now() + make_interval(secs => :seconds)
+FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:starts AS text[])) AS told (name, digest, start)
+    JOIN person p USING (name)
 """)
 _FIND = text("""
 SELECT t.id, p.name, t.scopes, t.revoked_at, t.expires_at, t.expires_at < now() AS expired,

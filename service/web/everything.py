@@ -18,8 +18,8 @@ from service.grades.names import Names, safe
 from service.grades.row import moment
 from service.store.database import Database
 from service.store.grades import overrides, submissions, trail
+from service.store.people import ROSTER
 
-ROSTER = ("name", "role", "full_name", "email", "student_id")
 AUDIT = ("at", "who", "action", "subject", "detail")
 GIVEN = ("student", "submission_id", "check_id", "points", "reason", "given_by", "given_at", "withdrawn_by", "withdrawn_at")
 INDEX = (

@@ -1,13 +1,12 @@
 """The people of the course: a table of them, and the roster that enters them."""
 
-import csv
-import io
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from service import roster
+from service.grades.cells import table
 from service.store import people as stored
 from service.store import tokens
 from service.web import forms
@@ -41,19 +40,15 @@ async def enter(request: Request, person: Instructor, form: forms.Form) -> Respo
         raise Problem(
             422, "invalid-request", "this roster would make you no instructor any more: nobody has been entered", "/roster"
         )
-    wanted, given = bool(forms.field(form, "tokens")), []
+    names = [entry.name for entry in entries] if forms.field(form, "tokens") else []
     async with request.app.state.database.begin() as connection:
         await stored.enroll(connection, entries)
-        for name in [entry.name for entry in entries] if wanted else []:
-            given.append(
-                (name, await tokens.give(connection, name, label="given by roster", scopes=tokens.SCOPES, seconds=TOKEN_S))
-            )
-        await stored.note(connection, person.name, "roster", file[:200], {"people": len(entries), "tokens": len(given)})
-    return _file(given) if wanted else RedirectResponse(f"/people?entered={len(entries)}", 303)
+        terms: dict[str, Any] = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
+        given = await tokens.give_all(connection, names, **terms) if names else []
+        await stored.note(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(given)})
+    return _file(given) if given else RedirectResponse(f"/people?entered={len(entries)}", 303)
 
 
 def _file(given: list[tuple[str, str]]) -> Response:
-    stream = io.StringIO(newline="")
-    csv.writer(stream).writerows([("name", "token"), *given])
     headers = {"Content-Disposition": 'attachment; filename="tokens.csv"'}
-    return Response(stream.getvalue(), media_type="text/csv; charset=utf-8", headers=headers)
+    return Response(table(("name", "token"), given), media_type="text/csv; charset=utf-8", headers=headers)

@@ -1,5 +1,6 @@
 """A class at one assignment, for staff: every student by every check, what goes wrong, margins, attempts; rules and extensions."""
 
+from contextlib import suppress
 from datetime import UTC, datetime
 from typing import Annotated, Literal
 
@@ -17,7 +18,8 @@ from service.web.routes import find_assignment
 from service.web.templating import templates
 
 router = APIRouter()
-MOST_GRACE_MIN, MOST_ALLOWED = 60.0 * 24 * 366, 10_000
+MOST_GRACE_MIN, MOST_ALLOWED = 60 * 24 * 366, 10_000
+YEARS = range(2000, 3000)  # what is beyond is a slip, and at the ends of the calendar no arithmetic goes well
 
 
 class Which(BaseModel):
@@ -90,9 +92,9 @@ async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Fo
 async def set_rules(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
     """Set deadline, grace and number of submissions; what is empty does not limit."""
     find_assignment(slug)
-    grace = _number(form, "grace", MOST_GRACE_MIN) or 0.0
-    most = _number(form, "most", MOST_ALLOWED)
-    rules = queueing.Rules(_moment(form, "due"), 60.0 * grace, None if most is None else max(1, int(most)))
+    grace = _number(form, "grace", 0, MOST_GRACE_MIN) or 0.0
+    most = _number(form, "most", 1, MOST_ALLOWED)
+    rules = queueing.Rules(_moment(form, "due"), 60.0 * grace, None if most is None else int(most))
     await queueing.set_rules(request.app.state.database, slug, rules, person.name)
     return RedirectResponse(f"/assignments/{slug}/class", 303)
 
@@ -129,19 +131,17 @@ def _moment(form: FormData, name: str) -> datetime | None:
     """A field of kind datetime-local, in UTC; None where it is empty."""
     if not (told := forms.field(form, name, 40)):
         return None
-    try:
+    with suppress(ValueError):
         at = datetime.fromisoformat(told)
-        return at.replace(tzinfo=UTC) if at.tzinfo is None else at
-    except ValueError:
-        raise Problem(422, "invalid-request", f"{told[:40]!r} is no moment such as 2026-12-01T12:00", f"/{name}") from None
+        if at.year in YEARS:
+            return at.replace(tzinfo=UTC) if at.tzinfo is None else at
+    raise Problem(422, "invalid-request", f"{told[:40]!r} is no moment such as 2026-12-01T12:00", f"/{name}")
 
 
-def _number(form: FormData, name: str, most: float) -> float | None:
+def _number(form: FormData, name: str, least: int, most: int) -> float | None:
     if not (told := forms.field(form, name, 40)):
         return None
-    try:
-        if 0 <= (number := float(told)) <= most:
+    with suppress(ValueError):
+        if least <= (number := float(told)) <= most:
             return number
-    except ValueError:
-        pass
-    raise Problem(422, "invalid-request", f"{told[:40]!r} is no number from 0 to {most:g}", f"/{name}")
+    raise Problem(422, "invalid-request", f"{told[:40]!r} is no number from {least} to {most}", f"/{name}")

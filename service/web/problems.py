@@ -1,6 +1,7 @@
 """One shape for every error: problem+json (RFC 9457) with a stable type, and where in the request it lies."""
 
 import logging
+from collections.abc import Mapping
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -77,10 +78,7 @@ def _plain(words: str) -> str:
 
 async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
-    errors = [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None
-    if wants_page(request):
-        return _page(request, error)
-    return answer(error.status, error.kind, error.detail, errors, **error.headers())
+    return _tell(request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None)
 
 
 def wants_page(request: Request) -> bool:
@@ -88,30 +86,35 @@ def wants_page(request: Request) -> bool:
     return not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", "")
 
 
-def _page(request: Request, error: Problem) -> Response:
-    """The same for somebody who looks at pages."""
-    context = {"title": TITLES.get(error.kind, "Error"), "detail": _plain(error.detail)}
-    return templates.TemplateResponse(request, "problem.html", context, status_code=error.status, headers=error.headers())
+def _tell(
+    request: Request, problem: Problem, errors: list[dict[str, str]] | None = None, more: Mapping[str, str] | None = None
+) -> Response:
+    """As a page to somebody who looks at pages, else as a document; ``more`` are headers."""
+    headers = {**problem.headers(), **(more or {})}
+    if not wants_page(request):
+        return answer(problem.status, problem.kind, problem.detail, errors, **headers)
+    context = {"title": TITLES.get(problem.kind, "Error"), "detail": _plain(problem.detail)}
+    return templates.TemplateResponse(request, "problem.html", context, status_code=problem.status, headers=headers)
 
 
-async def _http(request: Request, error: Exception) -> JSONResponse:
+async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    kind = BY_STATUS.get(error.status_code, "invalid-request")
-    return answer(error.status_code, kind, f"{error.detail}: {request.method} {request.url.path}", None, **(error.headers or {}))
+    kind, detail = BY_STATUS.get(error.status_code, "invalid-request"), f"{error.detail}: {request.method} {request.url.path}"
+    return _tell(request, Problem(error.status_code, kind, detail), more=error.headers)
 
 
-async def _validation(request: Request, error: Exception) -> JSONResponse:
+async def _validation(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
-    return answer(422, "invalid-request", errors[0]["detail"] if errors else "invalid", errors)
+    return _tell(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
 
 
-async def _outage(request: Request, error: Exception) -> JSONResponse:
+async def _outage(request: Request, error: Exception) -> Response:
     """The database is away for a moment; whatever else the database objects to is a fault of ours."""
     if not is_outage(error):
         raise error
     log.warning("the database is out: %s", type(error).__name__)
-    return answer(503, "busy", "the database does not answer: try again in a moment", None, **{"Retry-After": RETRY_AFTER_S})
+    return _tell(request, Problem(503, "busy", "the database does not answer: try again in a moment"))
 
 
 def crash() -> JSONResponse:

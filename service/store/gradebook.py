@@ -74,7 +74,7 @@ class Standing:
 async def standings(database: Database, slug: str) -> list[Standing]:
     """Every student of the course, by name, also those who sent nothing."""
     found = await students(database, slug)
-    values = {"attempts": [s.attempt for s in found if s.attempt is not None]}
+    values = {"attempts": [s.attempt for s in found if s.score is not None]}  # others may get their outcomes between two queries
     cells = {row.attempt_id: _cells(row) for row in await database.rows(_CELLS, values)}
     for row in await database.rows(_MORE, values):
         own = cells[row.attempt_id]

@@ -14,7 +14,7 @@ from service.store.accept import MOST_RUNS
 from service.store.cancelling import cancel_all_of
 from service.store.database import Database
 from service.store.people import note
-from service.store.reading import SHOWN
+from service.store.reading import LATE, SHOWN
 from service.store.tables import regrade
 
 AT_ONCE = 50
@@ -208,14 +208,14 @@ LATERAL (
 """
 
 _PAIRS = f"""
-SELECT a.id AS attempt, s.id AS submission, s.submitted_at, s.late, p.name AS person, r.attempt_id IS NOT NULL AS finished, r.fault,
+SELECT a.id AS attempt, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.attempt_id IS NOT NULL AS finished, r.fault,
     r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
     coalesce(given.whole, was.score + given.was_more) AS was_points, coalesce(given.whole, r.score + given.more) AS points,
     given.overridden, EXISTS (
         SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
         WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL) AS overtaken
 FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-    LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN {_BEFORE}
+    JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN {_BEFORE}
     LEFT JOIN LATERAL (
         SELECT max(o.points) FILTER (WHERE o.check_id IS NULL) AS whole, count(*) > 0 AS overridden,
             coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0) AS was_more,

@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from service.store import extending, gradebook, people, queueing
-from tests.classroom import SLIP, hand_in
+from tests.classroom import SLIP, grade, hand_in
 from tests.stored import run, sql
 
 GOOD, BAD = {"2-energy": "✓", "2-momentum": "✓"}, {"2-energy": "✓", "2-momentum": ("✗", 1e-3)}
@@ -54,6 +54,25 @@ def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(data
     written = sql(database_url, "DELETE FROM outcome RETURNING *")
     sql(database_url, importlib.import_module("service.store.migrations.versions.0004_dashboard").KNOWN)
     assert sorted(sql(database_url, "SELECT * FROM outcome")) == sorted(written) and len(written) == 5
+
+
+def test_what_is_graded_while_a_class_is_read(database_url):
+    async def read(database):
+        id, asked = await hand_in(database, "ann", None), database.rows
+
+        async def rows(query, values=None):
+            found = await asked(query, values)
+            if "array_agg(margin)" in str(query):
+                await grade(database, id, {"2-energy": "✗"})
+            return found
+
+        database.rows = rows
+        return await gradebook.standings(database, "rigid-body")
+
+    (ann,) = [s for s in run(database_url, read) if s.name == "ann"]
+    assert (ann.status, ann.cells) == ("queued", {})
+    (ann,) = [s for s in run(database_url, lambda d: gradebook.standings(d, "rigid-body")) if s.name == "ann"]
+    assert (ann.status, ann.cells["2-energy"].state) == ("graded", "fail")
 
 
 def test_points_given_count_instead(database_url):

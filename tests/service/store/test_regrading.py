@@ -217,3 +217,13 @@ def test_lateness_is_decided_by_submission_time(database_url):
     grade_open(database_url, {id: "+"})
     run(database_url, lambda d: regrading.apply(d, regrade, "prof"))
     assert sql(database_url, "SELECT late FROM submission") == late == [(False,)]
+
+
+def test_a_preview_tells_lateness_as_every_page_does(database_url):
+    run(database_url, lambda d: d.ping())
+    sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 min', grace_s = 3600")
+    id = graded(database_url, "ann", "-")
+    regrade = begin(database_url, id)
+    assert read(database_url, "pairs", regrade)[0].late
+    sql(database_url, "UPDATE assignment SET due_at = now() + interval '1 day'")
+    assert not read(database_url, "pairs", regrade)[0].late and not run(database_url, lambda d: reading.read(d, id)).late

@@ -16,8 +16,9 @@ from exercises.assignment import Assignment, assignments
 from service.queue import PERSON_LOCK, rank, send, send_attempt, take_turn
 from service.store.database import Database
 from service.store.people import COURSE, enter
+from service.store.reading import LATE
 from service.store.records import New
-from service.store.tables import assignment, assignment_version, attempt, course, submission
+from service.store.tables import assignment, assignment_version, attempt, course
 
 MOST_RUNS = 3  # of one attempt that end without result, before it is a fault
 
@@ -145,6 +146,11 @@ RETURNING (
 ) AS open
 """)
 
+_KNOWN = text(f"""
+SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assignment x ON x.id = s.assignment_id
+WHERE s.person_id = :person AND s.idempotency_key = :key
+""")
+
 _USED = text("""
 SELECT count(*) FROM submission s
     JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
@@ -165,8 +171,7 @@ async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], wh
 
 
 async def _known(connection: AsyncConnection, new: New, who: UUID, key: str | None) -> Accepted:
-    mine = submission.c.person_id == who, submission.c.idempotency_key == key
-    found = (await connection.execute(select(submission).where(*mine))).one()
+    found = (await connection.execute(_KNOWN, {"person": who, "key": key})).one()
     if found.fingerprint != new.fingerprint:
         raise KeyReused
     return Accepted(found.id, found.submitted_at, found.late, fresh=False)

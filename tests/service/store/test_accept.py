@@ -71,6 +71,14 @@ def test_a_repeated_request_is_answered_although_none_is_left(database_url):
     assert run(database_url, lambda d: accept(d, new(), "k")).id == one.id
 
 
+def test_a_repeated_request_is_told_the_same_lateness_as_every_page(database_url):
+    run(database_url, lambda d: d.ping())
+    sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 min', grace_s = 3600")
+    assert run(database_url, lambda d: accept(d, new(), "k")).late and run(database_url, lambda d: accept(d, new(), "k")).late
+    sql(database_url, "UPDATE assignment SET due_at = now() + interval '1 day'")
+    assert not run(database_url, lambda d: accept(d, new(), "k")).late
+
+
 @pytest.mark.parametrize(
     ("due", "grace", "fate"), [("+1 hour", 0, "on time"), ("-1 hour", 7200, "late"), ("-1 hour", 60, "refused")]
 )

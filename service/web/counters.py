@@ -20,7 +20,8 @@ BUCKETS = (0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300, 900, 3600)
 
 _DEPTH = "SELECT status::text, task_name, count(*) AS n FROM procrastinate_jobs GROUP BY 1, 2"
 _RESULTS = """
-SELECT count(*) FILTER (WHERE fault IS NULL) AS graded, count(*) FILTER (WHERE fault IS NOT NULL) AS faulted,
+SELECT count(*) FILTER (WHERE fault IS NULL) AS graded,
+    count(*) FILTER (WHERE fault IS NOT NULL AND cancelled_by IS NULL) AS faulted, count(cancelled_by) AS cancelled,
     coalesce(sum(score), 0) AS passed, coalesce(sum(max_score - score), 0) AS others FROM result
 """
 _RUNS = "SELECT ending, count(*) AS n FROM run WHERE ending IS NOT NULL GROUP BY 1"
@@ -61,7 +62,7 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
     results = CounterMetricFamily("polhode_results", "Results by status.", labels=["status"])
     verdicts = CounterMetricFamily("polhode_verdicts", "Checks that count, by whether they passed.", labels=["verdict"])
     for family, name, value in (
-        (results, "graded", sums.graded), (results, "faulted", sums.faulted),
+        (results, "graded", sums.graded), (results, "faulted", sums.faulted), (results, "cancelled", sums.cancelled),
         (verdicts, "pass", sums.passed), (verdicts, "other", sums.others),
     ):  # fmt: skip
         family.add_metric([name], value)

@@ -9,6 +9,7 @@ from service.store import reading, rescue, runs
 from service.store.accept import Refused, accept
 from service.store.cancelling import Over, cancel
 from service.store.queueing import grade_again, look
+from service.web import counters
 from tests.graded import claim, finish, graded, report, submitted
 from tests.stored import new, run, sql
 
@@ -39,6 +40,13 @@ def test_what_waits_loses_its_job_and_gets_a_result_that_says_by_whom(database_u
     assert (who, action, subject, detail["person"]) == ("prof", "cancel", str(id), "ann")
     (fault,) = run(database_url, look).faults
     assert (fault.submission, fault.cancelled_by) == (id, "prof")
+
+
+def test_it_is_counted_as_no_fault_of_ours(database_url):
+    run(database_url, lambda d: cancel(d, submitted(database_url)[1], "prof"))
+    told = run(database_url, counters.exposition).decode()
+    for status, count in (("graded", 0), ("faulted", 0), ("cancelled", 1)):
+        assert f'polhode_results_total{{status="{status}"}} {count}.0\n' in told
 
 
 def test_it_costs_no_submission(database_url):

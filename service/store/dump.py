@@ -89,6 +89,12 @@ _BROKEN = {
     "results without the arrays they were judged from": """
         SELECT count(*) FROM result r WHERE report IS NOT NULL AND NOT EXISTS (
             SELECT 1 FROM kept k WHERE k.attempt_id = r.attempt_id AND k.name = 'arrays.npz')""",
+    "reports whose checks one by one do not add up to their score": """
+        SELECT count(*) FROM result r, LATERAL (
+            SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted
+            FROM outcome o WHERE o.attempt_id = r.attempt_id AND o.counted) told
+        WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (told.passed, told.counted)""",
+    "attempts held for no regrade": "SELECT count(*) FROM attempt WHERE held AND regrade_id IS NULL",
     "artefacts that do not have the content their name says": """
         SELECT count(*) FROM artefact WHERE encode(sha256(content), 'hex') <> sha256""",
     "runs that gave a result and are told to have ended otherwise": """

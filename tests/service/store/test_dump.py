@@ -11,6 +11,7 @@ from service.store.accept import accept
 from service.store.account import DatabaseUnavailable
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres, find_programs
+from tests.classroom import hand_in
 from tests.stored import new, run, sql
 
 
@@ -51,12 +52,16 @@ def test_what_is_no_backup_is_refused(empty_url, tmp_path):
 
 
 def test_the_check_finds_what_does_not_fit(database_url):
+    run(database_url, lambda d: hand_in(d, "ben", {"2-energy": "✓", "2-momentum": "✗", "2-motion": "⏱"}))
+    assert not any(dump.check(database_url).values())
+    sql(database_url, "DELETE FROM outcome WHERE state = 'pass'")
     run(database_url, lambda d: accept(d, new()))
+    sql(database_url, "UPDATE attempt SET held = true WHERE NOT EXISTS (SELECT 1 FROM result WHERE attempt_id = id)")
     sql(database_url, "INSERT INTO artefact VALUES ('0123', 'x')")
     sql(database_url, "DELETE FROM procrastinate_jobs")
     sql(database_url, "UPDATE attempt SET requested_at = now() - interval '1 hour'")
     found = {sentence for sentence, count in dump.check(database_url).items() if count}
-    assert {s.split()[0] for s in found} == {"artefacts", "open"}
+    assert {s.split()[0] for s in found} == {"reports", "attempts", "artefacts", "open"}
 
 
 def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):

@@ -32,7 +32,11 @@ def old_url(empty_url):
     for id, exercises, key in ((ONE, '["2"]', "k1"), (TWO, "null", "k2"), (THREE, None, None)):
         sql(empty_url, insert + "(%s, 'rigid-body', 'def ω(): 1', 'a.py', %s, 11, 'f', %s)", id, exercises, key)
     provenance = '{"seed": 11, "versions": {}, "walls": "tier B"}'
-    report = f'{{"assignment": "rigid-body", "version": "1", "exercises": [], "provenance": {provenance}}}'
+    about = '"label": "l", "detail": "d", "tolerance": {"reason": "r"}'
+    checks = f'{{"id": "a", "verdict": "pass", "margin": 2.0, {about}}}, {{"id": "b", "verdict": "fail", "margin": 0.5, {about}}}'
+    exercises = f'[{{"number": "2", "title": "t", "outcomes": [{checks}]}}]'
+    told = f'"exercises": {exercises}, "score": 1.0, "max_score": 2.0'
+    report = f'{{"assignment": "rigid-body", "version": "1", {told}, "provenance": {provenance}}}'
     sql(empty_url, "INSERT INTO result VALUES (%s, %s, NULL), (%s, 'null', 'ours')", ONE, report, TWO)
     for id, name, content in ((ONE, "arrays.npz", b"same"), (ONE, "figures/a.svg", b"other"), (TWO, "arrays.npz", b"same")):
         digest = sha256(content).hexdigest()

@@ -5,6 +5,8 @@ from urllib.parse import urlsplit
 
 from fastapi import Request
 
+LONGEST_PATH = 1000
+
 
 def public_address(request: Request) -> str:
     """The address students reach this server at, without a slash at its end."""

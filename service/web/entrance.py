@@ -6,7 +6,7 @@ from starlette.datastructures import FormData
 
 from service.store import people, tokens
 from service.web import session
-from service.web.address import local_path
+from service.web.address import LONGEST_PATH, local_path
 from service.web.forms import OpenForm, checked, field, secret
 from service.web.identity import Person, by_token, same_origin, who
 from service.web.problems import Problem, wants_page
@@ -15,7 +15,6 @@ from service.web.templating import templates
 from service.web.throttle import keys_of
 
 router = APIRouter()
-LONGEST_PATH = 1000
 
 
 @router.get("/login", response_class=HTMLResponse)

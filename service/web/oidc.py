@@ -17,7 +17,7 @@ from itsdangerous import BadData
 from service.settings import Settings
 from service.store import credentials, people
 from service.web import session
-from service.web.address import local_path, public_address
+from service.web.address import LONGEST_PATH, local_path, public_address
 from service.web.problems import Problem
 from service.web.roles import Glancing
 
@@ -58,7 +58,7 @@ async def begin(request: Request, next: str = "") -> Response:
     with _sentences():
         await _metadata(request)
         response: Response = await client.authorize_redirect(request, f"{public_address(request)}{PATH}/callback")
-    under_way = session.serializer(request, "sign-in").dumps([request.scope["session"], local_path(next)])
+    under_way = session.serializer(request, "sign-in").dumps([request.scope["session"], local_path(next[:LONGEST_PATH])])
     session.put(request, response, COOKIE, under_way, max_age=UNDER_WAY_S, path=PATH)
     return response
 

@@ -126,15 +126,19 @@ def find_assignment(slug: str) -> Assignment:
 async def find_submission(request: Request, id: str) -> Stored:
     """The submission; a 404 problem where there is none, a 403 problem where it is somebody else's and they are no staff."""
     person = await who(request)
-    try:
-        stored = await reading.read(_database(request), uuid.UUID(id))
-    except ValueError:
-        stored = None
+    stored = await reading.read(_database(request), asked) if (asked := _uuid(id)) else None
     if stored is None:
         raise Problem(404, "not-found", f"there is no submission {id[:80]}")
     if stored.person != person.name and not await is_staff(request, person):
         raise Problem(403, "not-allowed", "somebody else sent this submission")
     return stored
+
+
+def _uuid(told: str) -> uuid.UUID | None:
+    try:
+        return uuid.UUID(told)
+    except ValueError:
+        return None
 
 
 def _document(stored: Stored) -> dict[str, Any]:

@@ -75,6 +75,12 @@ def test_the_whole_dance(server, url, provider):
     assert browser.cookie("polhode_session").has_nonstandard_attr("HttpOnly")
 
 
+def test_a_path_too_long_for_a_cookie_is_left_out(server, provider):
+    provider.user("s-9", preferred_username="liz")
+    browser = Browser(server)
+    assert sign_in(browser, "s-9", "/oidc/login?next=/account%3F" + 6000 * "a")[0] == 200 and browser.cookie("polhode_session")
+
+
 def test_the_account_counts_and_not_its_name(server, url, provider):
     provider.user("s-2", preferred_username="ann")
     assert ">ann</dd>" in sign_in(Browser(server), "s-2")[1]

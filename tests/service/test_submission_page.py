@@ -244,6 +244,18 @@ def test_no_motion_is_larger_than_ten_kib(rigid_body):
             assert len(json.dumps(longest, ensure_ascii=False, separators=(",", ":")).encode()) <= MOST_BYTES
 
 
+def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(server, ann, url):
+    sent = send(server, ann, RIGHT + "# no report")
+    sql(
+        url,
+        "UPDATE result SET report = report - 'provenance' WHERE attempt_id = (SELECT id FROM attempt WHERE submission_id = %s)",
+        sent["id"],
+    )
+    for path in (f"/submissions/{sent['id']}", f"/v1/submissions/{sent['id']}"):
+        status, _, told = call(server, path, ann)
+        assert status == 500 and "the failure is ours" in told
+
+
 def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, rigid_body):
     sent = send(server, ann, RIGHT + "# forged", exercises=("6",))
     attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]

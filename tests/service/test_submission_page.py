@@ -246,11 +246,10 @@ def test_no_motion_is_larger_than_ten_kib(rigid_body):
 
 def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(server, ann, url):
     sent = send(server, ann, RIGHT + "# no report")
-    sql(
-        url,
-        "UPDATE result SET report = report - 'provenance' WHERE attempt_id = (SELECT id FROM attempt WHERE submission_id = %s)",
-        sent["id"],
-    )
+    of = "attempt_id = (SELECT id FROM attempt WHERE submission_id = %s)"
+    sql(url, "ALTER TABLE result DISABLE TRIGGER USER")
+    sql(url, f"UPDATE result SET report = report - 'provenance' WHERE {of}", sent["id"])
+    sql(url, "ALTER TABLE result ENABLE TRIGGER USER")
     for path in (f"/submissions/{sent['id']}", f"/v1/submissions/{sent['id']}"):
         status, _, told = call(server, path, ann)
         assert status == 500 and "the failure is ours" in told

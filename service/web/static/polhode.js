@@ -76,6 +76,11 @@ function filter(input) {
   const table = document.getElementById(input.dataset.filter), wanted = folded(input.value.trim());
   const known = all(":scope > tbody > tr", table);
   for (const row of known) row.hidden = !folded(row.textContent).includes(wanted);
+  const shown = known.find(row => !row.hidden), entry = table.querySelector('tbody [tabindex="0"]');
+  if (shown && entry?.closest("tr").hidden) {
+    entry.tabIndex = -1;
+    (table.matches("[data-grid]") ? stop(shown.cells[0]) : shown).tabIndex = 0;
+  }
   say(wanted ? `${known.filter(row => !row.hidden).length} of ${known.length} rows` : `all ${known.length} rows`);
 }
 

@@ -1,0 +1,314 @@
+"""The dashboard with real clicks and typing: three roles log in, an instructor goes through a class, the queue and a regrade."""
+
+import csv
+import io
+import json
+import re
+import urllib.request
+import zipfile
+
+import pytest
+
+from ecp.outcome import Diagnosis
+from tests.classroom import SLIP, hand_in
+from tests.stored import entered, new_database, run, sql
+
+BASE = "/assignments/rigid-body"
+GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
+NOTHING = "def euler_eqs(t, w, I):\n    pass\n"
+LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n"
+OTHER = Diagnosis("cyclic-order", "ω̇₂ multiplies ω₁·ω₂ where ω₃·ω₁ belongs", 1.0)
+ROLES = {"prof": "instructor", "tutor": "assistant", "ann": "student", "ben": "student", "cleo": "student", "dan": "student"}
+STAFF_ONLY = ("/people", f"{BASE}/class", f"{BASE}/class/submissions", "/queue", f"{BASE}/regrades", "/audit", "/grades.csv")
+
+
+@pytest.fixture(scope="module")
+def url(postgres):
+    return new_database(postgres.url, "polhode")
+
+
+@pytest.fixture(scope="module")
+def tokens(url):
+    return {name: entered(url, name, role) for name, role in ROLES.items()}
+
+
+@pytest.fixture(scope="module")
+def sent(url, tokens):
+    """Ids of what the class handed in, by student."""
+
+    async def fill(database):
+        return {
+            "ann": await hand_in(database, "ann", {"2-energy": ("✗", 1e-3, SLIP), "2-momentum": "✓"}, source=GOOD),
+            "ben": await hand_in(database, "ben", {"2-energy": "✓", "2-momentum": "✓"}, source=GOOD),
+            "cleo": await hand_in(database, "cleo", {"2-energy": ("✗", 0.1, OTHER), "2-momentum": "⏱"}, source=GOOD),
+            "dan": await hand_in(database, "dan", {"2-energy": ("✗", 0.1, SLIP), "2-momentum": "✓"}, source=NOTHING),
+        }
+
+    return {name: str(id) for name, id in run(url, fill).items()}
+
+
+@pytest.fixture(scope="module")
+def server(new_server, tmp_path_factory, url, sent):
+    """It has one worker."""
+    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1", "POLHODE_IDENTITY": "token"}
+    started = new_server(tmp_path_factory.mktemp("dashboard") / "data", "/livez", **own)
+    yield started
+    started.stop()
+
+
+@pytest.fixture
+def seen_by(page, server, tokens):
+    """``seen_by("prof", "/people")`` is a page in a browser of their own, in which they have logged in by their token."""
+
+    def opened(name, path="/"):
+        new = page()
+        log_in(new, server.url + path, token=tokens[name])
+        return new
+
+    opened.allowed = page.allowed
+    return opened
+
+
+def log_in(page, address, **fields):
+    """Go there, by the login form that is in the way."""
+    page.goto(address)
+    assert page.title() == "Log in · polhode"
+    labels = {"name": "Name", "password": "Password", "token": "The token your course gave you"}
+    for name, value in fields.items():
+        page.get_by_label(labels[name], exact=True).fill(value)
+    page.get_by_role("button", name="Log in").click()
+    page.locator("nav .me").wait_for()
+    assert page.url == address
+
+
+def heading(page):
+    return page.get_by_role("heading", level=1).inner_text()
+
+
+def rows(page, table):
+    """What the shown rows of a table's body say."""
+    return [" ".join(row.split()) for row in page.locator(f"{table} > tbody > tr:visible").all_inner_texts()]
+
+
+def post(server, token, source):
+    """Submit with a token, as a notebook does; the id."""
+    body = json.dumps({"source": source, "exercises": ["2"]}).encode()
+    headers = {"Content-Type": "application/json", "Authorization": f"Bearer {token}"}
+    address = f"{server.url}/v1/assignments/rigid-body/submissions"
+    with urllib.request.urlopen(urllib.request.Request(address, body, headers), timeout=30) as answer:
+        return json.load(answer)["id"]
+
+
+@pytest.mark.parametrize("name", ["prof", "tutor", "ann"])
+def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, name):
+    page, password = page(), f"a polhode rolls for {name}"
+    log_in(page, f"{server.url}/", token=tokens[name])
+    page.locator("nav .me").click()
+    page.get_by_label("New password").fill(password)
+    page.get_by_label("The same again").fill(password)
+    page.get_by_role("button", name="Set the password").click()
+    assert page.get_by_role("status").first.inner_text() == "✓ Your password is set. Other browsers are logged out."
+    page.get_by_role("button", name="Log out", exact=True).click()
+    assert page.get_by_text("You are logged out.").is_visible() and page.locator("nav .me").count() == 0
+    page.get_by_label("Name").fill(name)
+    page.get_by_label("Password", exact=True).fill(password)
+    page.get_by_role("button", name="Log in").click()
+    page.locator("nav .me").wait_for()
+    shown = page.locator("nav a").all_inner_texts()
+    assert ("people" in shown) == (name != "ann") and shown[-1] == (name if name == "ann" else f"{name}, {ROLES[name]}")
+    assert heading(page) == ("Submissions" if name == "ann" else "The course")
+
+
+def test_a_wrong_password_is_told_at_the_form(page, server):
+    page.allowed.append("status of 401")
+    page = page()
+    page.goto(f"{server.url}/login")
+    page.get_by_label("Name").fill("ann")
+    page.get_by_label("Password", exact=True).fill("not hers")
+    page.get_by_role("button", name="Log in").click()
+    assert page.get_by_role("alert").inner_text().startswith("✗ ") and page.get_by_label("Name").input_value() == "ann"
+    assert page.get_by_label("Name").get_attribute("aria-describedby") == page.get_by_role("alert").get_attribute("id")
+
+
+def test_students_see_their_own_work_and_pages_that_say_no(seen_by, server, sent):
+    seen_by.allowed.append("status of 403")
+    page = seen_by("ann")
+    for path in (*STAFF_ONLY, f"/submissions/{sent['ben']}", f"/submissions/{sent['ben']}/diff"):
+        answer = page.goto(server.url + path)
+        assert answer.status == 403 and heading(page) == "This is not yours to do", path
+        assert page.get_by_role("alert").inner_text() and "ben" not in page.locator("main").inner_text().split()
+    page.get_by_role("link", name="To the first page").click()
+    page.locator("table[data-rows] tbody a").first.click()
+    assert page.url.endswith(sent["ann"]) and page.get_by_text("Give points by hand").count() == 0
+
+
+def test_assistants_see_everything_and_may_not_decide(seen_by, server, sent):
+    seen_by.allowed.append("status of 403")
+    page = seen_by("tutor")
+    for path in (*STAFF_ONLY[:-1], f"/submissions/{sent['ben']}"):
+        assert page.goto(server.url + path).status == 200, path
+        assert page.locator("form[action$='/rules'], form[action$='/overrides'], form[action='/people']").count() == 0
+    for path in ("/people", f"{BASE}/rules", f"{BASE}/extensions", f"/submissions/{sent['ben']}/overrides"):
+        page.goto(f"{server.url}{BASE}/regrades")
+        with page.expect_navigation() as going:  # the page's own form, sent elsewhere
+            page.evaluate("path => { const form = document.querySelector('main form'); form.action = path; form.submit(); }", path)
+        assert going.value.status == 403 and heading(page) == "This is not yours to do", path
+
+
+def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, server, tmp_path):
+    prof, file = seen_by("prof", "/people"), tmp_path / "class.csv"
+    file.write_text("name,role,full_name,email,student_id\nzoe,student,Zoë Ågård,zoe@example.org,0042\nyan,former,,,\n")
+    prof.get_by_label("Roster").set_input_files(file)
+    prof.get_by_role("button", name="Enter").click()
+    assert prof.get_by_text("2 people entered.").is_visible()
+    prof.get_by_label("Filter").fill("agard")
+    assert rows(prof, "#people") == ["zoe Zoë Ågård student zoe@example.org 0042 0 –"]
+    prof.get_by_label("Roster").set_input_files(file)
+    prof.get_by_label("Give each a new token").check()
+    with prof.expect_download() as coming:
+        prof.get_by_role("button", name="Enter").click()
+    given = dict(csv.reader(io.StringIO(coming.value.path().read_text())))
+    assert set(given) == {"name", "zoe", "yan"}
+    log_in(page(), f"{server.url}{BASE}", token=given["zoe"])
+
+
+def test_a_roster_that_is_none_is_told_with_its_line(seen_by, tmp_path):
+    seen_by.allowed.append("status of 422")
+    prof, file = seen_by("prof", "/people"), tmp_path / "bad.csv"
+    file.write_text("name,role\nzoe,queen\n")
+    prof.get_by_label("Roster").set_input_files(file)
+    prof.get_by_role("button", name="Enter").click()
+    assert "bad.csv, line 2: a role is" in prof.get_by_role("alert").inner_text()
+
+
+def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(seen_by, sent):
+    page = seen_by("prof", f"{BASE}/class")
+    page.locator("#heat").get_by_role("link", name="2-energy").click()
+    assert heading(page).startswith("3 of ") and [row[:3] for row in rows(page, "#chosen")] == ["ann", "cle", "dan"]
+    page.locator("#chosen tr", has_text="cleo").get_by_role("link").click()
+    assert page.url.endswith(f"/submissions/{sent['cleo']}#check-2-energy") and "By cleo" in page.locator("main").inner_text()
+    page.go_back()
+    page.go_back()
+    page.locator("tr", has_text=OTHER.sentence).get_by_role("link", name="1 student").click()
+    assert heading(page).startswith("1 of ") and [row[:4] for row in rows(page, "#chosen")] == ["cleo"]
+    assert page.locator("main q").inner_text() == OTHER.sentence
+
+
+def test_the_class_is_filtered_by_typing_and_gone_through_by_keys(seen_by, sent):
+    page = seen_by("prof", f"{BASE}/class")
+    page.locator("button.keys").wait_for()
+    page.keyboard.press("/")
+    page.keyboard.type("BEN")
+    assert [row.split()[0] for row in rows(page, "#heat")] == ["ben"]
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "ben", "past the table's region, into the first cell that is shown"
+    page.get_by_label("Filter").fill("N")
+    assert [row.split()[0] for row in rows(page, "#heat")] == ["ann", "ben", "dan"]
+    page.evaluate("document.activeElement.blur()")
+    for key, name in (("j", "ann"), ("j", "ben"), ("j", "dan"), ("k", "ben")):
+        page.keyboard.press(key)
+        assert page.evaluate("document.activeElement.textContent").strip().startswith(name), key
+    page.keyboard.press("o")
+    page.wait_for_url(f"**/submissions/{sent['ben']}")
+
+
+def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, url):
+    page = seen_by("prof", f"{BASE}/class")
+    page.get_by_label("Deadline (UTC)").fill("2036-02-29T12:30")
+    page.get_by_label("Grace, minutes").fill("90")
+    page.get_by_role("button", name="Set").click()
+    assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; any number" in " ".join(page.locator("main").inner_text().split())
+    page.get_by_label("Name").fill("ann")
+    page.get_by_label("Until (UTC)").fill("2036-03-07T12:30")
+    page.get_by_label("Reason").fill("was ill for a week")
+    page.get_by_role("button", name="Give", exact=True).click()
+    table = page.locator("table", has_text="Extensions given")
+    assert re.search(r"ann\s+2036-03-07 12:30\s+was ill for a week\s+prof", table.inner_text())
+    page.get_by_label("Name").fill("ann")
+    page.get_by_role("button", name="Give", exact=True).click()
+    assert table.count() == 0
+    page.get_by_label("Deadline (UTC)").fill("")
+    page.get_by_role("button", name="Set").click()
+    assert "Deadline: none; any number" in " ".join(page.locator("main").inner_text().split())
+
+
+def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, server):
+    prof, ann = seen_by("prof", f"/submissions/{sent['ann']}"), seen_by("ann")
+    prof.get_by_text("Give points by hand").click()
+    prof.get_by_label("For").select_option("2-energy")
+    prof.get_by_label("Points").fill("1")
+    prof.get_by_label("Reason, which the student reads").fill("the sign convention was not told in the notebook")
+    prof.get_by_role("button", name="Give these points").click()
+    assert "2 of 2 (graded 1)" in prof.locator("#points").inner_text()
+    ann.goto(f"{server.url}/submissions/{sent['ann']}")
+    told = ann.locator("#points").inner_text()
+    assert "the sign convention was not told in the notebook" in told and "prof" in told and "2 of 2 (graded 1)" in told
+    assert ann.locator("#points button").count() == 0
+    prof.get_by_role("button", name="Withdraw the points for 2-energy").click()
+    ann.reload()
+    told = ann.locator("#points").inner_text()
+    assert "withdrawn by prof" in told and "1 of 2." in told
+    prof.goto(f"{server.url}/audit?subject=ann")
+    assert {"override", "override withdrawn"} <= set(prof.locator("tbody td:nth-child(3)").all_inner_texts())
+
+
+def test_a_checks_victims_are_graded_again_looked_at_and_let_count(seen_by, sent, server):
+    page, ann = seen_by("tutor", f"{BASE}/regrades"), seen_by("ann", f"/submissions/{sent['ann']}")
+    page.get_by_label("best submissions that do not pass this check").check()
+    page.get_by_label("The check").select_option("2-energy")
+    page.get_by_role("button", name="Grade again, look first").click()
+    assert heading(page).startswith("Regrade of") and "best submissions without ✓ at 2-energy" in page.locator("main").inner_text()
+    page.evaluate("window.been = true")
+    page.get_by_text("3 of 3 graded").wait_for()
+    page.get_by_text("2 gain, 1 lose, 0 keep their points").wait_for()
+    assert page.evaluate("window.been"), "told without being loaded again"
+    assert page.get_by_role("button", name="Apply").count() == 0 and page.get_by_text("An instructor applies it.").is_visible()
+    lost = page.locator("[role=region][aria-label=Lose] tbody").inner_text()
+    assert lost.startswith("dan") and "1 of 2 → 0 of 5" in lost and "✓ → !" in lost
+    ann.reload()
+    assert "graded: 1 of 2 checks ✓" in " ".join(ann.locator("main").inner_text().split())
+    prof = seen_by("prof", page.url.removeprefix(server.url))
+    prof.get_by_role("button", name="Apply").click()
+    assert "✓ applied by prof" in prof.locator("#live").inner_text()
+    ann.reload()
+    assert "graded: 5 of 5 checks ✓" in " ".join(ann.locator("main").inner_text().split())
+    assert "2, shown, a regrade" in ann.locator("#gradings").inner_text()
+
+
+def test_every_export_is_downloaded_and_can_be_read(seen_by):
+    page = seen_by("prof", f"{BASE}/class")
+    for link in ("CSV", "nbgrader", "Canvas", "Moodle"):
+        with page.expect_download() as coming:
+            page.get_by_role("link", name=link, exact=True).click()
+        head, *lines = csv.reader(io.StringIO(coming.value.path().read_text("utf-8-sig"), newline=""))
+        assert coming.value.suggested_filename.endswith(".csv") and {len(line) for line in lines} == {len(head)}
+        assert any("ann" in line for line in lines), link
+    with page.expect_download() as coming:
+        page.get_by_role("link", name="JSON").click()
+    assert {"ann", "ben"} <= {row["student"] for row in json.loads(coming.value.path().read_text())["students"]}
+    with page.expect_download() as coming:
+        page.get_by_role("link", name="everything (zip)").click()
+    with zipfile.ZipFile(coming.value.path()) as archive:
+        assert archive.testzip() is None and "rigid-body/grades.csv" in archive.namelist() and len(archive.namelist()) > 5
+
+
+def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server, tokens, url):
+    page = seen_by("tutor", "/queue")
+    page.evaluate("window.been = true")
+    loop = post(server, tokens["ben"], LOOP)
+    page.get_by_text("perhaps an endless loop").wait_for()
+    assert page.locator(f"table.going a[href='/submissions/{loop}']").inner_text() == "ben"
+    assert page.locator(".stuck").inner_text().startswith("⏱ ")
+    waiting = post(server, tokens["ann"], GOOD)
+    page.get_by_role("heading", name="Waiting: 1").wait_for()
+    assert page.evaluate("window.been"), "it tells by itself"
+    page.get_by_role("button", name="Cancel the attempt of ann").click()
+    page.get_by_role("button", name="Cancel the attempt of ben").click()
+    page.get_by_role("button", name="Grade the submission of ben again").wait_for()
+    assert page.get_by_text("cancelled by tutor").count() == 2
+    page.get_by_role("button", name="Grade the submission of ann again").click()
+    page.get_by_role("heading", name="Without a report: 1").wait_for()
+    ann = seen_by("ann", f"/submissions/{waiting}")
+    ann.locator(".outcomes li.pass").first.wait_for()
+    assert sql(url, "SELECT count(*) FROM attempt WHERE submission_id = %s", waiting) == [(2,)]

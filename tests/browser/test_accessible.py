@@ -55,7 +55,7 @@ def test_axe_sees_what_is_wrong(page, server, axe):
     page.evaluate("document.querySelector('main').innerHTML = '<p class=\"wide-one\"><img src=\"data:,\">x</p><input>'")
     page.evaluate("document.querySelector('.wide-one').style.width = '2000px'")
     told = " ".join(wrong(page, axe))
-    assert "image-alt" in told and "label" in told and "2000" in told or "px wide at 360 px" in told
+    assert "image-alt" in told and "label" in told and "px wide at 360 px" in told
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

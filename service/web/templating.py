@@ -1,5 +1,6 @@
 """The pages' templates; everything they show is escaped. Every page knows who looks (``me``) and as what (``role``)."""
 
+import re
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,22 @@ from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 from markupsafe import Markup
 
+TURNING = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"  # they reorder the text around them
+_TURNING, _STILL = re.compile(f"[{TURNING}]"), dict.fromkeys(map(ord, TURNING), "\ufffd")
+
+
+def still(value: object) -> str:
+    """What a page shows of a value: with U+FFFD for whatever turns the direction of the text beside it."""
+    shown = value if isinstance(value, str) else str(value)
+    return shown.translate(_STILL) if _TURNING.search(shown) else shown  # of Markup this is Markup
+
+
 ENVIRONMENT = Environment(
     loader=FileSystemLoader(Path(__file__).parent / "templates"),
     autoescape=select_autoescape(),
     trim_blocks=True,
     lstrip_blocks=True,
+    finalize=still,
 )
 
 

@@ -14,7 +14,7 @@ RUNS = "window.pwned=1"
 TAGS = f'"><img src=x onerror={RUNS}><svg onload={RUNS}>'
 CORPUS = " ".join(
     [
-        f"<script>{RUNS}</script>", f"</script><script>{RUNS}</script>", TAGS, f"javascript:{RUNS}", f"' onfocus={RUNS} autofocus x='",
+        f"<script>{RUNS}</script>", f"</script><script>{RUNS}</script>", TAGS, f"javascript:{RUNS}", f"' onfocus={RUNS} x='",
         f'<a href="javascript:{RUNS}">here</a>', "<base href=//127.0.0.2/>", "<meta http-equiv=refresh content=0;url=/pwned>",
         "</title></textarea></option></select></td></table></pre>", "<style>*{display:none}</style>", "<!--", "]]>", "&lt;b&gt;",
         "{{ 7 * 7 }}", "=cmd()", "\u202eright\u202c \u2066to\u2069 left\u200f", "zero\u200b\u2060width", "\x1b[31m", "שלום 1 2",
@@ -37,7 +37,7 @@ precession_rate = named
 TEXTS = {"name": f"ann {TAGS}", "full_name": f"Ann {TAGS} שרה", "filename": f"a{TAGS}\u202eyp.py", "words": CORPUS}
 SHOWN = {  # pages on which what is told must be seen as it is, with the beginning of it
     "course": "a\"><img", "people": "Ann \"><img", "class": "Ann \"><img", "chosen": "Ann \"><img", "queue": "ann \"><img",
-    "audit": "<script>window.pwned=1</script>", "passed": "</title></textarea>", "failed": "</title></textarea>", "given": "<base href=",
+    "audit": "<script>window", "passed": "</title></textarea>", "failed": "</title></textarea>", "given": "<base href=",
     "changed": "<!--", "regrades": "<meta http-equiv", "applied": "<svg onload", "regrade": "ann \"><img", "waiting": "Ann \"><img",
 }  # fmt: skip
 ALIVE = "script:not([src^='/static/']), base, meta[http-equiv], main style, [onerror], [onload], [onfocus], a[href^='javascript']"
@@ -116,8 +116,10 @@ def test_what_an_address_says_is_shown_and_does_nothing(looking, server):
     with urllib.request.urlopen(asked, timeout=30) as answer:
         code = json.load(answer)["user_code"]
     several = (
-        f"/audit?subject={told[:150]}", f"{BASE}/class/submissions?cause={told}", f"{BASE}/class/submissions?check={told[:90]}&state=x",
-        f"/login?code={code}", f"/login?next={told}", f"/login?code={told[:20]}", f"/submissions/{urllib.parse.quote(TAGS, safe='')}",
+        f"/audit?subject={told[:150]}", f"{BASE}/class/submissions?cause={told}",
+        f"{BASE}/class/submissions?check={told[:90]}&state=x",
+        f"/login?code={code}", f"/login?next={told}", f"/login?code={told[:20]}",
+        f"/submissions/{urllib.parse.quote(TAGS, safe='')}",
         f"/regrades/{urllib.parse.quote(TAGS, safe='')}", f"/account?done={told}",
     )  # fmt: skip
     for path in several:

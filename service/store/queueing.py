@@ -99,7 +99,7 @@ SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS attempt, a.kind, a.
     extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch FROM now() - run.beat_at) AS silent_s
 FROM run JOIN attempt a ON a.id = run.attempt_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id
-WHERE run.ended_at IS NULL ORDER BY run.started_at
+WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.attempt_id = a.id) ORDER BY run.started_at
 """
 
 _WORKERS = """

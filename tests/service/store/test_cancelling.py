@@ -171,3 +171,12 @@ def test_of_a_long_queue_the_first_two_hundred_are_shown_and_all_are_counted(dat
     queue = run(database_url, look)
     assert [place.position for place in queue.places] == list(range(1, 201)) and queue.places[0].attempt == attempt
     assert queue.places[0].total == queue.waiting[0].n == 250
+
+
+def test_a_run_whose_attempt_has_its_result_is_not_shown_as_going(database_url):
+    """Its worker came back from the dead, was overtaken and died for good: nobody ends that run."""
+    _, attempt = submitted(database_url)
+    claim(database_url, attempt, "first")
+    assert [run.worker for run in run(database_url, look).going] == ["first"]
+    assert finish(database_url, attempt, "+")
+    assert run(database_url, look).going == []

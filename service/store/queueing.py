@@ -5,13 +5,14 @@ from dataclasses import asdict, dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, insert, text, update
+from sqlalchemy import Row, text, update
 
 from service.queue import take_turn
 from service.store import runs
 from service.store.accept import add_attempt
 from service.store.database import Database
-from service.store.tables import assignment, audit
+from service.store.people import note
+from service.store.tables import assignment
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,7 @@ async def grade_again(database: Database, which: Sequence[UUID] | str, who: str,
             if row is None:
                 continue
             await add_attempt(connection, row.id, "regrade", row.seed)
-            entry = {"who": who, "action": "regrade", "subject": str(row.id), "detail": {"fault": row.fault}}
-            await connection.execute(insert(audit).values(entry))
+            await note(connection, who, "regrade", str(row.id), {"fault": row.fault})
             await runs.tell_in(connection, row.id)
             count += 1
     return count
@@ -69,7 +69,7 @@ async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bo
         if not changed:
             return False
         told = {name: str(value) for name, value in asdict(rules).items()}
-        await connection.execute(insert(audit).values(who=who, action="rules", subject=slug, detail=told))
+        await note(connection, who, "rules", slug, told)
     return True
 
 

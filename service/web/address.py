@@ -22,7 +22,8 @@ def local_path(told: str) -> str:
 def is_own_name(request: Request) -> bool:
     """Whether it was asked by number, as localhost, or by a name of its own: not by one that another site made to point here."""
     settings = request.app.state.settings
-    host = urlsplit(f"//{request.headers.get('host', '')}").hostname or ""
+    told = request.headers.get("host", "")
+    host = ("" if "@" in told else urlsplit(f"//{told}").hostname) or ""
     named = urlsplit(settings.public_url or "").hostname
     return host in ("localhost", settings.host, named) or _is_number(host)
 

@@ -109,7 +109,8 @@ def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, nam
     page.get_by_role("button", name="Set the password").click()
     assert page.get_by_role("status").first.inner_text() == "✓ Your password is set. Other browsers are logged out."
     page.get_by_role("button", name="Log out", exact=True).click()
-    assert page.get_by_text("You are logged out.").is_visible() and page.locator("nav .me").count() == 0
+    page.get_by_text("You are logged out.").wait_for()
+    assert page.locator("nav .me").count() == 0
     page.get_by_label("Name").fill(name)
     page.get_by_label("Password", exact=True).fill(password)
     page.get_by_role("button", name="Log in").click()
@@ -161,7 +162,7 @@ def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, ser
     prof.locator("summary", has_text="Enter a roster").click()
     prof.get_by_label("Roster").set_input_files(file)
     prof.get_by_role("button", name="Enter").click()
-    assert prof.get_by_text("2 people entered.").is_visible()
+    prof.get_by_text("2 people entered.").wait_for()
     prof.get_by_label("Filter").fill("agard")
     assert rows(prof, "#people") == ["zoe Zoë Ågård student zoe@example.org 0042 0 –"]
     prof.locator("summary", has_text="Enter a roster").click()

@@ -80,6 +80,7 @@ class Chaos:
                 self._harm()
                 self._replace()
         finally:
+            self._patience = time.monotonic() + 60
             self._ending.set()
             for client in clients:
                 client.join()
@@ -165,7 +166,8 @@ class Chaos:
                 self.sent[key] = None
             source = f"# {key}\n{RIGHT}"
             while (id := self._post(source, key)) is None:
-                time.sleep(0.2)
+                if self._ending.wait(0.2) and time.monotonic() > self._patience:
+                    return  # there is no server any more: what made it so is told elsewhere
             if draw.random() < 0.3 and self._post(source, key) not in (None, id):
                 self.odd["another id for the same key"] += 1
             with self._lock:

@@ -1,6 +1,7 @@
 """Sweeps of submissions' own functions, speed against accuracy: asked for one at a time or for a class, and kept as artefacts."""
 
 import json
+from collections.abc import Iterable
 from typing import Any
 from uuid import UUID
 
@@ -8,8 +9,10 @@ from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.queue import KINDS, STEP, send
-from service.store import gradebook
 from service.store.database import Database
+from service.store.gradebook import Standing
+
+SWEPT = "sweep.json"
 
 
 async def ask(database: Database, attempt: UUID) -> None:
@@ -18,23 +21,29 @@ async def ask(database: Database, attempt: UUID) -> None:
         await _ask(connection, attempt, "interactive")
 
 
-async def ask_class(database: Database, slug: str) -> int:
+async def ask_class(database: Database, class_: Iterable[Standing]) -> int:
     """The same for every submission that counts and has not been swept, behind everybody who waits for a grade; how many."""
-    attempts = await _attempts(database, slug)
+    attempts = _attempts(class_)
     done = {row.attempt_id for row in await database.rows(_DONE, {"attempts": attempts})}
     async with database.begin() as connection:
         return sum([await _ask(connection, attempt, "bulk") for attempt in attempts if attempt not in done])
 
 
-async def documents(database: Database, slug: str) -> tuple[list[dict[str, Any]], int]:
-    """The sweeps there are of the submissions that count, as JSON; and how many submissions that could be swept have not been."""
-    attempts = await _attempts(database, slug)
+async def count(database: Database, class_: Iterable[Standing]) -> tuple[int, int]:
+    """How many of the submissions that count have been swept, and how many that could be have not."""
+    attempts = _attempts(class_)
     rows = await database.rows(_DONE, {"attempts": attempts})
-    return [json.loads(row.content) for row in rows if row.name == "sweep.json"], len(attempts) - len(rows)
+    return sum(row.name == SWEPT for row in rows), len(attempts) - len(rows)
 
 
-async def _attempts(database: Database, slug: str) -> list[UUID]:
-    return [s.attempt for s in await gradebook.students(database, slug) if s.attempt is not None and s.status == "graded"]
+async def documents(database: Database, class_: Iterable[Standing]) -> list[dict[str, Any]]:
+    """The sweeps there are of the submissions that count, as JSON."""
+    rows = await database.rows(_CONTENTS, {"attempts": _attempts(class_), "name": SWEPT})
+    return [json.loads(row.content) for row in rows]
+
+
+def _attempts(class_: Iterable[Standing]) -> list[UUID]:
+    return [s.attempt for s in class_ if s.attempt is not None and s.status == "graded"]
 
 
 async def _ask(connection: AsyncConnection, attempt: UUID, kind: str) -> bool:
@@ -52,6 +61,9 @@ SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo'
 """)
 
 _DONE = """
-SELECT k.attempt_id, k.name, a.content FROM kept k JOIN artefact a USING (sha256)
-WHERE k.attempt_id = ANY(CAST(:attempts AS uuid[])) AND k.name IN ('sweep.json', 'sweep.refused')
+SELECT attempt_id, name FROM kept WHERE attempt_id = ANY(CAST(:attempts AS uuid[])) AND name IN ('sweep.json', 'sweep.refused')
+"""
+
+_CONTENTS = """
+SELECT a.content FROM kept k JOIN artefact a USING (sha256) WHERE k.attempt_id = ANY(CAST(:attempts AS uuid[])) AND k.name = :name
 """

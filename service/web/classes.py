@@ -52,7 +52,7 @@ async def class_(slug: str, request: Request, person: Staff, sort: Literal["name
         "marks": outcomes.MARKS,
         "words": outcomes.WORDS,
         "extensions": await extending.extensions(database, slug),
-        "swept": await sweeping.documents(database, slug) if assignment.sweep is not None else None,
+        "swept": await sweeping.count(database, students) if assignment.sweep is not None else None,
     }
     return templates.TemplateResponse(request, "class.html", context)
 
@@ -74,7 +74,8 @@ async def chosen(slug: str, request: Request, person: Staff, which: Annotated[Wh
 async def class_sweep(slug: str, request: Request, person: Staff) -> Response:
     """Speed against accuracy of the class's own functions, those swept so far, over the reference methods."""
     find_assignment(slug)
-    documents, _ = await sweeping.documents(request.app.state.database, slug)
+    database = request.app.state.database
+    documents = await sweeping.documents(database, await gradebook.students(database, slug))
     if not documents:
         raise Problem(404, "not-found", "nobody's function has been swept yet")
     return Response(await request.app.state.draughtsman.class_sweep(documents), media_type="image/svg+xml")
@@ -84,7 +85,8 @@ async def class_sweep(slug: str, request: Request, person: Staff) -> Response:
 async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Form) -> Response:
     """Have the functions of the submissions that count swept, behind everybody who waits for a grade."""
     find_assignment(slug)
-    await sweeping.ask_class(request.app.state.database, slug)
+    database = request.app.state.database
+    await sweeping.ask_class(database, await gradebook.students(database, slug))
     return RedirectResponse(f"/assignments/{slug}/class#speed", 303)
 
 

@@ -6,8 +6,7 @@ from urllib.parse import quote
 from fastapi import Depends, FastAPI, Request
 from fastapi.responses import RedirectResponse, Response
 
-from service.store import people
-from service.web.identity import STAFF, Person, who
+from service.web.identity import STAFF, Person, role, who
 from service.web.problems import Problem
 
 
@@ -24,7 +23,7 @@ async def looking(request: Request) -> Person:
         if problem.status != 401 or asks_a_program:
             raise
         raise LogInFirst from None
-    await _learn_role(request, person)
+    await role(request, person)
     return person
 
 
@@ -36,7 +35,7 @@ async def glancing(request: Request) -> Person | None:
         if problem.status != 401:
             raise
         return None
-    await _learn_role(request, person)
+    await role(request, person)
     return person
 
 
@@ -60,11 +59,6 @@ Glancing = Annotated[Person | None, Depends(glancing)]
 Looking = Annotated[Person, Depends(looking)]
 Staff = Annotated[Person, Depends(staff)]
 Instructor = Annotated[Person, Depends(instructor)]
-
-
-async def _learn_role(request: Request, person: Person) -> None:
-    if not hasattr(request.state, "role"):
-        request.state.role = "instructor" if person.alone else await people.role(request.app.state.database, person.name)
 
 
 def install(app: FastAPI) -> None:

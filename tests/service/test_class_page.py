@@ -1,6 +1,7 @@
 """The pages of course, people and class, of a real server, as instructor, assistant and student."""
 
 import io
+import json
 import re
 import urllib.error
 import urllib.parse
@@ -9,10 +10,13 @@ import uuid
 
 import pytest
 
-from ecp.outcome import Diagnosis
+from ecp.document import document
+from ecp.outcome import Diagnosis, Swept, SweptPoint
+from service import charts
 from service.store import people, tokens
 from service.store.database import Database
 from service.store.gradebook import standings
+from service.store.reading import keep
 from service.web import tally
 from tests.classroom import ASSIGNMENT, SLIP, hand_in
 from tests.stored import new_database, run, sql
@@ -175,6 +179,20 @@ def test_rules_and_extensions(looks, url):
     assert sql(url, "SELECT p.name, e.reason FROM extension e JOIN person p ON p.id = person_id") == [("zoe", "ill <b>")]
     assert looks("prof", extend, at=CLASS, name="zoe", due="")[0] == 200
     assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, due="", grace="0", most="")[0] == 200
+
+
+def test_the_class_is_swept_once_and_drawn(looks, url):
+    """Jobs for who has not been swept, however often it is asked for; the chart is of who has."""
+    asked = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"
+    assert looks("helper", f"{CLASS}/sweep.svg")[0] == 404 and "3 graded submissions have" in looks("helper", CLASS)[1]
+    swept = Swept(charts.scenes(charts.load_work_precision())[0], [SweptPoint("DOP853", 1e-11, 1000, 1e-10, 0.01)], "fine")
+    ann = sql(url, "SELECT a.id FROM attempt a JOIN submission s ON s.id = submission_id WHERE s.filename = '<b>a.py'")[0][0]
+    run(url, lambda database: keep(database, ann, {"sweep.json": json.dumps(document(swept)).encode()}))
+    for _ in range(2):
+        assert looks("helper", f"{CLASS}/sweep", at=CLASS)[0] == 200 and sql(url, asked)[0][0] == 2
+    page, (status, chart, headers) = looks("helper", CLASS)[1], looks("helper", f"{CLASS}/sweep.svg")
+    assert "1 functions of the class" in page and "2 graded submissions have" in page
+    assert status == 200 and headers["content-type"].startswith("image/svg+xml") and "class, DOP853" in chart
 
 
 def test_who_may_not_and_forms_without_their_token(looks, server):

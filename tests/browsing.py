@@ -9,9 +9,9 @@ import threading
 import time
 import urllib.parse
 
-from service.store import people, tokens
+from service.store import people
 from tests.screenless import Browser
-from tests.stored import run
+from tests.stored import entered, run
 
 
 def enter(url, **roles):
@@ -28,11 +28,7 @@ class Visitor:
     """A person at a browser who has logged in; their ``token`` is for programs."""
 
     def __init__(self, server, url, name):
-        async def given(database):
-            async with database.begin() as connection:
-                return await tokens.give(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)
-
-        self.server, self.name, self.token = server, name, run(url, given)
+        self.server, self.name, self.token = server, name, entered(url, name, role=None)
         self._session = Browser(server).log_in(token=self.token).cookie("polhode_session").value
 
     def _ask(self, method, path, body=None, **headers):

@@ -49,7 +49,7 @@ def new_database(url, template):
 
 
 def entered(url, name, role="student", password=None):
-    """A token of somebody in the course, who has that password."""
+    """A token of somebody in the course, who has that password; with role None who is known keeps theirs."""
 
     async def enter(database):
         async with database.begin() as connection:

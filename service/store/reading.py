@@ -14,21 +14,28 @@ from service.store.database import Database
 from service.store.records import Listed, Stored
 from service.store.tables import artefact, kept
 
+
+def points(given: str, attempt: str, score: str) -> str:
+    """SQL to join, as ``given``, the ``points`` of that attempt of submission ``s``: its score, but for what an instructor gave
+    instead; and whether anything was given, ``overridden``."""
+    return f"""LATERAL (
+    SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
+        {score} + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
+    FROM override o LEFT JOIN outcome v ON v.attempt_id = {attempt} AND v.check_id = o.check_id AND v.counted
+    WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
+) {given} ON true"""
+
+
 # The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was, and
-# one that is held is not shown. Its points are its score, but for what an instructor gave instead.
-SHOWN = """
+# one that is held is not shown.
+SHOWN = f"""
 LATERAL (
     SELECT a.id AS attempt, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
         r.attempt_id IS NOT NULL AS finished, r.finished_at, r.version
     FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
     WHERE a.submission_id = s.id AND NOT a.held ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
 ) shown ON true
-LEFT JOIN LATERAL (
-    SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
-        shown.score + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
-    FROM override o LEFT JOIN outcome v ON v.attempt_id = shown.attempt AND v.check_id = o.check_id AND v.counted
-    WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
-) given ON true
+LEFT JOIN {points("given", "shown.attempt", "shown.score")}
 LEFT JOIN LATERAL (
     SELECT phase, scene, scenes FROM run
     WHERE run.attempt_id = shown.attempt AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1

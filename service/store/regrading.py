@@ -3,18 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, delete, text
+from sqlalchemy import delete, text
 
 from service.queue import send_attempts, take_turns
-from service.store import runs
+from service.store import grades, runs
 from service.store.accept import MOST_RUNS
 from service.store.cancelling import cancel_all_of
 from service.store.database import Database
 from service.store.people import note
-from service.store.reading import LATE, SHOWN
+from service.store.reading import SHOWN
 from service.store.tables import regrade
 
 AT_ONCE = 50
@@ -58,11 +57,13 @@ async def begin(database: Database, slug: str, which: UUID | str, who: str, *, c
     Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``told`` says to people what is
     meant.
     """
-    one = which if isinstance(which, UUID) else None
-    asked = {"slug": slug, "one": one, "best": which == BEST, "check": check}
+    if isinstance(which, UUID):
+        query, asked = _ONE, {"slug": slug, "one": which}
+    else:
+        query, asked = _MEANT[which], {"slug": slug, "check": check}
     async with database.begin() as connection:
         made = (await connection.execute(_BEGIN, {"slug": slug, "told": told, "who": who})).one().id
-        meant = (await connection.execute(_MEANT, asked)).all()
+        meant = (await connection.execute(query, asked)).all()
     count, ids = 0, [row.id for row in meant]
     for start in range(0, len(ids), AT_ONCE):
         count += await _add(database, made, ids[start : start + AT_ONCE])
@@ -95,19 +96,6 @@ async def find(database: Database, id: UUID) -> Regrade | None:
 async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
     """Its regrades, newest first."""
     return [Regrade(**row._mapping) for row in await database.rows(_FIND, {"id": None, "slug": slug})]
-
-
-async def pairs(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """By submission, what counts without this regrade (``was``) and what with it, points given by an instructor included.
-
-    Rows also have ``overridden``, and ``overtaken`` where a later attempt is shown already.
-    """
-    return await database.rows(_PAIRS, {"id": id})
-
-
-async def flips(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """Every check whose state is another than before: ``attempt``, ``check_id``, ``was`` and ``now``, None where there was none."""
-    return await database.rows(_FLIPS, {"id": id})
 
 
 async def apply(database: Database, id: UUID, who: str) -> int:
@@ -146,20 +134,24 @@ _BEGIN = text("""
 INSERT INTO regrade (assignment_id, told, asked_by) SELECT id, :told, :who FROM assignment WHERE slug = :slug RETURNING id
 """)
 
-# A person's best has the most points; of equals it is the newest.
-_MEANT = text(f"""
-SELECT id, person_id FROM (
-    SELECT s.id, s.person_id, shown.attempt,
-        row_number() OVER (PARTITION BY s.person_id ORDER BY given.points DESC NULLS LAST, s.submitted_at DESC, s.id) AS place
-    FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
-    WHERE x.slug = :slug AND CAST(:one AS uuid) IS NULL AND shown.score IS NOT NULL
-) ranked
-WHERE (place = 1 OR NOT :best) AND (CAST(:check AS text) IS NULL OR EXISTS (
-    SELECT 1 FROM outcome o WHERE o.attempt_id = ranked.attempt AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
-UNION ALL
-SELECT s.id, s.person_id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
+_EVERY = f"""
+SELECT s.id, s.person_id, shown.attempt, shown.score
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} WHERE x.slug = :slug
+"""
+
+_ONE = text("""
+SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
+""")
+
+_MEANT = {
+    which: text(f"""
+SELECT id FROM ({query}) meant
+WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
+    SELECT 1 FROM outcome o WHERE o.attempt_id = meant.attempt AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
 ORDER BY person_id
 """)
+    for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
+}
 
 _UNDECIDED = text("SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE")
 
@@ -197,43 +189,3 @@ WHERE a.regrade_id = :id AND r.attempt_id = a.id AND r.report IS NOT NULL AND NO
     WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL)
 RETURNING a.submission_id
 """)
-
-# The attempt that counts without this regrade: the last before it with a report.
-_BEFORE = """
-LATERAL (
-    SELECT b.id AS attempt, q.score, q.max_score, q.version FROM attempt b JOIN result q ON q.attempt_id = b.id
-    WHERE b.submission_id = a.submission_id AND b.number < a.number AND NOT b.held AND q.report IS NOT NULL
-    ORDER BY b.number DESC LIMIT 1
-) was ON true
-"""
-
-_PAIRS = f"""
-SELECT a.id AS attempt, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.attempt_id IS NOT NULL AS finished, r.fault,
-    r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
-    coalesce(given.whole, was.score + given.was_more) AS was_points, coalesce(given.whole, r.score + given.more) AS points,
-    given.overridden, EXISTS (
-        SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
-        WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL) AS overtaken
-FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-    JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN {_BEFORE}
-    LEFT JOIN LATERAL (
-        SELECT max(o.points) FILTER (WHERE o.check_id IS NULL) AS whole, count(*) > 0 AS overridden,
-            coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0) AS was_more,
-            coalesce(sum(o.points - CAST(n.state = 'pass' AS int)), 0) AS more
-        FROM override o LEFT JOIN outcome v ON v.attempt_id = was.attempt AND v.check_id = o.check_id AND v.counted
-            LEFT JOIN outcome n ON n.attempt_id = a.id AND n.check_id = o.check_id AND n.counted
-        WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
-    ) given ON true
-WHERE a.regrade_id = :id ORDER BY p.name, s.submitted_at
-"""
-
-_FLIPS = f"""
-SELECT attempt, check_id, max(state) FILTER (WHERE old) AS was, max(state) FILTER (WHERE NOT old) AS now
-FROM (
-    SELECT a.id AS attempt, o.check_id, o.state, told.old
-    FROM attempt a JOIN result r ON r.attempt_id = a.id AND r.report IS NOT NULL JOIN {_BEFORE},
-        LATERAL (VALUES (was.attempt, true), (a.id, false)) AS told (attempt, old), outcome o
-    WHERE a.regrade_id = :id AND o.attempt_id = told.attempt
-) both_sides
-GROUP BY attempt, check_id HAVING count(*) = 1 OR min(state) <> max(state) ORDER BY check_id
-"""

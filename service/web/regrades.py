@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from exercises.assignment import Assignment
-from service.store import reading, regrading
+from service.store import preview, reading, regrading
 from service.store.regrading import BEST, EVERY, Regrade
 from service.web.forms import Form, field
 from service.web.problems import Problem
@@ -60,7 +60,7 @@ async def begin(slug: str, request: Request, person: Staff, form: Form) -> Respo
 async def page(request: Request, person: Staff, regrade: Found) -> Response:
     """How far it is, and what it changes."""
     database = request.app.state.database
-    pairs, flips = await regrading.pairs(database, regrade.id), await regrading.flips(database, regrade.id)
+    pairs, flips = await preview.pairs(database, regrade.id), await preview.flips(database, regrade.id)
     assignment = find_assignment(regrade.assignment)
     context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
     role = request.state.role

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from service.store import history, overriding, reading, regrading, rescue
+from service.store import history, overriding, preview, reading, regrading, rescue
 from service.store.accept import accept
 from service.store.cancelling import cancel
 from service.store.queueing import grade_again, look
@@ -21,29 +21,29 @@ def points(url, submission):
     return run(url, lambda d: reading.read(d, submission)).points
 
 
-def read(url, what, id):
-    return run(url, lambda d: getattr(regrading, what)(d, id))
+def read(url, told, id):
+    return run(url, lambda d: told(d, id))
 
 
 def test_nothing_shown_changes_until_it_is_applied(database_url):
     ann, ben, cleo = (graded(database_url, p, told) for p, told in (("ann", "+-"), ("ben", "++"), ("cleo", "--")))
     id = begin(database_url)
-    assert read(database_url, "find", id).total == 3 and read(database_url, "find", id).finished == 0
+    assert read(database_url, regrading.find, id).total == 3 and read(database_url, regrading.find, id).finished == 0
     assert len({submission for submission, _ in open_attempts(database_url)}) == 3
     assert sql(database_url, "SELECT DISTINCT seed, kind, held FROM attempt WHERE number = 2") == [(7, "regrade", True)]
     with pytest.raises(Unfinished, match="3 of its"):
         run(database_url, lambda d: regrading.apply(d, id, "prof"))
     grade_open(database_url, {ann: "++", ben: "+-", cleo: "--"})
     assert [points(database_url, one) for one in (ann, ben, cleo)] == [1, 2, 0]
-    told = {row.person: (row.was_points, row.points, row.was_version, row.version) for row in read(database_url, "pairs", id)}
+    told = {row.person: (row.was_points, row.points, row.was_version, row.version) for row in read(database_url, preview.pairs, id)}
     assert told == {"ann": (1, 2, "1", "2"), "ben": (2, 1, "1", "2"), "cleo": (0, 0, "1", "2")}
-    flips = {(row.check_id, row.was, row.now) for row in read(database_url, "flips", id)}
+    flips = {(row.check_id, row.was, row.now) for row in read(database_url, preview.flips, id)}
     assert flips == {("c2", "fail", "pass"), ("c2", "pass", "fail")}
     assert run(database_url, lambda d: regrading.apply(d, id, "prof")) == 3
     assert [points(database_url, one) for one in (ann, ben, cleo)] == [2, 1, 0]
-    assert told == {r.person: (r.was_points, r.points, r.was_version, r.version) for r in read(database_url, "pairs", id)}
-    assert flips == {(row.check_id, row.was, row.now) for row in read(database_url, "flips", id)}
-    applied = read(database_url, "find", id)
+    assert told == {r.person: (r.was_points, r.points, r.was_version, r.version) for r in read(database_url, preview.pairs, id)}
+    assert flips == {(row.check_id, row.was, row.now) for row in read(database_url, preview.flips, id)}
+    applied = read(database_url, regrading.find, id)
     assert (applied.decided, applied.decided_by) == ("applied", "prof") and applied.decided_at is not None
     assert sql(database_url, "SELECT count(*) FROM attempt") == [(6,)]  # the first ones are still there
     assert sql(database_url, "SELECT who, action FROM audit ORDER BY id") == [
@@ -79,7 +79,7 @@ def test_a_held_attempt_that_is_under_way_does_not_stop_an_immediate_regrade(dat
     finish(database_url, later, "--", version="3")
     finish(database_url, held, "++")
     assert points(database_url, id) == 0
-    (row,) = read(database_url, "pairs", regrade)
+    (row,) = read(database_url, preview.pairs, regrade)
     assert row.overtaken and (row.was_points, row.points) == (1, 2)
     assert run(database_url, lambda d: regrading.apply(d, regrade, "prof")) == 0  # what was graded later stays
     assert points(database_url, id) == 0
@@ -95,7 +95,7 @@ def test_which_ones(database_url):
     def meant(which, check=None):
         run(database_url, lambda d: rescue.rescue(d))
         id = begin(database_url, which, check)
-        ids = {row.submission for row in read(database_url, "pairs", id)}
+        ids = {row.submission for row in read(database_url, preview.pairs, id)}
         run(database_url, lambda d: regrading.drop(d, id, "tutor"))
         return ids
 
@@ -115,10 +115,10 @@ def test_the_best_is_the_one_with_the_most_points_given_by_hand_too(database_url
     first, second = graded(database_url, "ann", "+--"), graded(database_url, "ann", "++-")
     run(database_url, lambda d: overriding.give(d, first, "prof", check=None, points=3, reason="by hand"))
     id = begin(database_url)
-    (row,) = read(database_url, "pairs", id)
+    (row,) = read(database_url, preview.pairs, id)
     assert row.submission == first and row.overridden and second != first
     grade_open(database_url, {first: "---"})
-    (row,) = read(database_url, "pairs", id)
+    (row,) = read(database_url, preview.pairs, id)
     assert (row.was_points, row.points, row.was_score, row.score) == (3, 3, 1, 0)  # it stays in force
 
 
@@ -127,7 +127,7 @@ def test_an_override_of_a_check_stays_in_force_and_is_counted_once(database_url)
     run(database_url, lambda d: overriding.give(d, id, "prof", check="c2", points=1, reason="by hand"))
     regrade = begin(database_url)
     grade_open(database_url, {id: "-+"})
-    (row,) = read(database_url, "pairs", regrade)
+    (row,) = read(database_url, preview.pairs, regrade)
     assert (row.was_points, row.points) == (2, 1)
     run(database_url, lambda d: regrading.apply(d, regrade, "prof"))
     assert points(database_url, id) == 1
@@ -158,7 +158,7 @@ def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
 
         answers = run(database_url, at_once)
         assert sum(isinstance(a, Decided) for a in answers) == 2, answers
-        decided = read(database_url, "find", id)
+        decided = read(database_url, regrading.find, id)
         assert [e for e in map(str, answers) if "already" in e] == [f"it was {decided.decided} by {decided.decided_by} already"] * 2
         held = sql(database_url, "SELECT count(*) FROM attempt WHERE held AND regrade_id = %s", id)
         assert held == [(int(decided.decided == "dropped"),)]
@@ -190,7 +190,7 @@ def test_begun_while_students_submit(database_url):
         return await asyncio.wait_for(asyncio.gather(begun, *sent), 20)
 
     id, *accepted = run(database_url, at_once)
-    assert all(a.fresh for a in accepted) and read(database_url, "find", id).total == 3
+    assert all(a.fresh for a in accepted) and read(database_url, regrading.find, id).total == 3
     places = (
         "SELECT min(priority), max(priority) FROM procrastinate_jobs JOIN attempt a ON a.id::text = args->>'attempt' WHERE kind = "
     )
@@ -203,7 +203,7 @@ def test_two_at_once_are_two(database_url):
     first, second = begin(database_url), begin(database_url)
     grade_open(database_url, {id: "+"})
     run(database_url, lambda d: regrading.apply(d, second, "prof"))
-    (row,) = read(database_url, "pairs", first)
+    (row,) = read(database_url, preview.pairs, first)
     assert row.overtaken and run(database_url, lambda d: regrading.apply(d, first, "prof")) == 0
     assert points(database_url, id) == 1 and len(run(database_url, lambda d: regrading.of_assignment(d, "rigid-body"))) == 2
 
@@ -224,6 +224,6 @@ def test_a_preview_tells_lateness_as_every_page_does(database_url):
     sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 min', grace_s = 3600")
     id = graded(database_url, "ann", "-")
     regrade = begin(database_url, id)
-    assert read(database_url, "pairs", regrade)[0].late
+    assert read(database_url, preview.pairs, regrade)[0].late
     sql(database_url, "UPDATE assignment SET due_at = now() + interval '1 day'")
-    assert not read(database_url, "pairs", regrade)[0].late and not run(database_url, lambda d: reading.read(d, id)).late
+    assert not read(database_url, preview.pairs, regrade)[0].late and not run(database_url, lambda d: reading.read(d, id)).late

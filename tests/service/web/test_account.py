@@ -11,22 +11,9 @@ import pytest
 from service import passwords
 from service.store import tokens
 from tests.screenless import Browser
-from tests.stored import entered, new_database, run, sql
+from tests.stored import entered, run, sql
 
 PASSWORD, ANOTHER = "correct horse battery", "staple, staple, staple"
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
-
-
-@pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("account") / "data", "/livez", **own)
-    yield started
-    started.stop()
 
 
 def polhode(url, *arguments, said=""):

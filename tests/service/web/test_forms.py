@@ -17,19 +17,6 @@ RULES, CLASS = "/assignments/rigid-body/rules", "/assignments/rigid-body/class"
 
 
 @pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
-
-
-@pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("forms") / "data", "/livez", **own)
-    yield started
-    started.stop()
-
-
-@pytest.fixture(scope="module")
 def boss(server, url):
     """An instructor's token."""
     return entered(url, "boss", "instructor")

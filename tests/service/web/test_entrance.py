@@ -10,15 +10,10 @@ import pytest
 
 from service import passwords
 from tests.screenless import HIDDEN, Browser
-from tests.stored import entered, new_database, sql
+from tests.stored import entered, sql
 
 PASSWORD = "correct horse battery"
 HTTPS = {"X_Forwarded_Proto": "https"}
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from fastapi.routing import APIRoute
 
 from service.web import app, roles
 from tests.screenless import HIDDEN, Browser
-from tests.stored import entered, new, new_database, run
+from tests.stored import entered, new, run
 
 ROLES = ("student", "assistant", "instructor")
 RANK = {role: rank for rank, role in enumerate(ROLES)}
@@ -37,19 +37,6 @@ def calls(dependant):
 
 PAGES = sorted(routes(), key=str)
 GUARDED = [(method, path, least) for method, path, least in PAGES if least is not None]
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
-
-
-@pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("access") / "data", "/livez", **own)
-    yield started
-    started.stop()
 
 
 @pytest.fixture(scope="module")

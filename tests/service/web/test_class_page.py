@@ -13,13 +13,13 @@ import pytest
 from ecp.document import document
 from ecp.outcome import Diagnosis, Swept, SweptPoint
 from service import charts
-from service.store import people, tokens
+from service.store import people
 from service.store.database import Database
 from service.store.gradebook import standings
 from service.store.reading import keep
 from service.web import tally
 from tests.classroom import ASSIGNMENT, SLIP, hand_in
-from tests.stored import new_database, run, sql
+from tests.stored import entered, new_database, run, sql
 
 CLASS = "/assignments/rigid-body/class"
 EVIL = "<script>alert(1)</script>\u202e"
@@ -44,22 +44,13 @@ def url(postgres):
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("class") / "data", "/livez", **own)
-    yield started
-    started.stop()
-
-
-@pytest.fixture(scope="module")
 def looks(server, url):
     """Asks for a page as somebody; with fields, posts the form that the page ``at`` shows."""
     given = {}
 
     def look(who, path, /, at=None, files=None, **fields):
         if who not in given:
-            give = {"label": "test", "scopes": tokens.SCOPES, "seconds": 1000.0}
-            given[who] = run(url, lambda database: _in(database, lambda c: tokens.give(c, who, **give)))
+            given[who] = entered(url, who, role=None)
         headers = {"Authorization": f"Bearer {given[who]}", "Accept": "text/html"}
         body = None
         if at is not None:
@@ -78,11 +69,6 @@ def looks(server, url):
 
 
 FORM = "application/x-www-form-urlencoded"
-
-
-async def _in(database, action):
-    async with database.begin() as connection:
-        return await action(connection)
 
 
 def multipart(fields, files):

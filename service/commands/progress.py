@@ -3,6 +3,7 @@
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import TracebackType
 
 from service.tellings.files import GradedFile
@@ -11,10 +12,10 @@ CLEAR = "\r\x1b[K"
 
 
 class Progress:
-    """Of ``total`` files. The live line goes to standard error, and only to a terminal."""
+    """Of ``total`` files. The live line goes to standard error, and only to a terminal; ``heard`` makes words fit to be printed."""
 
-    def __init__(self, total: int) -> None:
-        self._total, self._done, self._passed = total, 0, 0
+    def __init__(self, total: int, heard: Callable[[str], str]) -> None:
+        self._total, self._heard, self._done, self._passed = total, heard, 0, 0
         self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
@@ -36,9 +37,10 @@ class Progress:
             self._clear()
             self._passed += file.passed
             if file.report is None:
-                print(f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}", file=sys.stderr, flush=True)
+                why = f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}"
+                print(self._heard(why), file=sys.stderr, flush=True)
             elif text:
-                print(f"== {file.file}\n{file.report.text()}", flush=True)
+                print(self._heard(f"== {file.file}\n{file.report.text()}"), flush=True)
             self._draw()
 
     def _draw(self) -> None:

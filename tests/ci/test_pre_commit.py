@@ -1,0 +1,35 @@
+"""The hooks: valid for pre-commit itself, and run as it runs them, entry, arguments and file names in a row."""
+
+import os
+import shlex
+import subprocess
+import sys
+
+import yaml
+
+from tests.checkouts import ROOT
+
+MANIFEST = ROOT / ".pre-commit-hooks.yaml"
+HOOKS = {hook["id"]: hook for hook in yaml.safe_load(MANIFEST.read_text())}
+
+
+def run(id, folder, args=(), names=()):
+    """As in the environment that pre-commit makes of our wheel: its programs come first on the PATH."""
+    environment = os.environ | {"PATH": f"{sys.prefix}/bin:{os.environ['PATH']}", "PRE_COMMIT": "1"}
+    command = [*shlex.split(HOOKS[id]["entry"]), *args, *names]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_pre_commit_takes_the_manifest():
+    command = [sys.executable, "-m", "pre_commit", "validate-manifest", MANIFEST]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert set(HOOKS) == {"polhode-grade", "polhode-verify"}
+
+
+def test_polhode_grade_is_given_file_names(tmp_path, rigid_body):
+    names = ["right_terms.py", "wrong_zeros.py"]
+    for name in names:
+        (tmp_path / name).write_bytes((rigid_body.folder / "specimens" / name).read_bytes())
+    told = run("polhode-grade", tmp_path, ["--exercise", "2"], names)
+    assert told.returncode == 1 and all(f"== {name}" in told.stdout for name in names), told.stderr

@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -33,3 +34,15 @@ def test_polhode_grade_is_given_file_names(tmp_path, rigid_body):
         (tmp_path / name).write_bytes((rigid_body.folder / "specimens" / name).read_bytes())
     told = run("polhode-grade", tmp_path, ["--exercise", "2"], names)
     assert told.returncode == 1 and all(f"== {name}" in told.stdout for name in names), told.stderr
+
+
+def test_polhode_verify_judges_by_the_clone_it_is_in(tmp_path):
+    for room in ("exercises", "reference", "service"):
+        shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
+    expected, only = tmp_path / "exercises/rigid_body/specimens/expected.toml", ["--only", "right_terms.py", "rigid-body"]
+    told = run("polhode-verify", tmp_path, only)
+    assert told.returncode == 0, told.stdout + told.stderr
+    entry = '["right_terms.py"]\n'
+    expected.write_text(expected.read_text().replace(entry, f'{entry}fail = ["2-energy"]\n'))
+    told = run("polhode-verify", tmp_path, only)
+    assert told.returncode == 1 and "2-energy" in told.stdout, told.stdout + told.stderr

@@ -9,11 +9,13 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Add the command."""
     export = commands.add_parser("export", help="an assignment in the form that another grader takes")
     forms = export.add_subparsers(dest="form", required=True)
-    zip = forms.add_parser("gradescope", help="the zip of an autograder to upload there")
-    zip.add_argument("--assignment", default="rigid-body", metavar="SLUG", help="default rigid-body")
-    zip.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
-    zip.add_argument("--out", type=Path, required=True, metavar="FILE.zip")
-    zip.set_defaults(run=_gradescope)
+    gradescope = forms.add_parser("gradescope", help="the zip of an autograder to upload there")
+    gradescope.add_argument("--assignment", default="rigid-body", metavar="SLUG", help="default rigid-body")
+    gradescope.add_argument(
+        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted"
+    )
+    gradescope.add_argument("--out", type=Path, required=True, metavar="FILE.zip")
+    gradescope.set_defaults(run=_gradescope)
 
 
 def _gradescope(arguments: argparse.Namespace) -> int:

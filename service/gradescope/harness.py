@@ -26,7 +26,7 @@ def main(arguments: Sequence[str]) -> int:
     if len(found) != 1:
         _refuse([str(file.relative_to(submission)) for file in found], arguments, results)
         return 0
-    grade = [sys.executable, "-m", "service.cli", "grade", str(found[0]), *arguments, "--gradescope", str(results)]
+    grade = [sys.executable, "-I", "-m", "service.cli", "grade", str(found[0]), *arguments, "--gradescope", str(results)]
     code = subprocess.run(grade, check=False).returncode
     if code in ANSWERS and results.is_file():
         return 0

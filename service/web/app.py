@@ -37,6 +37,7 @@ from service.web import (
     problems,
     queue,
     regrades,
+    reports,
     roles,
     routes,
     submissions,
@@ -49,7 +50,7 @@ from service.web.templating import ENVIRONMENT
 from service.web.throttle import Throttle
 from service.web.watching import Watch
 
-ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
+ROUTERS = (health.router, routes.router, reports.router, attempts.router, events.router, pictures.router, login.router, kit.router)
 PAGES = (
     course.router,
     people.router,

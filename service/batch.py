@@ -1,81 +1,170 @@
-"""Grading files without a server: the same core, the same walls."""
+"""Grading files without a server: the same core and the same walls, in processes with a warm guest each."""
 
-import json
-from collections.abc import Iterator, Sequence
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from pathlib import Path
 
-from ecp.document import document
 from ecp.outcome import Swept
-from ecp.report import Report
 from exercises.assignment import Assignment
 from service import charts
 from service.grading import pictures
 from service.grading.grade import Graded, grade, select
-from service.grading.submission import BadSubmission, Submission
+from service.grading.submission import MOST_BYTES, BadSubmission, Submission
 from service.grading.sweep import NotSwept, sweep
-from service.sandbox.choose import choose
+from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
-from service.settings import Settings
+from service.sandbox.seen import Fault
+from service.sandbox.walls import Walls
+from service.tellings.files import GradedFile
+
+Tell = Callable[[int], None]
+
+
+@dataclass(frozen=True)
+class Ask:
+    """A file to grade, and the exercises of it; None: those it attempts."""
+
+    file: Path
+    exercises: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is wanted of every file: scenes drawn from ``seed``, figures in the ``forms`` (svg, png), whether it is swept too."""
+
+    assignment: Assignment
+    seed: int
+    forms: Collection[str] = ()
+    swept: bool = False
 
 
 def grade_files(
-    files: Sequence[Path],
-    assignment: Assignment,
-    exercises: list[str] | None,
-    seed: int,
-    out: Path | None,
-    *,
-    swept: bool = False,
-) -> Iterator[tuple[Path, Report | BadSubmission]]:
-    """Each file's report in turn (``swept``: with speed against accuracy), or why it is no submission.
+    asks: Sequence[Ask], wanted: Wanted, walls: Walls, jobs: int | None = None, tell: Tell = lambda done: None
+) -> Iterator[GradedFile]:
+    """Each file in turn, graded by a process for each processor (at most ``jobs``); ``tell`` hears how many files are done.
 
-    Raises before grading anything if an exercise is unknown or a file cannot be read.
+    Raises before grading anything if an exercise is unknown or a file cannot be read, and Fault if the walls do not hold. What
+    fails us with a single file is that file's fault, and the others are graded.
     """
-    select(assignment, exercises)
-    contents = [(file, file.read_bytes()) for file in files]
-    folders = _folders(files)
-    sandbox = Sandbox(choose(Settings().min_tier))
+    for ask in asks:
+        select(wanted.assignment, ask.exercises)
+    contents = [_read(ask.file) for ask in asks]
+    processes = min(len(asks), jobs or len(os.sched_getaffinity(0)))
+    if processes <= 1:
+        yield from _here(asks, contents, wanted, walls, tell)
+        return
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _begin, (wanted, walls))
     try:
-        sandbox.rehearse()
-        for file, data in contents:
-            try:
-                submission = Submission.from_bytes(data, file.name)
-            except BadSubmission as reason:
-                yield file, reason
-                continue
-            graded = grade(submission, assignment, sandbox, seed, exercises)
-            if swept:
-                try:
-                    graded.report.sweep = sweep(submission, assignment, sandbox)
-                except NotSwept as reason:
-                    graded.report.sweep = Swept(scene="", points=[], line=f"not swept: {reason}")
-            if out is not None:
-                _write(graded, assignment, out / folders[file])
-            yield file, graded.report
+        asked = [pool.submit(_grade, ask, content) for ask, content in zip(asks, contents, strict=True)]
+        yield from _in_turn(asks, asked, tell)
     finally:
-        sandbox.close()
+        for child in set(multiprocessing.active_children()) - others:
+            child.kill()  # it has nothing left to do, or nobody wants it done; its guest ends with it
+        pool.shutdown(cancel_futures=True)
 
 
-def _folders(files: Sequence[Path]) -> dict[Path, str]:
-    """A folder for each file: its stem, and where several share one its whole path."""
-    stems = [file.stem for file in files]
-    return {f: f.stem if stems.count(f.stem) == 1 else "_".join(p for p in f.parts if p not in ("/", "..")) for f in files}
+def _here(asks: Sequence[Ask], contents: Sequence[bytes], wanted: Wanted, walls: Walls, tell: Tell) -> Iterator[GradedFile]:
+    hand = _Hand(wanted, walls)
+    try:
+        for number, (ask, content) in enumerate(zip(asks, contents, strict=True), start=1):
+            graded = hand.grade(ask, content)
+            tell(number)
+            yield graded
+    finally:
+        hand.sandbox.close()
 
 
-def _write(graded: Graded, assignment: Assignment, folder: Path) -> None:
-    """report.txt, report.json, every figure as SVG and every contact sheet as PNG."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "report.txt").write_text(graded.report.text())
-    (folder / "report.json").write_text(json.dumps(document(graded.report), ensure_ascii=False, indent=1))
-    for name, content in pictures.pack(graded).items():
-        if name.endswith(".png"):
-            (folder / Path(name).name).write_bytes(content)
-    if graded.report.sweep and graded.report.sweep.points:
-        points = graded.report.sweep.points
-        chart = charts.draw_work_precision(charts.load_work_precision(), graded.report.sweep.scene, points)
-        (folder / "sweep.svg").write_bytes(chart)
+def _in_turn(asks: Sequence[Ask], asked: Sequence["Future[GradedFile]"], tell: Tell) -> Iterator[GradedFile]:
+    done: list[object] = []
+
+    def count(one: object) -> None:
+        done.append(one)
+        tell(len(done))
+
+    for future in asked:
+        future.add_done_callback(count)
+    for ask, future in zip(asks, asked, strict=True):
+        try:
+            yield future.result()
+        except BrokenProcessPool:
+            yield GradedFile(file=ask.file, fault="a process that grades was lost (killed, or out of memory)")
+
+
+class _Hand:
+    """A process's own: one sandbox, and what is wanted of each file."""
+
+    def __init__(self, wanted: Wanted, walls: Walls) -> None:
+        self.wanted, self.sandbox = wanted, Sandbox(walls)
+        self.sandbox.start()
+
+    def grade(self, ask: Ask, content: bytes) -> GradedFile:
+        """Raises Fault only where the walls do not hold: then no file can be graded."""
+        if not self.sandbox.rehearsed:
+            self.sandbox.rehearse()
+        began = time.perf_counter()
+        try:
+            submission = Submission.from_bytes(content, ask.file.name)
+        except BadSubmission as reason:
+            return GradedFile(file=ask.file, refused=str(reason))
+        source, wanted = submission.source, self.wanted
+        try:
+            graded = grade(submission, wanted.assignment, self.sandbox, wanted.seed, ask.exercises)
+            if wanted.swept:
+                graded.report.sweep = _sweep(submission, wanted.assignment, self.sandbox)
+            drawn = _draw(graded, wanted)
+        except Fault as fault:
+            return GradedFile(file=ask.file, source=source, fault=str(fault))
+        seconds = time.perf_counter() - began
+        return GradedFile(file=ask.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
+
+
+_hand: _Hand | None = None
+
+
+def _begin(wanted: Wanted, walls: Walls) -> None:
+    global _hand  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
+    die_with_parent()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a key pressed is for who started us
+    _hand = _Hand(wanted, walls)
+
+
+def _grade(ask: Ask, content: bytes) -> GradedFile:
+    assert _hand is not None
+    return _hand.grade(ask, content)
+
+
+def _read(file: Path) -> bytes:
+    """The bytes, and of what is too large just enough to be seen as such."""
+    with file.open("rb") as stream:
+        return stream.read(MOST_BYTES + 1)
+
+
+def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> Swept:
+    try:
+        return sweep(submission, assignment, sandbox)
+    except NotSwept as reason:
+        return Swept(scene="", points=[], line=f"not swept: {reason}")
+
+
+def _draw(graded: Graded, wanted: Wanted) -> dict[str, bytes]:
+    """Figures, contact sheets and the chart of a sweep by file name, if any pictures are wanted."""
+    if not wanted.forms:
+        return {}
+    drawn = {Path(name).name: sheet for name, sheet in pictures.pack(graded).items() if name.endswith(".png")}
+    swept = graded.report.sweep
+    if swept and swept.points:
+        drawn["sweep.svg"] = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
     for picture in graded.report.figures:
-        figure = pictures.find(assignment, picture.name)
+        figure = pictures.find(wanted.assignment, picture.name)
         assert figure is not None
-        drawn = pictures.draw(assignment, figure, graded.arrays, graded.report.provenance.seed, "svg")
-        (folder / f"{picture.name}.svg").write_bytes(drawn)
+        for form in wanted.forms:
+            seed = graded.report.provenance.seed
+            drawn[f"{picture.name}.{form}"] = pictures.draw(wanted.assignment, figure, graded.arrays, seed, form)
+    return drawn

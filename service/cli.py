@@ -1,25 +1,56 @@
 """The command line, one subcommand a file in service/commands, but for those that need no database.
 
-Exit codes of grade: 0 all ✓, 1 some ✗ or –, 2 our own failure; of mutants: 0 where we accept what is right and nothing else.
+What a command needs is imported when it runs, so that also where this fails the exit code is 2: 0 and 1 are answers. They are of
+grade: all ✓, or not all; of mutants: whether we accept what is right and nothing else. A reader that went away gives 141.
 """
 
 import argparse
-import json
 import os
-import secrets
 import sys
 import traceback
 from pathlib import Path
-from typing import Any
 
-from pydantic import ValidationError
-
-from exercises.assignment import assignments
-from service.commands import credentials, database, people, plan, queue
+CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; its exit code."""
+    try:
+        arguments = _parse(argv)
+        code = int(arguments.run(arguments))
+        sys.stdout.flush()  # what was told may not have arrived
+    except BrokenPipeError:  # whoever read us has seen enough
+        _close_stdout()
+        return PIPE
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        _tell(error)
+        if isinstance(error, OSError):
+            _close_stdout()
+        return CANNOT
+    return code
+
+
+def _tell(error: Exception) -> None:
+    """A sentence for each wrong setting; anything else was not foreseen."""
+    from pydantic import ValidationError
+
+    if not isinstance(error, ValidationError) or error.title != "Settings":
+        traceback.print_exc()
+        return
+    for wrong in error.errors(include_input=False, include_url=False):
+        print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
+
+
+def _close_stdout() -> None:
+    """Or Python flushes it once more at its end, and tells of that with an exit code of its own."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _parse(argv: list[str] | None) -> argparse.Namespace:
+    from service.commands import credentials, database, grade, people, plan, queue
+
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
     commands = parser.add_subparsers(dest="command", required=True)
     serve = commands.add_parser("serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set")
@@ -30,15 +61,6 @@ def main(argv: list[str] | None = None) -> int:
     worker.add_argument("--slots", type=int, dest="workers", help="how many at a time (POLHODE_WORKERS, default one per processor)")
     worker.add_argument("--with-parent", type=int, metavar="PID", help="end when process PID, which started it, ends")
     worker.set_defaults(run=_worker)
-    grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
-    grade.add_argument("files", nargs="+", type=Path, metavar="FILE")
-    grade.add_argument("--assignment", default="rigid-body", choices=sorted(assignments()), help="default rigid-body")
-    grade.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
-    grade.add_argument("--seed", type=int, default=None, help="draw the secret scenes from this seed, as a report names it")
-    grade.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
-    grade.add_argument("--out", type=Path, metavar="DIR", help="write each report, its figures and contact sheets into DIR")
-    grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
-    grade.set_defaults(run=_grade)
     chart = commands.add_parser("chart", help="measure the reference methods and draw what they cost and where they fail")
     chart.add_argument("what", choices=["work-precision", "stability"])
     chart.add_argument("--scene", action="append", metavar="NAME", help="only scenes whose name holds NAME; repeatable")
@@ -50,22 +72,11 @@ def main(argv: list[str] | None = None) -> int:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
-    for more in (database, queue, plan, people, credentials):
+    for more in (grade, database, queue, plan, people, credentials):
         more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
-    arguments = parser.parse_args(argv)
-    try:
-        return int(arguments.run(arguments))
-    except ValidationError as error:
-        for wrong in error.errors(include_input=False, include_url=False):
-            print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
-        return 2
-    except BrokenPipeError:  # whoever read us has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    except KeyboardInterrupt:
-        return 130
+    return parser.parse_args(argv)
 
 
 def _serve(arguments: argparse.Namespace) -> int:
@@ -111,6 +122,7 @@ def _chart(arguments: argparse.Namespace) -> int:
 
 
 def _mutants(arguments: argparse.Namespace) -> int:
+    from exercises.assignment import assignments
     from service.mutants import OURS, fates, table
 
     try:
@@ -135,43 +147,13 @@ def _doctor(arguments: argparse.Namespace) -> int:
 
 
 def _assignments(arguments: argparse.Namespace) -> int:
+    from exercises.assignment import assignments
+
     for assignment in assignments().values():
         print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
         for exercise in assignment.exercises:
             print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
     return 0
-
-
-def _grade(arguments: argparse.Namespace) -> int:
-    from ecp.document import document
-    from service.batch import grade_files
-    from service.grading.grade import UnknownExercise
-    from service.grading.submission import BadSubmission
-    from service.sandbox.choose import WallsMissing
-    from service.sandbox.seen import Fault
-
-    seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-    reports: list[dict[str, Any]] = []
-    try:
-        for file, result in grade_files(
-            arguments.files, assignments()[arguments.assignment], arguments.exercise, seed, arguments.out, swept=arguments.sweep
-        ):
-            if isinstance(result, BadSubmission):
-                reports.append({"file": str(file), "report": None, "error": str(result)})
-                print(f"polhode: {file}: {result}", file=sys.stderr)
-                continue
-            reports.append({"file": str(file), "report": document(result)})
-            if not arguments.json:
-                print(f"== {file}\n{result.text()}", flush=True)
-    except (UnknownExercise, WallsMissing, Fault, OSError) as error:
-        print(f"polhode: {error}", file=sys.stderr)
-        return 2
-    except Exception:
-        traceback.print_exc()
-        return 2
-    if arguments.json:
-        print(json.dumps({"reports": reports}, ensure_ascii=False, allow_nan=False))
-    return 0 if all(r["report"] and r["report"]["passed"] for r in reports) else 1
 
 
 if __name__ == "__main__":

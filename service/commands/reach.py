@@ -9,9 +9,8 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
-from service.settings import Settings
-
 if TYPE_CHECKING:
+    from service.settings import Settings
     from service.store.database import Database
 
 P = ParamSpec("P")
@@ -19,7 +18,7 @@ T = TypeVar("T")
 
 
 @contextmanager
-def database_url(settings: Settings, *, create: bool = False) -> Iterator[str]:
+def database_url(settings: "Settings", *, create: bool = False) -> Iterator[str]:
     """Where the database is, for the duration of the block. DatabaseUnavailable where there is none and none is to be made."""
     from service.store.account import DatabaseUnavailable
     from service.store.postgres import EmbeddedPostgres, running_url

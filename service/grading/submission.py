@@ -27,7 +27,7 @@ class Submission:
     def from_bytes(cls, data: bytes, filename: str) -> "Submission":
         """A submission from an uploaded file; BadSubmission if it is too large, not text, or not a notebook although named so."""
         if len(data) > MOST_BYTES:
-            raise BadSubmission(f"the submission has {len(data)} bytes; at most {MOST_BYTES} are accepted")
+            raise BadSubmission(f"the submission is too large: at most {MOST_BYTES} bytes are accepted")
         try:
             source = data.decode("utf-8-sig")
         except UnicodeDecodeError:

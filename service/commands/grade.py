@@ -1,0 +1,93 @@
+"""polhode grade: files graded here, without server and database.
+
+Exit codes: 0 all ✓, 1 not all, 2 where even one could not be graded: that is our failure, and no verdict.
+"""
+
+import argparse
+import json
+import secrets
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from service.tellings.files import GradedFile
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
+    grade.add_argument("files", nargs="+", metavar="FILE", help="a file, a folder of them, or a pattern such as 'class/**/*.ipynb'")
+    grade.add_argument("--assignment", default="rigid-body", metavar="SLUG", help="default rigid-body")
+    grade.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
+    grade.add_argument("--seed", type=int, help="draw the secret scenes from this seed, as a report names it")
+    grade.add_argument("--jobs", type=_count, metavar="N", help="grade at most N at a time; default: one per processor")
+    grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
+    grade.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
+    grade.add_argument("--out", type=Path, metavar="DIR", help="write each report with its figures into DIR, and DIR/index.html")
+    grade.set_defaults(run=_grade)
+
+
+def _count(told: str) -> int:
+    if (count := int(told)) < 1:
+        raise argparse.ArgumentTypeError("at least 1")
+    return count
+
+
+def _grade(arguments: argparse.Namespace) -> int:
+    from service.found import NothingFound, find
+    from service.sandbox.choose import WallsMissing, choose
+    from service.sandbox.seen import Fault
+    from service.settings import Settings
+
+    least = Settings().min_tier
+    with ThreadPoolExecutor(1) as beside:  # walls are looked for while the libraries are imported
+        looking = beside.submit(choose, least)
+        from exercises.assignment import assignments
+        from service.batch import Ask, Wanted, grade_files
+        from service.commands.progress import Progress
+        from service.grading.grade import UnknownExercise
+        from service.written import Folder
+
+        known = assignments()
+    try:
+        if arguments.assignment not in known:
+            raise UnknownExercise(f"there is no assignment {arguments.assignment}; known: {', '.join(sorted(known))}")
+        files, assignment = find(arguments.files), known[arguments.assignment]
+        seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
+        wanted = Wanted(assignment, seed, ("svg",) if arguments.out else (), arguments.sweep)
+        asks = [Ask(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
+        folder = Folder(arguments.out, files) if arguments.out else None
+        graded: list[GradedFile] = []
+        with Progress(len(files)) as progress:
+            for file in grade_files(asks, wanted, looking.result(), arguments.jobs, progress.tell):
+                graded.append(file)
+                if folder:
+                    folder.add(file)
+                progress.show(file, text=not arguments.json)
+        if folder:
+            folder.end(graded, assignment)
+    except BrokenPipeError:
+        raise
+    except (NothingFound, UnknownExercise, WallsMissing, Fault, OSError) as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    _conclude(graded, as_json=arguments.json)
+    return 2 if any(file.fault for file in graded) else 0 if all(file.passed for file in graded) else 1
+
+
+def _conclude(graded: "list[GradedFile]", *, as_json: bool) -> None:
+    from service.tellings.files import summary
+
+    if as_json:
+        print(json.dumps({"reports": [_told(file) for file in graded]}, ensure_ascii=False, allow_nan=False))
+    elif len(graded) > 1:
+        print(summary(graded))
+
+
+def _told(file: "GradedFile") -> dict[str, Any]:
+    from ecp.document import document
+
+    told: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
+    return told | ({"error": file.refused} if file.refused else {}) | ({"fault": file.fault} if file.fault else {})

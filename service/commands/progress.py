@@ -1,0 +1,52 @@
+"""How far a batch is: a line that is written over on a terminal, and each file's report as soon as it is its turn."""
+
+import sys
+import threading
+import time
+from types import TracebackType
+
+from service.tellings.files import GradedFile
+
+CLEAR = "\r\x1b[K"
+
+
+class Progress:
+    """Of ``total`` files. The live line goes to standard error, and only to a terminal."""
+
+    def __init__(self, total: int) -> None:
+        self._total, self._done, self._passed = total, 0, 0
+        self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
+
+    def __enter__(self) -> "Progress":
+        self._draw()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._clear()
+
+    def tell(self, done: int) -> None:
+        """So many files are done; from any thread."""
+        with self._lock:
+            self._done = done
+            self._draw()
+
+    def show(self, file: GradedFile, *, text: bool) -> None:
+        """Print a file's report (``text``), or why there is none."""
+        with self._lock:
+            self._clear()
+            self._passed += file.passed
+            if file.report is None:
+                print(f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}", file=sys.stderr, flush=True)
+            elif text:
+                print(f"== {file.file}\n{file.report.text()}", flush=True)
+            self._draw()
+
+    def _draw(self) -> None:
+        if self._live:
+            seconds = time.monotonic() - self._began
+            line = f"{self._done} of {self._total} graded, {self._passed} all ✓ so far, {seconds:.0f} s"
+            print(CLEAR + line, end="", file=sys.stderr, flush=True)
+
+    def _clear(self) -> None:
+        if self._live:
+            print(CLEAR, end="", file=sys.stderr, flush=True)

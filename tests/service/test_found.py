@@ -1,0 +1,52 @@
+import pytest
+
+from service.found import NothingFound, find
+
+
+@pytest.fixture
+def tree(tmp_path, monkeypatch):
+    for name in (
+        "b.py",
+        "a.ipynb",
+        "notes.txt",
+        "deep/er/c.py",
+        ".ipynb_checkpoints/a.ipynb",
+        "deep/__pycache__/c.py",
+        ".hidden.py",
+    ):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("x = 1")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "loop").symlink_to(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_folder_gives_what_is_in_it_and_below_but_nothing_hidden(tree):
+    assert [str(f.relative_to(tree)) for f in find([str(tree)])] == ["a.ipynb", "b.py", "deep/er/c.py"]
+
+
+@pytest.mark.parametrize(
+    ("named", "found"),
+    [
+        (["b.py", "a.ipynb"], ["b.py", "a.ipynb"]),
+        (["notes.txt"], ["notes.txt"]),  # whoever names a file means it
+        (["deep", "b.py", "deep/er/../er/c.py"], ["deep/er/c.py", "b.py"]),
+        (["*.*"], ["a.ipynb", "b.py"]),
+        (["**/c.py"], ["deep/er/c.py"]),
+        (["d*p"], ["deep/er/c.py"]),
+    ],
+)
+def test_files_folders_and_patterns(tree, named, found):
+    assert list(map(str, find(named))) == found
+
+
+@pytest.mark.parametrize("name", ["nowhere.py", "empty", "*.rs", "b.py/x"])
+def test_a_name_that_leads_nowhere(tree, name):
+    with pytest.raises(NothingFound, match=r"no such file|no \.py or \.ipynb"):
+        find(["b.py", name])
+
+
+def test_a_name_with_the_characters_of_a_pattern(tree):
+    (tree / "x[1].py").write_text("x = 1")
+    assert list(map(str, find(["x[1].py"]))) == ["x[1].py"]

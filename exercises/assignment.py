@@ -26,6 +26,10 @@ class InvalidAssignment(Exception):
         self.errors = errors
 
 
+class NoAssignment(LookupError):
+    """There is none of that slug, or nobody can tell which is meant; the message tells which there are."""
+
+
 @dataclass(frozen=True)
 class Blank:
     """An array a scene may bring back, as ``float64`` or ``uint8``: of exactly ``shape``, or where ``up_to`` of at least one and at
@@ -146,12 +150,12 @@ def assignments() -> dict[str, Assignment]:
 
 
 def find(slug: str) -> Assignment:
-    """The assignment of that slug, or of that folder's name; InvalidAssignment for a broken one, LookupError for none."""
+    """The assignment of that slug, or of that folder's name; InvalidAssignment for a broken one, NoAssignment for none."""
     slug = slug.replace("_", "-")
     if (error := found().broken.get(slug)) and slug not in found().sound:
         raise error
     if slug not in found().sound:
-        raise LookupError(f"there is no assignment {slug}; there is {', '.join(sorted(found().sound)) or 'none at all'}")
+        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(found().sound)) or 'none'}")
     return found().sound[slug]
 
 

@@ -1,6 +1,7 @@
 """Where assignments lie: the packages in this folder, and those that POLHODE_ASSIGNMENTS names."""
 
 import importlib
+import importlib.util
 import os
 import pkgutil
 import traceback
@@ -19,9 +20,10 @@ def folders() -> list[Path]:
     return list(dict.fromkeys([*within, *(folder for one in _named() for folder in _within(one))]))
 
 
-def slugs() -> dict[str, Path]:
-    """The folder of each slug that is taken."""
-    return {slug_of(folder): folder for folder in folders()}
+def taken(slug: str) -> bool:
+    """Whether that name is an assignment's, or a module's of this folder."""
+    name = slug.replace("-", "_")
+    return name in [folder.name for folder in folders()] or importlib.util.find_spec(f"exercises.{name}") is not None
 
 
 def home() -> Path | None:

@@ -8,6 +8,8 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from exercises import folders
+
 TEMPLATE = Path(__file__).parent / "scaffold" / "damped_oscillator"
 SLUG, TITLE = "damped-oscillator", "The damped oscillator"
 LONGEST, MOST_TITLE = 60, 100
@@ -38,6 +40,8 @@ def _check(slug: str, title: str) -> None:
         raise CannotScaffold(f"{slug!r} is no slug: small letters and digits, words parted by single dashes, such as {SLUG}")
     if keyword.iskeyword(slug):
         raise CannotScaffold(f"{slug} is a word of Python's own, which no package can be called")
+    if folders.taken(slug):
+        raise CannotScaffold(f"{slug} is taken: there is an assignment or a module of that name")
     if not title.strip() or not title.isprintable() or len(title) > MOST_TITLE:
         raise CannotScaffold(f"a title is one line of text, of at most {MOST_TITLE} characters")
 

@@ -15,24 +15,22 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _new(arguments: argparse.Namespace) -> int:
-    from exercises.folders import SETTING, home, slugs
+    from exercises import folders
     from service.scaffolding import CannotScaffold, scaffold
 
-    slug, into = arguments.slug, arguments.into or home()
+    slug, into = arguments.slug, arguments.into or folders.home()
     title = arguments.title if arguments.title is not None else slug.replace("-", " ").capitalize()
     try:
         if into is None:
             raise CannotScaffold(
-                f"this installation's own folder is not to be written in: give --into FOLDER, and set {SETTING} to it"
+                f"an installed package is no place for it: give --into FOLDER, and set {folders.SETTING} to FOLDER"
             )
-        if slug in slugs():
-            raise CannotScaffold(f"there is an assignment {slug} already: {slugs()[slug]}")
         folder = scaffold(slug, title, into)
     except (CannotScaffold, OSError) as error:
         print(f"polhode: {error}; nothing was made", file=sys.stderr)
         return 2
-    print(f"made {folder}: scenes.py, truth.py, public/ and secret.py ask and judge, causes.py explains, specimens/ try it")
-    if slug not in slugs():
-        print(f"for the other commands to find it: export {SETTING}={into.resolve()}")
+    print(f"made {folder}")
+    if folder.resolve() not in [known.resolve() for known in folders.folders()]:
+        print(f"so that the other commands and the server find it: export {folders.SETTING}={into.resolve()}")
     print(f"next: polhode verify {folder}")
     return 0

@@ -4,6 +4,7 @@ import sys
 import threading
 import time
 from types import TracebackType
+from typing import TextIO
 
 from service.tellings.files import GradedFile
 
@@ -11,10 +12,10 @@ CLEAR = "\r\x1b[K"
 
 
 class Progress:
-    """Of ``total`` files. The live line goes to standard error, and only to a terminal."""
+    """Of ``total`` files, of which those shown as good are ``kind``. The live line goes to standard error, only to a terminal."""
 
-    def __init__(self, total: int) -> None:
-        self._total, self._done, self._passed = total, 0, 0
+    def __init__(self, total: int, kind: str = "all ✓") -> None:
+        self._total, self._kind, self._done, self._good = total, kind, 0, 0
         self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
@@ -32,19 +33,24 @@ class Progress:
 
     def show(self, file: GradedFile, *, text: bool) -> None:
         """Print a file's report (``text``), or why there is none."""
+        if file.report is None:
+            self.say(f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}", good=False, to=sys.stderr)
+        else:
+            self.say(f"== {file.file}\n{file.report.text()}" if text else "", good=file.passed)
+
+    def say(self, words: str, *, good: bool, to: TextIO | None = None) -> None:
+        """Print the ``words`` for one file, if there are any."""
         with self._lock:
             self._clear()
-            self._passed += file.passed
-            if file.report is None:
-                print(f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}", file=sys.stderr, flush=True)
-            elif text:
-                print(f"== {file.file}\n{file.report.text()}", flush=True)
+            self._good += good
+            if words:
+                print(words, file=to, flush=True)
             self._draw()
 
     def _draw(self) -> None:
         if self._live:
             seconds = time.monotonic() - self._began
-            line = f"{self._done} of {self._total} graded, {self._passed} all ✓ so far, {seconds:.0f} s"
+            line = f"{self._done} of {self._total} graded, {self._good} {self._kind} so far, {seconds:.0f} s"
             print(CLEAR + line, end="", file=sys.stderr, flush=True)
 
     def _clear(self) -> None:

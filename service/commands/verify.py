@@ -5,11 +5,13 @@ Exit codes: 0 all as expected, 1 not all, 2 where one could not be graded or an 
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from service.commands.grade import count
 
 if TYPE_CHECKING:
     from exercises.assignment import Assignment
@@ -26,7 +28,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "assignments", nargs="*", metavar="FOLDER", help="slug, folder or folder of specimens; default: all there are"
     )
     verify.add_argument("--only", action="append", metavar="NAME", help="only specimens of that name or pattern; repeatable")
-    verify.add_argument("--jobs", type=int, metavar="N", help="grade at most N at a time; default: one per processor")
+    verify.add_argument("--jobs", type=count, metavar="N", help="grade at most N at a time; default: one per processor")
     verify.add_argument("--seed", type=int, default=SEED, help=f"draw the secret scenes from this seed (default {SEED})")
     verify.add_argument("--write", action="store_true", help="add an entry to expected.toml for each specimen that has none")
     verify.set_defaults(run=_verify)
@@ -39,6 +41,7 @@ def _verify(arguments: argparse.Namespace) -> int:
 
     with ThreadPoolExecutor(1) as beside:  # walls are looked for while the assignments are imported
         looking = beside.submit(choose, Settings().min_tier)
+        from exercises import published
         from exercises.assignment import InvalidAssignment
         from exercises.specimens import listed
 
@@ -49,6 +52,7 @@ def _verify(arguments: argparse.Namespace) -> int:
             sets.append((assignment, listed(assignment)))
         except InvalidAssignment as error:
             broken.append(str(error))
+        broken += [f"assignment {assignment.slug}: {error}" for error in published.errors(assignment)]
     for sentence in broken:
         print(f"polhode: {sentence}", file=sys.stderr)
     try:
@@ -61,7 +65,7 @@ def _verify(arguments: argparse.Namespace) -> int:
 
 def _asked(told: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     """The assignments meant, and a sentence for each that cannot be used."""
-    from exercises.assignment import InvalidAssignment, find, found
+    from exercises.assignment import InvalidAssignment, NoAssignment, find, found
 
     if not told:
         return list(found().sound.values()), [str(error) for error in found().broken.values()]
@@ -69,7 +73,7 @@ def _asked(told: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     for name in told:
         try:
             asked.append(find(_slug(name)))
-        except (InvalidAssignment, LookupError) as error:
+        except (InvalidAssignment, NoAssignment) as error:
             broken.append(str(error))
     return asked, broken
 
@@ -103,11 +107,11 @@ def _verify_one(assignment: "Assignment", found: "Listed", arguments: argparse.N
         print(f"polhode: {assignment.slug}: no specimen to grade in {assignment.folder / 'specimens'}", file=sys.stderr)
         return 2
     tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in listed}
-    with Progress(len(asks)) as progress:
+    with Progress(len(asks), "as expected") as progress:
         for graded in grade_files(asks, Wanted(assignment, arguments.seed), walls, arguments.jobs, progress.tell):
             if graded.fault:
                 faults += 1
-                progress.say(f"?  {graded.file.name}: not graded: {graded.fault}")
+                progress.say(f"?  {graded.file.name}   not graded: {graded.fault}", good=False)
                 continue
             specimen = known.get(graded.file)
             new = verification.new_entry(assignment, graded) if arguments.write and specimen is None else None
@@ -115,17 +119,13 @@ def _verify_one(assignment: "Assignment", found: "Listed", arguments: argparse.N
             wrong = verification.differences(specimen, graded) if specimen else []
             wrong += [] if specimen or new else verification.unlisted(assignment, graded)
             tally.add(graded, expected=not wrong)
-            progress.say("\n".join(_lines(graded.file.name, wrong, written=bool(new))))
+            head = f"{'✗' if wrong else '✓'}  {graded.file.name}{'   (entry written)' if new else ''}"
+            progress.say("\n     ".join([head, *wrong]), good=not wrong)
     if entries:
         write(assignment.folder / "specimens" / "expected.toml", with_entries(assignment, entries))
     for line in verification.summary(assignment, found, tally, whole=not arguments.only and not faults):
         print(line)
     return 2 if faults else 1 if tally.otherwise or found.fileless else 0
-
-
-def _lines(name: str, wrong: Sequence[str], *, written: bool) -> Iterator[str]:
-    yield f"{'✗' if wrong else '✓'}  {name}{'   (entry written)' if written else ''}"
-    yield from (f"     {line}" for line in wrong)
 
 
 def _is_meant(name: str, only: Sequence[str] | None) -> bool:

@@ -1,0 +1,32 @@
+"""Which assignment files are for, where nobody says so: never a guess, as a wrong one would cost every point."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from exercises.assignment import Assignment, NoAssignment, find, found
+
+MOST_BYTES = 256 * 1024
+
+
+def meant(slug: str | None, files: Sequence[Path]) -> Assignment:
+    """The assignment ``slug``; or, for None, the only one there is, that whose folder the files lie in, or the only one whose
+    functions they name. NoAssignment, or InvalidAssignment for a broken one.
+    """
+    if slug is not None:
+        return find(slug)
+    known, broken = found()
+    if len({*known, *broken}) == 1:
+        return find(next(iter({*known, *broken})))
+    around = [a for a in known.values() if all(file.resolve().is_relative_to(a.folder.resolve()) for file in files)]
+    words = {word for file in files for word in _words(file)}
+    likely = around or [a for a in known.values() if a.functions() & words]
+    if len(likely) == 1:
+        return likely[0]
+    told = "".join(f"; {error}" for error in broken.values())
+    raise NoAssignment(f"which assignment are they for? Say --assignment {' or '.join(sorted(known)) or '…'}{told}")
+
+
+def _words(file: Path) -> set[str]:
+    with file.open("rb") as stream:
+        return set(re.findall(r"\w+", stream.read(MOST_BYTES).decode("utf-8", "replace")))

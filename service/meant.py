@@ -5,23 +5,24 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from exercises.assignment import Assignment, NoAssignment, find, found
+from exercises.folders import folders
 
 MOST_BYTES = 256 * 1024
 
 
 def meant(slug: str | None, files: Sequence[Path]) -> Assignment:
-    """The assignment ``slug``; or, for None, the only one there is, that whose folder the files lie in, or the only one whose
-    functions they name. NoAssignment, or InvalidAssignment for a broken one.
+    """The assignment ``slug``; or, for None, that whose folder the files lie in, the only one there is, or, if none is broken, the
+    only one whose functions they name. NoAssignment where that is not one, InvalidAssignment for a broken one.
     """
     if slug is not None:
         return find(slug)
+    homes = [f for f in folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
     known, broken = found()
-    if len({*known, *broken}) == 1:
-        return find(next(iter({*known, *broken})))
-    around = [a for a in known.values() if all(file.resolve().is_relative_to(a.folder.resolve()) for file in files)]
+    if len(only := homes or [*known, *broken]) == 1:
+        return find(Path(only[0]).name)
     words = {word for file in files for word in _words(file)}
-    likely = around or [a for a in known.values() if a.functions() & words]
-    if len(likely) == 1:
+    likely = [a for a in known.values() if a.functions() & words]
+    if len(likely) == 1 and not broken:
         return likely[0]
     told = "".join(f"; {error}" for error in broken.values())
     raise NoAssignment(f"which assignment are they for? Say --assignment {' or '.join(sorted(known)) or '…'}{told}")

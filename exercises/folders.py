@@ -16,8 +16,8 @@ SETTING = "POLHODE_ASSIGNMENTS"
 
 def folders() -> list[Path]:
     """Every folder that means to be an assignment, those beside this file first."""
-    within = [Path(getattr(m.module_finder, "path", "")) / m.name for m in pkgutil.iter_modules(exercises.__path__) if m.ispkg]
-    return list(dict.fromkeys([*within, *(folder for one in _named() for folder in _within(one))]))
+    here = [Path(getattr(m.module_finder, "path", "")) / m.name for m in pkgutil.iter_modules(exercises.__path__) if m.ispkg]
+    return list(dict.fromkeys([*here, *(folder for one in _named() for folder in within(one))]))
 
 
 def taken(slug: str) -> bool:
@@ -81,8 +81,8 @@ def _named() -> list[Path]:
     return [Path(part).expanduser().resolve() for part in os.environ.get(SETTING, "").split(os.pathsep) if part]
 
 
-def _within(named: Path) -> list[Path]:
-    """The assignment in a named folder, or each in a folder of them; a folder that is not there is an error to be told."""
-    if (named / "__init__.py").is_file() or not named.is_dir():
+def within(named: Path) -> list[Path]:
+    """The assignment that a folder is, or each in a folder of them; a folder that is not there stands for itself."""
+    if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
         return [named]
     return sorted(path.parent for path in named.glob("*/__init__.py"))

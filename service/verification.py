@@ -74,7 +74,7 @@ def summary(assignment: Assignment, found: Listed, tally: Tally, whole: bool) ->
 def _of_checks(specimen: Specimen, report: Report) -> Iterator[str]:
     outcomes = {o.id: o for o in report.outcomes()}
     for one in specimen.differences(document(report)):
-        want = f"expected {MARKS[one.expected]}" if one.expected else "not to be made (listed as left_out, or not at all)"
+        want = f"expected {MARKS[one.expected]}" if one.expected else "not to be made"
         outcome = outcomes.get(one.check)
         if outcome is None:
             yield f"{one.check}: {want}, not made: its exercise was not attempted, or its function is not defined"

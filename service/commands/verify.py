@@ -70,27 +70,32 @@ def _asked(told: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     if not told:
         return list(found().sound.values()), [str(error) for error in found().broken.values()]
     asked, broken = [], []
-    for name in told:
-        try:
-            asked.append(find(_slug(name)))
-        except (InvalidAssignment, NoAssignment) as error:
-            broken.append(str(error))
+    for one in told:
+        slugs = _slugs(one)
+        broken += [] if slugs else [f"there is no assignment in {one}"]
+        for slug in slugs:
+            try:
+                asked.append(find(slug))
+            except (InvalidAssignment, NoAssignment) as error:
+                broken.append(str(error))
     return asked, broken
 
 
-def _slug(told: str) -> str:
-    """Of an assignment named by its slug, its folder or its folder of specimens; one that lies elsewhere is made known."""
+def _slugs(told: str) -> list[str]:
+    """Of the assignments meant by a slug, a folder, a folder of specimens or one of assignments; those elsewhere are made known."""
     from exercises import folders
     from exercises.assignment import found
 
     if not Path(told).is_dir():
-        return told
-    folder = Path(told).resolve()
-    folder = folder.parent if folder.name == "specimens" else folder
-    if folder not in [known.resolve() for known in folders.folders()]:
-        folders.add(folder)
-        found.cache_clear()
-    return folders.slug_of(folder)
+        return [told]
+    named = Path(told).resolve()
+    meant = folders.within(named.parent if named.name == "specimens" else named)
+    known = [folder.resolve() for folder in folders.folders()]
+    for folder in meant:
+        if folder not in known:
+            folders.add(folder)
+            found.cache_clear()
+    return [folders.slug_of(folder) for folder in meant]
 
 
 def _verify_one(assignment: "Assignment", found: "Listed", arguments: argparse.Namespace, walls: "Walls") -> int:

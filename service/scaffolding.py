@@ -80,8 +80,9 @@ def _changed(text: str, changes: dict[str, str]) -> str:
 
 
 def _python(title: str) -> str:
-    """A string literal in double quotes where the formatter wants these: those of JSON are Python's too."""
-    return repr(title) if '"' in title and "'" not in title else json.dumps(title, ensure_ascii=False)
+    """A string literal, in the quotes that need fewer escapes, as the formatter wants it."""
+    quote = "'" if title.count('"') > title.count("'") else '"'
+    return quote + title.replace("\\", "\\\\").replace(quote, f"\\{quote}") + quote
 
 
 def _markdown(title: str) -> str:

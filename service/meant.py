@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from exercises.assignment import Assignment, NoAssignment, find, found
-from exercises.folders import folders
+from exercises.folders import folders, slug_of
 
 MOST_BYTES = 256 * 1024
 
@@ -18,8 +18,8 @@ def meant(slug: str | None, files: Sequence[Path]) -> Assignment:
         return find(slug)
     homes = [f for f in folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
     known, broken = found()
-    if len(only := homes or [*known, *broken]) == 1:
-        return find(Path(only[0]).name)
+    if len(only := [slug_of(home) for home in homes] or [*known, *broken]) == 1:
+        return find(only[0])
     words = {word for file in files for word in _words(file)}
     likely = [a for a in known.values() if a.functions() & words]
     if len(likely) == 1 and not broken:

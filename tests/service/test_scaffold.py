@@ -3,6 +3,8 @@
 import ast
 import json
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -13,7 +15,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from service.cli import main
+from service.cli import _parse, main
 from service.scaffolding import TEMPLATE, CannotScaffold, scaffold
 from tests.scaffolded import change, copied, known
 from tests.screenless import Browser
@@ -28,7 +30,7 @@ def tree(tmp_path_factory):
     """A copy of the repository with an assignment more, made by the command."""
     tree = tmp_path_factory.mktemp("tree")
     for name in ("exercises", "reference", "service", "tests", "docs"):
-        shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "attacks", "*.png"))
+        shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "attacks"))
     for name in ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "Dockerfile", *ROOT.glob("*.lock")):
         shutil.copy(ROOT / name, tree)
     made = inside(tree, "-m", "service.cli", "new-assignment", "driven-pendulum", "--title", TITLE)
@@ -168,6 +170,17 @@ def test_the_templates_codes_are_documented_and_it_imports_only_itself():
                     "dataclasses",
                     "typing",
                 ) or (node.module == "exercises.assignment"), (file, node.module)
+
+
+def test_the_guide_for_authors_names_every_file_and_its_commands_are_there():
+    guide = (ROOT / "docs" / "authors.md").read_text()
+    for path in TEMPLATE.iterdir():
+        assert path.name == "__pycache__" or f"| `{path.name}{'/' * path.is_dir()}` |" in guide, path.name
+    blocks = re.findall(r"```sh\n(.*?)```", guide, re.DOTALL)
+    commands = [shlex.split(line, comments=True) for block in blocks for line in block.splitlines() if line.startswith("polhode")]
+    assert len(commands) >= 8
+    for command in commands:
+        assert _parse(command[1:]).run
 
 
 @pytest.mark.parametrize("title", [TITLE, "'", '"', "\\", "\\N{BULLET}", "{0} %s {{KIT_URL}}", "# ``` </script> é 漢 𝄞", "x" * 100])

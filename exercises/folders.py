@@ -16,8 +16,7 @@ SETTING = "POLHODE_ASSIGNMENTS"
 
 def folders() -> list[Path]:
     """Every folder that means to be an assignment, those beside this file first."""
-    here = [Path(getattr(m.module_finder, "path", "")) / m.name for m in pkgutil.iter_modules(exercises.__path__) if m.ispkg]
-    return list(dict.fromkeys([*here, *(folder for one in _named() for folder in within(one))]))
+    return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in within(one))]))
 
 
 def taken(slug: str) -> bool:
@@ -75,6 +74,10 @@ def told(error: BaseException, folder: Path) -> str:
     said = f"{type(error).__name__}: {error}"
     own = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).is_relative_to(folder)]
     return f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {said}" if own else said
+
+
+def _here() -> list[Path]:
+    return [Path(getattr(m.module_finder, "path", "")) / m.name for m in pkgutil.iter_modules(exercises.__path__) if m.ispkg]
 
 
 def _named() -> list[Path]:

@@ -18,7 +18,7 @@ from service.store.people import COURSE
 
 
 class Cell(NamedTuple):
-    """What became of one check: a key of ``outcomes.MARKS``; ``given`` are the points an instructor set instead. ``causes`` are
+    """What became of one check: a key of ``states.MARKS``; ``given`` are the points an instructor set instead. ``causes`` are
     codes and sentences."""
 
     state: str

@@ -19,7 +19,7 @@ h1{font-size:1.3rem}
 table{border-collapse:collapse}
 th,td{padding:.1rem .45rem;text-align:center;border-bottom:1px solid color-mix(in srgb,currentColor 20%,transparent)}
 th:first-child{text-align:left;white-space:nowrap}
-thead th:not(:first-child):not(:last-child){writing-mode:vertical-rl;font-weight:normal}
+thead th:nth-child(n+3){writing-mode:vertical-rl;font-weight:normal}
 .pass{color:var(--p)}
 .fail{color:var(--f)}
 .unmeasured{color:var(--q)}
@@ -34,7 +34,8 @@ def index(files: Sequence[GradedFile], assignment: Assignment, pages: Mapping[Pa
     checks = [check for check in assignment.checks() if check.id in made]
     heads = "".join(f'<th scope="col" title="{escape(check.label)}">{escape(check.id)}</th>' for check in checks)
     rows = "\n".join(_row(file, [check.id for check in checks], pages[file.file]) for file in files)
-    table = f'<table><thead><tr><th scope="col">file</th>{heads}<th scope="col">✓</th></tr></thead>\n<tbody>{rows}</tbody></table>'
+    head = f'<thead><tr><th scope="col">file</th><th scope="col">✓</th>{heads}</tr></thead>'
+    table = f"<table>{head}\n<tbody>{rows}</tbody></table>"
     legend = "✓ pass · ✗ fail · – not measured (the report tells why) · empty: not made"
     return _page(assignment.title, f'<p>{escape(summary(files))}</p><div class="wide">{table}</div><p><small>{legend}</small></p>')
 
@@ -53,10 +54,10 @@ def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:
     name = f'<th scope="row"><a href="{escape(address)}">{escape(str(file.file))}</a></th>'
     if file.report is None:
         why = file.refused or f"not graded: {file.fault}"
-        return f'<tr>{name}<td class="none" colspan="{len(checks)}">{escape(why)}</td><td>{"" if file.fault else 0}</td></tr>'
+        return f'<tr>{name}<td>{"" if file.fault else 0}</td><td class="none" colspan="{len(checks)}">{escape(why)}</td></tr>'
     verdicts = {outcome.id: outcome.verdict for outcome in file.report.outcomes()}
     cells = [f'<td class="{v.value}">{MARKS[v]}</td>' if (v := verdicts.get(id)) else "<td></td>" for id in checks]
-    return f"<tr>{name}{''.join(cells)}<td>{file.report.score}/{file.report.max_score}</td></tr>"
+    return f"<tr>{name}<td>{file.report.score}/{file.report.max_score}</td>{''.join(cells)}</tr>"
 
 
 def _page(title: str, body: str) -> str:

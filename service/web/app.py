@@ -38,6 +38,7 @@ from service.web import (
     problems,
     queue,
     regrades,
+    reports,
     roles,
     routes,
     submissions,
@@ -51,7 +52,7 @@ from service.web.throttle import Throttle
 from service.web.watching import Watch
 
 log = logging.getLogger(__name__)
-ROUTERS = (health.router, routes.router, attempts.router, events.router, pictures.router, login.router, kit.router)
+ROUTERS = (health.router, routes.router, reports.router, attempts.router, events.router, pictures.router, login.router, kit.router)
 PAGES = (
     course.router,
     people.router,

@@ -9,7 +9,8 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 from pydantic import BaseModel, Field
 from starlette.datastructures import FormData
 
-from service.store import extending, gradebook, outcomes, queueing, sweeping
+from service.grading import states
+from service.store import extending, gradebook, queueing, sweeping
 from service.store.gradebook import Standing
 from service.web import forms, tally
 from service.web.problems import Problem
@@ -49,8 +50,8 @@ async def class_(slug: str, request: Request, person: Staff, sort: Literal["name
         "decades": tally.DECADES,
         "most_bin": max((max(c.bins) for c in checks), default=0),
         "thin": tally.THIN,
-        "marks": outcomes.MARKS,
-        "words": outcomes.WORDS,
+        "marks": states.MARKS,
+        "words": states.WORDS,
         "extensions": await extending.extensions(database, slug),
         "swept": await sweeping.count(database, students) if assignment.sweep is not None else None,
     }
@@ -66,7 +67,7 @@ async def chosen(slug: str, request: Request, person: Staff, which: Annotated[Wh
     found = [s for s in students if _fits(s, check, state, cause)]
     label = next((c.label for c in assignment.checks() if c.id == check), check)
     context = {"assignment": assignment, "students": found, "total": len(students), "check": check, "label": label}
-    context |= {"state": state, "cause": cause, "words": outcomes.WORDS, "marks": outcomes.MARKS}
+    context |= {"state": state, "cause": cause, "words": states.WORDS, "marks": states.MARKS}
     return templates.TemplateResponse(request, "chosen.html", context)
 
 

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import Row
 
 from exercises.assignment import Assignment
-from service.store.outcomes import MARKS, WORDS
+from service.grading.states import MARKS, WORDS
 
 GROUPS = ("gains", "loses", "unchanged", "faults", "overtaken")
 MOST_FLIPPED = 12

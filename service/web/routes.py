@@ -9,7 +9,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Request
-from fastapi.responses import JSONResponse, PlainTextResponse
+from fastapi.responses import JSONResponse
 
 from ecp.document import document
 from exercises import wheel
@@ -105,15 +105,6 @@ async def show_submission(id: str, request: Request) -> dict[str, Any]:
     given = [one for one in await overriding.of_submission(_database(request), stored.id) if one.in_force]
     told = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in given]
     return _document(stored) | ({"points": stored.points, "overrides": told} if told else {})
-
-
-@router.get("/v1/submissions/{id}/report.txt")
-async def report_text(id: str, request: Request) -> PlainTextResponse:
-    """The report as the notebook prints it."""
-    stored = await find_submission(request, id)
-    if stored.report is None:
-        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
-    return PlainTextResponse(stored.report.text())
 
 
 def find_assignment(slug: str) -> Assignment:

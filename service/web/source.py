@@ -1,16 +1,14 @@
 """The source of a submission to look at: its cells line by line, marked where an exception was raised or a syntax error lies."""
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from ecp.outcome import SceneEnding
+from service.grading.places import BREAK, Place, places
 from service.grading.submission import Submission
 from service.sandbox.wire import text
 
 MOST_LINES = 2000
-BREAK = re.compile(r"\r\n|\r|\n")  # where Python begins a line; other breaks, such as a form feed, begin none
-FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
 
 
 @dataclass(frozen=True)
@@ -41,14 +39,6 @@ class ShownCell:
     left_out: int
 
 
-@dataclass(frozen=True)
-class Place:
-    """A line of a cell."""
-
-    cell: str
-    line: int
-
-
 def cells(submission: Submission, endings: Sequence[SceneEnding]) -> list[ShownCell]:
     """The cells with their lines, marked by what the tracebacks of ``endings`` say; at most MOST_LINES lines in all."""
     marks = _marks(endings)
@@ -66,17 +56,6 @@ def split(source: str) -> list[str]:
     """The lines as Python counts them, each harmless to show."""
     plain = BREAK.sub("\n", source)
     return text(plain, len(plain)).removesuffix("\n").split("\n")
-
-
-def places(ending: SceneEnding) -> list[Place]:
-    """The submission's own lines in a traceback, outermost first; what an exception says of itself is not read."""
-    found = []
-    for line in (ending.traceback or "").split("\n"):
-        if line and not line[0].isspace():
-            break
-        if frame := FRAME.match(line):
-            found.append(Place(frame[1], int(frame[2][:9])))
-    return found
 
 
 def _marks(endings: Iterable[SceneEnding]) -> dict[Place, list[Mark]]:

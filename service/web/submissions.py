@@ -8,7 +8,9 @@ from fastapi.responses import HTMLResponse
 
 from ecp.outcome import Outcome
 from exercises.assignment import assignments
-from service.store import outcomes, reading
+from service.grading import states
+from service.grading.places import places
+from service.store import reading
 from service.store.history import before, gradings, timeline
 from service.store.records import Stored
 from service.web import motion, overrides
@@ -17,7 +19,7 @@ from service.web.identity import STAFF
 from service.web.problems import Problem
 from service.web.roles import Looking
 from service.web.routes import find_submission
-from service.web.source import cells, places
+from service.web.source import cells
 from service.web.templating import templates
 
 router = APIRouter()
@@ -66,7 +68,7 @@ def _shown(stored: Stored) -> dict[str, Any]:
         ],
         "motions": motion.played_in(assignment, stored.report) if assignment and stored.report else {},
         "sweeps": assignment is not None and assignment.sweep is not None,
-        "state": lambda outcome: outcomes.state(outcome, endings),
+        "state": lambda outcome: states.state(outcome, endings),
         "tolerance": _tolerance,
     }
 

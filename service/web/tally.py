@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from ecp.checks import Check
 from exercises.assignment import Assignment
-from service.store import outcomes
+from service.grading import states
 from service.store.gradebook import Cell, Standing
 
 THIN = 3.0  # a right submission this close to what is allowed says that the tolerance is too tight
@@ -21,7 +21,7 @@ DECADES = range(-4, 13)  # of margins told apart; what lies beyond is told with 
 EMPTY = Markup("<td></td>")
 CELLS = {
     (state, given): Markup('<td class="{}">{}{}</td>').format(state, mark, "*" if given else "")
-    for state, mark in outcomes.MARKS.items()
+    for state, mark in states.MARKS.items()
     for given in (False, True)
 }
 

@@ -6,6 +6,7 @@ import signal
 import urllib.error
 import urllib.request
 import uuid
+from xml.etree import ElementTree
 
 import pytest
 from PIL import Image
@@ -72,6 +73,17 @@ def test_report_as_json_and_text(server, right):
     assert status == 200 and headers["content-type"].startswith("text/plain")
     lines = [o["line"] for e in right["report"]["exercises"] for o in e["outcomes"]]
     assert [line for line in body.decode().split("\n") if line.startswith("✓")] == lines
+
+
+def test_report_as_junit_xml(server, right):
+    status, headers, body = call(server, f"/v1/submissions/{right['id']}/report.junit.xml")
+    assert status == 200 and headers["content-type"].startswith("application/xml")
+    suites, root = right["report"]["exercises"], ElementTree.fromstring(body)
+    assert [suite.get("name").partition(":")[0] for suite in root] == ["submission.py"] * len(suites)
+    assert {case.get("name").partition(":")[0] for case in root.iter("testcase")} == {
+        o["id"] for e in suites for o in e["outcomes"]
+    }
+    assert (root.get("failures"), root.get("errors")) == ("0", "0") and float(root.get("time")) > 0
 
 
 def test_accepted_at_once_and_graded_soon(server):
@@ -176,6 +188,7 @@ def test_bad_requests_are_problems_and_leave_nothing(server, body, kind, status,
         ("/v1/submissions/nope", "GET", 404),
         (f"/v1/submissions/{uuid.UUID(int=7)}", "GET", 404),
         (f"/v1/submissions/{uuid.UUID(int=7)}/report.txt", "GET", 404),
+        (f"/v1/submissions/{uuid.UUID(int=7)}/report.junit.xml", "GET", 404),
         ("/nope", "GET", 404),
         (SLUG, "DELETE", 405),
         (SLUG, "POST", 415),

@@ -15,10 +15,11 @@ import pytest
 from ecp.outcome import Ending, SceneEnding
 from exercises.assignment import InvalidAssignment
 from service.grading import motion, pictures
+from service.grading.places import places
 from service.grading.submission import Submission
 from service.store import people, tokens
 from service.web.difference import MOST_WORK, TooLong, difference
-from service.web.source import MOST_LINES, cells, places
+from service.web.source import MOST_LINES, cells
 from tests.stored import new_database, run, sql
 
 SLUG = "/v1/assignments/rigid-body/submissions"

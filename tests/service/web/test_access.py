@@ -112,7 +112,8 @@ def test_who_is_not_logged_in_gets_none(server, submission, method, path, least)
 
 def test_students_see_what_they_sent_and_get_403_for_what_others_sent(server, url, browsers, submission):
     own = Browser(server).log_in(token=entered(url, "ann"))
-    parts = ("", "/events", "/report.txt", "/report.html", "/figures/omega.png", "/animations/a.png", "/sweep.json")
+    reports = ("/report.txt", "/report.junit.xml", "/report.html")
+    parts = ("", "/events", *reports, "/figures/omega.png", "/animations/a.png", "/sweep.json")
     for path in (f"/submissions/{submission}", *(f"/v1/submissions/{submission}{part}" for part in parts)):
         assert tried(browsers["student"], "GET", path) == (403, "somebody else sent this submission"), path
         for browser in (own, browsers["assistant"], browsers["instructor"]):

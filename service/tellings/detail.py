@@ -1,0 +1,47 @@
+"""What a telling says of one check: text that is harmless wherever it is shown, with all that helps to find the discrepancy."""
+
+from collections.abc import Iterable
+
+from ecp.judge import Verdict
+from ecp.outcome import Outcome, SceneEnding
+from ecp.report import Report
+from service.sandbox.wire import text
+
+NOTHING = "a check that counts was made"
+"""Its failure stands where nothing that counts was checked: other systems take no failure for a success."""
+SUBMITTED = "the file can be graded"
+MOST_TRACE = 2000
+
+
+class NoVerdict(Exception):
+    """We could not grade the file, and a grade would be a lie."""
+
+
+def shown(told: str, most: int | None = None) -> str:
+    """The text without what is no character of XML, turns lines around or steers a terminal; cut to ``most`` characters."""
+    whole = text(told.replace("\r\n", "\n"), len(told))
+    return whole if most is None or len(whole) <= most else f"{whole[: most - 2]} …"
+
+
+def one_line(told: str, most: int | None = None) -> str:
+    """The same as one line."""
+    return shown(" ".join(told.split()), most)
+
+
+def detail(outcome: Outcome, report: Report, *, trace: bool = True) -> str:
+    """The check's line, where a ✗ is worst, likely causes, hints, why just so much was allowed; then the code that stopped."""
+    parts = [outcome.text()]
+    if outcome.verdict is Verdict.FAIL:
+        parts.append(f"     allowed: {outcome.tolerance.reason}")
+    ending = stopped_by(outcome, report.endings) if trace else None
+    if ending and ending.traceback:
+        parts.append(f"{ending.scene}: {ending.sentence}\n{ending.traceback[-MOST_TRACE:].rstrip()}")
+    return shown("\n".join(parts))
+
+
+def stopped_by(outcome: Outcome, endings: Iterable[SceneEnding]) -> SceneEnding | None:
+    """The ending with a traceback that kept the check from being measured."""
+    if outcome.verdict is not Verdict.UNMEASURED:
+        return None
+    told = {outcome.cause, *(cause.sentence for cause in outcome.diagnosis)}
+    return next((e for e in endings if e.traceback and e.sentence in told), None)

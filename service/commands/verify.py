@@ -5,6 +5,7 @@ Exit codes: 0 all as expected, 1 not all, 2 where one could not be graded or an 
 
 import argparse
 import sys
+import traceback
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
@@ -43,6 +44,7 @@ def _verify(arguments: argparse.Namespace) -> int:
         looking = beside.submit(choose, Settings().min_tier)
         from exercises import published
         from exercises.assignment import InvalidAssignment
+        from exercises.folders import told
         from exercises.specimens import listed
 
         asked, broken = _asked(arguments.assignments)
@@ -55,12 +57,20 @@ def _verify(arguments: argparse.Namespace) -> int:
         broken += [f"assignment {assignment.slug}: {error}" for error in published.errors(assignment)]
     for sentence in broken:
         print(f"polhode: {sentence}", file=sys.stderr)
-    try:
-        codes = [_verify_one(assignment, found, arguments, looking.result()) for assignment, found in sets]
-    except (WallsMissing, Fault, OSError) as error:
-        print(f"polhode: {error}", file=sys.stderr)
-        return 2
-    return max([*codes, 2 if broken or not codes else 0])
+    codes = [2 if broken or not sets else 0]
+    for assignment, found in sets:
+        try:
+            codes.append(_verify_one(assignment, found, arguments, looking.result()))
+        except BrokenPipeError:
+            raise
+        except (WallsMissing, Fault, OSError) as error:
+            print(f"polhode: {error}", file=sys.stderr)
+            return 2
+        except Exception as error:  # the assignment's own, such as a truth that cannot be computed
+            traceback.print_exc()
+            print(f"polhode: assignment {assignment.slug}: {told(error, assignment.folder)}", file=sys.stderr)
+            codes.append(2)
+    return max(codes)
 
 
 def _asked(told: Sequence[str]) -> "tuple[list[Assignment], list[str]]":

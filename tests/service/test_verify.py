@@ -165,6 +165,18 @@ def test_what_cannot_be_graded_is_no_difference(folder, capsys):
     assert "not graded: " in capsys.readouterr().err
 
 
+def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, capsys):
+    change(folder / "truth.py", "np.sqrt(omega**2 - gamma**2)", "np.sqroot(omega**2 - gamma**2)")
+    copied(folder.parent, "second")
+    assert verify(folder.parent, "--only", "right_terms.py") == 2
+    told = capsys.readouterr()
+    assert (
+        "polhode: assignment damped-oscillator: truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'"
+        in told.err
+    )
+    assert "second: 1 of 1 specimens as expected" in told.out
+
+
 def test_a_public_side_that_students_cannot_play(folder, capsys):
     change(folder / "public" / "__init__.py", '"undamped",\n', '"probes",\n')
     assert verify(folder, "--only", "right_terms.py") == 2

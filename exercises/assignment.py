@@ -1,20 +1,18 @@
-"""The grammar of an assignment: scenes to play, exercises that judge them, figures that show them; and finding the folders."""
+"""The grammar of an assignment: scenes to play, exercises that judge them, figures that show them; and every one there is."""
 
 import functools
-import importlib
-import pkgutil
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-import exercises
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise
 from ecp.outcome import Diagnosis, Swept
+from exercises import declaration, folders
 
 Inputs = Mapping[str, Any]
 Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
@@ -26,6 +24,10 @@ class InvalidAssignment(Exception):
     def __init__(self, slug: str, errors: list[str]) -> None:
         super().__init__(f"assignment {slug}: " + "; ".join(errors))
         self.errors = errors
+
+
+class NoAssignment(LookupError):
+    """There is none of that slug, or nobody can tell which is meant; the message tells which there are."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,10 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Assignment:
-    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall."""
+    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall.
+
+    ``codes`` are the diagnosis codes that its causes and plays give: ``polhode verify`` tells those that no specimen shows.
+    """
 
     slug: str
     title: str
@@ -98,9 +103,10 @@ class Assignment:
     exercises: tuple[Exercise, ...]
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
     sweep: Sweep | None = None
+    codes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if errors := self._errors():
+        if errors := declaration.errors(self):
             raise InvalidAssignment(self.slug, errors)
 
     def scene(self, name: str) -> Scene:
@@ -131,31 +137,55 @@ class Assignment:
         """Every name a student may define to be played."""
         return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.asks_for()}
 
-    def _errors(self) -> list[str]:
-        names = [s.name for s in self.scenes]
-        ids = [c.id for e in self.exercises for c in e.checks]
-        errors = [f"scene {n} is declared twice" for n in sorted({n for n in names if names.count(n) > 1})]
-        errors += [f"check id {i} is used twice" for i in sorted({i for i in ids if ids.count(i) > 1})]
-        errors += [f"{f} is missing" for f in ("setup.py", "plays.py") if not (self.folder / f).is_file()]
-        for exercise in self.exercises:
-            errors += [f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(names))]
-            errors += [e for c in exercise.checks for e in c.errors()]
-            errors += [f"motion {m.name}: scene {m.scene} brings no R" for m in exercise.motions if not self._turns(m.scene)]
-        for at, scene in enumerate(self.scenes):
-            if scene.after is not None and scene.after not in names[:at]:
-                errors.append(f"scene {scene.name} comes after {scene.after}, which is not declared before it")
-        return errors
 
-    def _turns(self, scene: str) -> bool:
-        return any("R" in s.returns for s in self.scenes if s.name == scene)
+class Found(NamedTuple):
+    """The assignments by their slugs; and those that cannot be used, with all that is wrong with each."""
+
+    sound: dict[str, Assignment]
+    broken: dict[str, InvalidAssignment]
+
+
+def assignments() -> dict[str, Assignment]:
+    """Every assignment that can be used, by its slug."""
+    return found().sound
+
+
+def find(slug: str) -> Assignment:
+    """The assignment of that slug, or of that folder's name; InvalidAssignment for a broken one, NoAssignment for none."""
+    slug = slug.replace("_", "-")
+    if (error := found().broken.get(slug)) and slug not in found().sound:
+        raise error
+    if slug not in found().sound:
+        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(found().sound)) or 'none'}")
+    return found().sound[slug]
 
 
 @functools.cache
-def assignments() -> dict[str, Assignment]:
-    """Every assignment by its slug: each package in this folder that defines ``ASSIGNMENT``."""
-    found = {}
-    for module in pkgutil.iter_modules(exercises.__path__):
-        if module.ispkg:
-            assignment: Assignment = importlib.import_module(f"exercises.{module.name}").ASSIGNMENT
-            found[assignment.slug] = assignment
-    return found
+def found() -> Found:
+    """Each package in this folder, and each that POLHODE_ASSIGNMENTS names: one that is broken costs no other."""
+    sound, broken = {}, {}
+    for folder in folders.folders():
+        slug = folders.slug_of(folder)
+        try:
+            assignment = _load(slug, folder)
+        except InvalidAssignment as error:
+            broken[slug] = error
+        else:
+            sound[slug] = assignment
+    return Found(sound, broken)
+
+
+def _load(slug: str, folder: Path) -> Assignment:
+    try:
+        assignment, errors = folders.load(folder)
+    except InvalidAssignment as error:
+        raise InvalidAssignment(slug, error.errors) from error
+    except (Exception, SystemExit) as error:
+        raise InvalidAssignment(slug, [folders.told(error, folder)]) from error
+    if not errors and not isinstance(assignment, Assignment):
+        errors = [f"ASSIGNMENT is {type(assignment).__name__}, no Assignment"]
+    elif not errors and assignment.slug != slug:
+        errors = [f"its slug is {assignment.slug}, but its folder's name makes it {slug}"]
+    if errors:
+        raise InvalidAssignment(slug, errors)
+    return assignment

@@ -4,6 +4,7 @@ import functools
 import hashlib
 import io
 import json
+import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ import ecp
 from exercises import reproducible
 from exercises.assignment import Assignment, Scene, assignments
 
+log = logging.getLogger(__name__)
 NAME = f"polhode_kit-{ecp.KIT}-py3-none-any.whl"
 """The file name, which does not change while ``ecp.KIT`` does not: a notebook may hold its address for years."""
 METADATA = f"""Metadata-Version: 2.1
@@ -70,7 +72,10 @@ def _content() -> dict[str, bytes]:
     for assignment in assignments().values():
         if (assignment.folder / "public").is_dir():
             home = f"ecp/assignments/{assignment.folder.name}"
-            found |= {f"{home}/{name}": content for name, content in _public_side(assignment)}
+            try:
+                found |= {f"{home}/{name}": content for name, content in list(_public_side(assignment))}
+            except Exception:  # its own scenes or truth: the others' kit is to be had
+                log.exception("the kit is made without the assignment %s", assignment.slug)
     return found | {"ecp/assignments/__init__.py": b""}
 
 

@@ -49,7 +49,7 @@ def _close_stdout() -> None:
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
-    from service.commands import credentials, database, export, grade, people, plan, queue
+    from service.commands import credentials, database, export, grade, new_assignment, people, plan, queue, verify
 
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
     commands = parser.add_subparsers(dest="command", required=True)
@@ -72,7 +72,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
-    for more in (grade, database, queue, plan, people, credentials, export):
+    for more in (grade, verify, new_assignment, export, database, queue, plan, people, credentials):
         more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
@@ -122,13 +122,13 @@ def _chart(arguments: argparse.Namespace) -> int:
 
 
 def _mutants(arguments: argparse.Namespace) -> int:
-    from exercises.assignment import assignments
-    from service.mutants import OURS, fates, table
+    from exercises.assignment import InvalidAssignment, NoAssignment, find
+    from service.mutants import OURS, NoMutants, fates, table
 
     try:
-        found = list(fates(assignments()[arguments.assignment.replace("_", "-")], arguments.most))
-    except (KeyError, ModuleNotFoundError) as error:
-        print(f"polhode: no mutants for {error}", file=sys.stderr)
+        found = list(fates(find(arguments.assignment), arguments.most))
+    except (InvalidAssignment, NoAssignment, NoMutants) as error:
+        print(f"polhode: no mutants: {error}", file=sys.stderr)
         return 2
     print(table(found))
     for fate in found:
@@ -147,13 +147,15 @@ def _doctor(arguments: argparse.Namespace) -> int:
 
 
 def _assignments(arguments: argparse.Namespace) -> int:
-    from exercises.assignment import assignments
+    from exercises.assignment import found
 
-    for assignment in assignments().values():
+    for assignment in found().sound.values():
         print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
         for exercise in assignment.exercises:
             print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
-    return 0
+    for error in found().broken.values():
+        print(f"polhode: {error}", file=sys.stderr)
+    return CANNOT if found().broken else 0
 
 
 if __name__ == "__main__":

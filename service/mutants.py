@@ -21,6 +21,10 @@ SEED = 1
 OURS = "ours"
 
 
+class NoMutants(LookupError):
+    """The assignment makes none."""
+
+
 @dataclass(frozen=True)
 class Fate:
     """What became of a mutant. ``wrong``: it is, by more than rounding; ``accepted``: the sets of lines that accept it."""
@@ -31,10 +35,9 @@ class Fate:
 
 
 def fates(assignment: Assignment, most: int | None = None) -> Iterator[Fate]:
-    """The fate of each mutant the assignment's folder makes (of the first ``most``), in as many workers as there are cores.
-
-    Raises ModuleNotFoundError for an assignment whose folder has no mutants.py.
-    """
+    """The fate of each mutant the assignment's folder makes (of the first ``most``), in as many workers as there are cores."""
+    if not (assignment.folder / "mutants.py").is_file():
+        raise NoMutants(f"{assignment.folder} has no mutants.py")
     source = importlib.import_module(f"exercises.{assignment.folder.name}.mutants")
     mutants = list(source.mutants())[:most]
     walls = choose(Settings().min_tier)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from exercises.assignment import Assignment
 from exercises.rigid_body.causes import diagnose_scene
+from exercises.rigid_body.codes import CODES
 from exercises.rigid_body.scenes import SCENES
 from exercises.rigid_body.secret import EXERCISES
 from exercises.rigid_body.sweep import SWEEP
@@ -17,4 +18,5 @@ ASSIGNMENT = Assignment(
     exercises=EXERCISES,
     diagnose=diagnose_scene,
     sweep=SWEEP,
+    codes=CODES,
 )

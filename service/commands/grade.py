@@ -21,10 +21,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Add the command."""
     grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
     grade.add_argument("files", nargs="+", metavar="FILE", help="a file, a folder of them, or a pattern such as 'class/**/*.ipynb'")
-    grade.add_argument("--assignment", default="rigid-body", metavar="SLUG", help="default rigid-body")
+    grade.add_argument("--assignment", metavar="SLUG", help="default: the only one there is, or whose functions they name")
     grade.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
     grade.add_argument("--seed", type=int, help="draw the secret scenes from this seed, as a report names it")
-    grade.add_argument("--jobs", type=_count, metavar="N", help="grade at most N at a time; default: one per processor")
+    grade.add_argument("--jobs", type=count, metavar="N", help="grade at most N at a time; default: one per processor")
     grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
     printed = grade.add_mutually_exclusive_group()
     printed.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
@@ -34,10 +34,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     grade.set_defaults(run=_grade)
 
 
-def _count(told: str) -> int:
-    if (count := int(told)) < 1:
+def count(told: str) -> int:
+    """A number of processes."""
+    if (number := int(told)) < 1:
         raise argparse.ArgumentTypeError("at least 1")
-    return count
+    return number
 
 
 def _grade(arguments: argparse.Namespace) -> int:
@@ -49,24 +50,22 @@ def _grade(arguments: argparse.Namespace) -> int:
     least = Settings().min_tier
     with ThreadPoolExecutor(1) as beside:  # walls are looked for while the libraries are imported
         looking = beside.submit(choose, least)
-        from exercises.assignment import assignments
+        from exercises.assignment import InvalidAssignment, NoAssignment
         from service.batch import Ask, Wanted, grade_files
         from service.commands.progress import Progress
         from service.grading.grade import UnknownExercise
+        from service.meant import meant
         from service.written import Folder
-
-        known = assignments()
     try:
-        if arguments.assignment not in known:
-            raise UnknownExercise(f"there is no assignment {arguments.assignment}; known: {', '.join(sorted(known))}")
-        files, assignment = find(arguments.files), known[arguments.assignment]
+        files = find(arguments.files)
+        assignment = meant(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
         wanted = Wanted(assignment, seed, forms.pictures(arguments), arguments.sweep)
         written = forms.Forms(arguments, files)
         asks = [Ask(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = Folder(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
-        with Progress(len(files), lambda words: forms.heard(arguments, words)) as progress:
+        with Progress(len(files), heard=lambda words: forms.heard(arguments, words)) as progress:
             for file in grade_files(asks, wanted, looking.result(), arguments.jobs, progress.tell):
                 graded.append(file)
                 if folder:
@@ -77,7 +76,7 @@ def _grade(arguments: argparse.Namespace) -> int:
         written.write(graded, assignment)
     except BrokenPipeError:
         raise
-    except (NothingFound, UnknownExercise, forms.Unfit, WallsMissing, Fault, OSError) as error:
+    except (InvalidAssignment, NoAssignment, NothingFound, UnknownExercise, forms.Unfit, WallsMissing, Fault, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     _conclude(graded, as_json=arguments.json)

@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable
 from types import TracebackType
+from typing import TextIO
 
 from service.tellings.files import GradedFile
 
@@ -12,10 +13,13 @@ CLEAR = "\r\x1b[K"
 
 
 class Progress:
-    """Of ``total`` files. The live line goes to standard error, and only to a terminal; ``heard`` makes words fit to be printed."""
+    """Of ``total`` files, of which those shown as good are ``kind``. The live line goes to standard error, only to a terminal.
 
-    def __init__(self, total: int, heard: Callable[[str], str]) -> None:
-        self._total, self._heard, self._done, self._passed = total, heard, 0, 0
+    ``heard`` makes words fit to be printed.
+    """
+
+    def __init__(self, total: int, kind: str = "all ✓", heard: Callable[[str], str] = str) -> None:
+        self._total, self._kind, self._heard, self._done, self._good = total, kind, heard, 0, 0
         self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
@@ -33,20 +37,24 @@ class Progress:
 
     def show(self, file: GradedFile, *, text: bool) -> None:
         """Print a file's report (``text``), or why there is none."""
+        if file.report is None:
+            self.say(f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}", good=False, to=sys.stderr)
+        else:
+            self.say(f"== {file.file}\n{file.report.text()}" if text else "", good=file.passed)
+
+    def say(self, words: str, *, good: bool, to: TextIO | None = None) -> None:
+        """Print the ``words`` for one file, if there are any."""
         with self._lock:
             self._clear()
-            self._passed += file.passed
-            if file.report is None:
-                why = f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}"
-                print(self._heard(why), file=sys.stderr, flush=True)
-            elif text:
-                print(self._heard(f"== {file.file}\n{file.report.text()}"), flush=True)
+            self._good += good
+            if words:
+                print(self._heard(words), file=to, flush=True)
             self._draw()
 
     def _draw(self) -> None:
         if self._live:
             seconds = time.monotonic() - self._began
-            line = f"{self._done} of {self._total} graded, {self._passed} all ✓ so far, {seconds:.0f} s"
+            line = f"{self._done} of {self._total} graded, {self._good} {self._kind} so far, {seconds:.0f} s"
             print(CLEAR + line, end="", file=sys.stderr, flush=True)
 
     def _clear(self) -> None:

@@ -1,5 +1,6 @@
 """The web application: it accepts, tells and shows. Nothing of a submission runs in this process."""
 
+import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -8,7 +9,7 @@ from fastapi import FastAPI
 from fastapi.middleware.cors import CORSMiddleware
 from fastapi.staticfiles import StaticFiles
 
-from exercises.assignment import assignments
+from exercises.assignment import found
 from service.settings import Settings
 from service.store import queueing
 from service.store.accept import register
@@ -50,6 +51,7 @@ from service.web.templating import ENVIRONMENT
 from service.web.throttle import Throttle
 from service.web.watching import Watch
 
+log = logging.getLogger(__name__)
 ROUTERS = (health.router, routes.router, reports.router, attempts.router, events.router, pictures.router, login.router, kit.router)
 PAGES = (
     course.router,
@@ -99,7 +101,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     settings: Settings = app.state.settings
     assert settings.database_url is not None
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
-    await register(database, assignments().values())
+    await register(database, found().sound.values())
+    for broken in found().broken.values():
+        log.error("%s", broken)
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
     app.state.passwords, app.state.throttle = Passwords(database), Throttle()

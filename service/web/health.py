@@ -5,6 +5,7 @@ import time
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 
+from exercises.assignment import found
 from service.store.database import Database
 from service.web.counters import exposition
 
@@ -26,6 +27,7 @@ async def livez() -> dict[str, str]:
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
     checks = {"walls": "no worker has been heard of", "database": "ok"}
+    broken = {"assignments": f"broken: {', '.join(found().broken)}"} if found().broken else {}  # the others can be graded
     try:
         await request.app.state.database.ping()
         walls, refusal = await request.app.state.crew.known()
@@ -33,8 +35,8 @@ async def readyz(request: Request) -> JSONResponse:
     except Exception as error:
         walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
     if walls is None:
-        return JSONResponse({"status": "not ready", "checks": checks}, 503, {"Retry-After": "5"})
-    return JSONResponse({"status": "ready", "checks": checks})
+        return JSONResponse({"status": "not ready", "checks": checks | broken}, 503, {"Retry-After": "5"})
+    return JSONResponse({"status": "ready", "checks": checks | broken})
 
 
 @router.get("/metrics")

@@ -17,6 +17,7 @@ log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
 
 TITLES = {
+    "assignment-broken": "The assignment cannot be used now",
     "bad-submission": "This cannot be graded",
     "changed-meanwhile": "Somebody else was first",
     "busy": "The server cannot answer this now",

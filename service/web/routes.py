@@ -13,7 +13,7 @@ from fastapi.responses import JSONResponse
 
 from ecp.document import document
 from exercises import wheel
-from exercises.assignment import Assignment, assignments
+from exercises.assignment import Assignment, InvalidAssignment, NoAssignment, assignments, find
 from service.store import overriding, reading
 from service.store.accept import KeyReused, Refused, accept
 from service.store.database import Database, is_outage
@@ -108,10 +108,15 @@ async def show_submission(id: str, request: Request) -> dict[str, Any]:
 
 
 def find_assignment(slug: str) -> Assignment:
-    """The assignment, or a 404 problem."""
-    if (assignment := assignments().get(slug)) is None:
-        raise Problem(404, "not-found", f"there is no assignment {slug[:80]}")
-    return assignment
+    """The assignment; a 404 problem where there is none, a 503 problem where it is broken, so that nothing is taken for it."""
+    try:
+        return find(slug)
+    except InvalidAssignment:
+        raise Problem(
+            503, "assignment-broken", f"the assignment {slug} cannot be used now, which is our fault", retry_after=60
+        ) from None
+    except NoAssignment:
+        raise Problem(404, "not-found", f"there is no assignment {slug[:80]}") from None
 
 
 async def find_submission(request: Request, id: str) -> Stored:

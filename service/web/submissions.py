@@ -67,6 +67,7 @@ def _shown(stored: Stored) -> dict[str, Any]:
             if ending.traceback
         ],
         "motions": motion.played_in(assignment, stored.report) if assignment and stored.report else {},
+        "sweeps": assignment is not None and assignment.sweep is not None,
         "state": lambda outcome: states.state(outcome, endings),
         "tolerance": _tolerance,
     }

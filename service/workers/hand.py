@@ -10,7 +10,7 @@ from typing import Any
 from ecp.document import document, read
 from ecp.outcome import Swept
 from ecp.report import Report
-from exercises.assignment import assignments
+from exercises.assignment import Assignment, InvalidAssignment, NoAssignment, assignments, find
 from service import charts
 from service.grading import pictures
 from service.grading.grade import Tell, grade
@@ -57,7 +57,7 @@ def grade_one(
 ) -> tuple[Report, dict[str, bytes]]:
     """The report and the artefacts to keep. Stopped where ``stop_playing`` was called meanwhile."""
     began = time.perf_counter()
-    graded = grade(submission, assignments()[slug], _own(), seed, exercises, tell=tell)
+    graded = grade(submission, _assignment(slug), _own(), seed, exercises, tell=tell)
     judged = time.perf_counter()
     packed = pictures.pack(graded)
     graded.report.provenance.phases_ms = {"grade": 1e3 * (judged - began), "pack": 1e3 * (time.perf_counter() - judged)}
@@ -66,13 +66,13 @@ def grade_one(
 
 def sweep_one(submission: Submission, slug: str) -> tuple[str, bytes]:
     """Speed against accuracy of a submission, as JSON and as a chart over the reference methods. Raises NotSwept."""
-    swept = sweep(submission, assignments()[slug], _own())
+    swept = sweep(submission, _assignment(slug), _own())
     return json.dumps(document(swept)), charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
 
 
 def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
     """One figure of a graded submission."""
-    assignment = assignments()[slug]
+    assignment = _assignment(slug)
     declared = pictures.find(assignment, figure)
     if declared is None:
         raise KeyError(figure)
@@ -92,6 +92,14 @@ def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
     found = [read(Swept, told) for told in documents]
     scene = Counter(swept.scene for swept in found).most_common(1)[0][0]
     return charts.draw_class(charts.load_work_precision(), scene, [s.points for s in found if s.scene == scene])
+
+
+def _assignment(slug: str) -> Assignment:
+    """Fault where it is broken, or is not there any more."""
+    try:
+        return find(slug)
+    except (InvalidAssignment, NoAssignment) as error:
+        raise Fault(f"the assignment {slug} cannot be used") from error
 
 
 def _close() -> None:

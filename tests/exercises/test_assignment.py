@@ -3,7 +3,7 @@ import dataclasses
 import pytest
 
 from ecp.checks import close
-from exercises.assignment import Exercise, InvalidAssignment, assignments
+from exercises.assignment import Exercise, InvalidAssignment, assignments, found
 
 
 def test_rigid_body_is_found_by_its_folder(rigid_body):
@@ -16,15 +16,18 @@ def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch, rigid_body):
 
     folder = tmp_path / "second"
     folder.mkdir()
+    for name in ("setup.py", "plays.py"):
+        (folder / name).write_text((rigid_body.folder / name).read_text())
     (folder / "__init__.py").write_text(
         "import dataclasses\nfrom exercises.rigid_body import ASSIGNMENT as A\nASSIGNMENT = dataclasses.replace(A, slug='second')\n"
     )
+    before = set(assignments())
     monkeypatch.setattr(exercises, "__path__", [*exercises.__path__, str(tmp_path)])
-    assignments.cache_clear()
+    found.cache_clear()
     try:
-        assert set(assignments()) == {"rigid-body", "second"}
+        assert set(assignments()) == before | {"second"}
     finally:
-        assignments.cache_clear()
+        found.cache_clear()
 
 
 def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):

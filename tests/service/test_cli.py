@@ -26,7 +26,7 @@ def folder(rigid_body):
 
 def test_assignments():
     told = polhode("assignments")
-    assert told.returncode == 0 and told.stdout.startswith("rigid-body  2.6 Rigid-Body Rotation")
+    assert told.returncode == 0 and "rigid-body  2.6 Rigid-Body Rotation" in told.stdout
 
 
 def test_grade_prints_lines_and_exits_0_when_all_pass(folder, tmp_path):
@@ -51,7 +51,7 @@ def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(folder):
     [
         (["nowhere.py"], "nowhere.py"),
         (["right_terms.py", "--exercise", "9"], "no exercise 9"),
-        (["right_terms.py", "--assignment", "knitting"], "no assignment knitting; known: rigid-body"),
+        (["right_terms.py", "--assignment", "knitting"], "no assignment knitting; known: "),
         (["right_terms.py", "--jobs", "0"], "at least 1"),
         (["right_terms.py", "--out", "/dev/null/x"], "/dev/null/x"),
     ],

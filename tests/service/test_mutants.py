@@ -14,7 +14,7 @@ def test_a_few_through_the_walls(rigid_body):
 
 def test_the_command_tells_what_is_missing(capsys):
     assert main(["mutants", "nowhere"]) == 2
-    assert "no mutants for" in capsys.readouterr().err
+    assert "no mutants: there is no assignment nowhere; known: " in capsys.readouterr().err
 
 
 def test_table():

@@ -1,0 +1,91 @@
+"""Where assignments lie: the packages in this folder, and those that POLHODE_ASSIGNMENTS names."""
+
+import importlib
+import importlib.util
+import os
+import pkgutil
+import traceback
+from pathlib import Path
+from typing import Any
+
+import exercises
+from exercises.declaration import NEEDED, syntax_errors
+
+SETTING = "POLHODE_ASSIGNMENTS"
+
+
+def folders() -> list[Path]:
+    """Every folder that means to be an assignment, those beside this file first."""
+    return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in within(one))]))
+
+
+def taken(slug: str) -> bool:
+    """Whether that name is an assignment's, or a module's of this folder."""
+    name = slug.replace("-", "_")
+    return name in [folder.name for folder in folders()] or importlib.util.find_spec(f"exercises.{name}") is not None
+
+
+def home() -> Path | None:
+    """Where a new assignment belongs: in the first folder of them that POLHODE_ASSIGNMENTS names, else here, unless installed."""
+    for named in _named():
+        if not (named / "__init__.py").is_file():
+            return named
+    here = Path(__file__).parent
+    return None if {"site-packages", "dist-packages"} & set(here.parts) else here
+
+
+def add(folder: Path) -> None:
+    """Let this process, and those it starts, know the assignment in ``folder``."""
+    known = os.environ.get(SETTING)
+    os.environ[SETTING] = os.pathsep.join([*([known] if known else []), str(folder.resolve())])
+
+
+def slug_of(folder: Path) -> str:
+    """What the assignment in ``folder`` is called."""
+    return folder.name.replace("_", "-")
+
+
+def load(folder: Path) -> tuple[Any, list[str]]:
+    """What the folder defines as ``ASSIGNMENT``, imported as a part of ``exercises``; or None and all that keeps it from that."""
+    errors = [f"{name} is missing" for name in NEEDED if not (folder / name).is_file()] if folder.is_dir() else []
+    if not folder.is_dir():
+        errors.append(f"there is no folder {folder}")
+    elif not (folder / "__init__.py").is_file():
+        errors.append("__init__.py is missing")
+    if not (folder.name.isidentifier() and folder.name == folder.name.lower()):
+        errors.append(f"its folder {folder.name} is no name of a package: small letters, digits and _")
+    errors += syntax_errors(folder)
+    if errors:
+        return None, errors
+    if str(folder.parent) not in exercises.__path__:
+        exercises.__path__.append(str(folder.parent))
+        importlib.invalidate_caches()
+    module = importlib.import_module(f"exercises.{folder.name}")
+    home = Path(module.__file__ or "").parent
+    if home.resolve() != folder.resolve():
+        return None, [f"the name {folder.name} is taken: by {home if home.name == folder.name else module.__file__}"]
+    if not hasattr(module, "ASSIGNMENT"):
+        return None, ["__init__.py defines no ASSIGNMENT"]
+    return module.ASSIGNMENT, []
+
+
+def told(error: BaseException, folder: Path) -> str:
+    """An error while the folder was imported, with the line of the folder's own that raised it."""
+    said = f"{type(error).__name__}: {error}"
+    own = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).is_relative_to(folder)]
+    return f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {said}" if own else said
+
+
+def _here() -> list[Path]:
+    return [Path(getattr(m.module_finder, "path", "")) / m.name for m in pkgutil.iter_modules(exercises.__path__) if m.ispkg]
+
+
+def _named() -> list[Path]:
+    return [Path(part).expanduser().resolve() for part in os.environ.get(SETTING, "").split(os.pathsep) if part]
+
+
+def within(named: Path) -> list[Path]:
+    """The assignment that a folder is, or each in a folder of them; a folder that is not there stands for itself."""
+    if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
+        return [named]
+    return sorted(path.parent for path in named.glob("*/__init__.py"))

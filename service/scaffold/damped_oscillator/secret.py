@@ -1,0 +1,21 @@
+"""The checks whose numbers nobody knows beforehand, behind the public ones."""
+
+from dataclasses import replace
+
+from ecp.checks import within
+
+from .public import OSCILLATOR
+
+RATES = within(
+    "1-rates",
+    "oscillator is (v, −ω²x − 2γv) for any state, ω and γ",
+    "probes",
+    measured=lambda seen: seen["rate"],
+    expected=lambda truth: truth["rate"],
+    scale=lambda truth: truth["scale"],
+    limit=1e-13,
+    reason="of ω²|x| + 2γ|v|: a few roundings, 2.2e-16 each, separate two spellings; a hundred times that",
+    locate=lambda index, seen: f"{('dx/dt', 'dv/dt')[index[1]]}, probe {index[0] + 1} of {len(seen['rate'])}",
+)
+
+EXERCISES = (replace(OSCILLATOR, checks=(*OSCILLATOR.checks, RATES)),)

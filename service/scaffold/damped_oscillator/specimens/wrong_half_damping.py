@@ -1,0 +1,3 @@
+def oscillator(t, y, omega, gamma):
+    x, v = y
+    return [v, -(omega**2) * x - gamma * v]

@@ -1,0 +1,3 @@
+def oscillator(t, y, omega, gamma):
+    x, v = y
+    return [-(omega**2) * x - 2 * gamma * v, v]

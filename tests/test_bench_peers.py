@@ -178,10 +178,10 @@ ROWS = [
 def test_goals_are_ratios_of_medians_in_one_run():
     told = list(map(str, goals(ROWS, [("slow", 40), ("fast", 8), ("absent", 8)], 10)))
     assert told == [
-        "met      one over the warm server at most 1/40 of slow: 1/41.0",
-        "not met  one over the warm server at most 1/8 of fast: 1/7.0",
+        "met      one over the warm server at most 1/40 of slow: 1/41.0 (CPU 1/41.0)",
+        "not met  one over the warm server at most 1/8 of fast: 1/7.0 (CPU 1/7.0)",
         "not measured  one over the warm server at most 1/8 of absent",
-        "not met  10 by polhode grade at most 1/8 per submission of the best peer (fast): 1/7.0",
+        "not met  10 by polhode grade at most 1/8 per submission of the best peer (fast): 1/7.0 (CPU 1/7.0)",
     ]
     assert best(ROWS, 10).name == "fast"
     assert str(goals(ROWS[:3], [], 10)[0]).startswith("not measured")

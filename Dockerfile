@@ -25,7 +25,7 @@ LABEL org.opencontainers.image.title="polhode" org.opencontainers.image.licenses
     org.opencontainers.image.description="Auto-graded course assignment server for physics notebooks"
 RUN useradd --uid 10001 --home-dir /var/lib/polhode --shell /usr/sbin/nologin polhode \
     && install --directory --owner=polhode --group=polhode /var/lib/polhode \
-    && python3 -m compileall -q -x '(site|dist)-packages' "$(python3 -c 'import sysconfig; print(sysconfig.get_path("stdlib"))')"
+    && python3 -m compileall -q -x '(site|dist)-packages|/tests?/' "$(python3 -c 'import sysconfig; print(sysconfig.get_path("stdlib"))')"
 COPY --from=build /opt/venv /opt/venv
 ENV PATH=/opt/venv/bin:$PATH LANG=C.UTF-8 HOME=/var/lib/polhode POLHODE_DATA=/var/lib/polhode/data POLHODE_HOST=0.0.0.0 \
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1

@@ -7,10 +7,12 @@ CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREA
 # Much of a test is waiting: processes share whole files, begun in the order of tests/conftest.py.
 SHARED := --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
 
-.PHONY: help env demo serve test lint bench chaos lock clean
+IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
+
+.PHONY: help env demo serve test lint bench chaos image-test lock clean
 
 help:  ## list the targets
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
 env: .venv/runtime  ## make .venv from the hashed lock and compile its bytecode
 
@@ -62,11 +64,17 @@ bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what wall
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
 	@$(CLEAN_ENV) $(BIN)/python -m tests.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
 
-lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
+image-test: .venv/tests  ## build the container image with podman, run it as docs/docker.md says, and a whole course by docker-compose.yml
+	@{ command -v podman && command -v mmdebstrap && command -v podman-compose; } >/dev/null || { echo "polhode: installing $(IMAGE_TOOLS)" \
+		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }
+	@$(CLEAN_ENV) $(BIN)/python -m tests.image
+
+lock:  ## renew the locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
 	uv lock $(UPGRADE)
 	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
 	uv export --quiet --format requirements.txt --all-groups --all-extras --no-emit-project --no-header --output-file requirements-test.lock
-	@! grep -nE 'https?://' requirements.lock requirements-test.lock
+	echo uv | uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --output-file requirements-uv.lock -
+	@! grep -nE 'https?://' requirements.lock requirements-test.lock requirements-uv.lock
 
 clean:  ## remove what the other targets made
 	rm -rf .venv .demo .data .bench .pytest_cache .mypy_cache .ruff_cache

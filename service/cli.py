@@ -118,6 +118,11 @@ def _chart(arguments: argparse.Namespace) -> int:
     except ValueError as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
+    except ModuleNotFoundError as missing:
+        if missing.name != "numba":
+            raise
+        print("polhode: the reference methods are compiled with numba, which is not installed here", file=sys.stderr)
+        return 2
     return 0
 
 

@@ -59,7 +59,8 @@ def _limits() -> str:
 def _advice() -> list[str]:
     found = [do for name, (value, do) in SWITCHES.items() if _read(Path("/proc/sys") / name) == value]
     if Path("/.dockerenv").exists() or Path("/run/.containerenv").exists():
-        found.append("in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined --cap-add SYS_ADMIN")
+        more = " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""  # others have them in a user namespace
+        found.append(f"in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined{more}")
     return found
 
 

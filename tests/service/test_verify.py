@@ -178,7 +178,9 @@ def test_a_public_side_that_students_cannot_play(folder, capsys):
 
 
 def test_nothing_to_grade(folder, capsys):
-    assert verify(folder, "--only", "nothing*") == 2 and "no specimen to grade" in capsys.readouterr().err
+    for path in (folder, folder / "specimens", folder.parent):
+        assert verify(path, "--only", "nothing*") == 2
+        assert "damped-oscillator: no specimen to grade" in capsys.readouterr().err
     (folder / "__init__.py").unlink()
     assert verify(folder) == 2 and "damped-oscillator: __init__.py is missing" in capsys.readouterr().err
     assert verify(folder.parent) == 2 and f"there is no assignment in {folder.parent}" in capsys.readouterr().err

@@ -19,7 +19,7 @@ env: .venv/runtime  ## make .venv from the hashed lock and compile its bytecode
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(INSTALL) --require-hashes -r requirements.lock
 	@$(INSTALL) --no-deps --no-build-isolation -e .
-	@rm -rf .venv/lib/python3*/site-packages/ecp  # hatch copies it, which would hide exercises/kit, where it is edited
+	@rm -rf .venv/lib/python3*/site-packages/ecp .venv/lib/python3*/site-packages/service  # hatch's copies of what is edited elsewhere
 	@touch $@
 
 .venv/tests: .venv/runtime requirements-test.lock

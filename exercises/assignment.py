@@ -1,7 +1,7 @@
 """The grammar of an assignment: scenes to play, exercises that judge them, figures that show them; and every one there is."""
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -128,9 +128,10 @@ class Assignment:
         """All of them, in order."""
         return [c for e in self.exercises for c in e.checks]
 
-    def most_points(self) -> int:
-        """A point for each check, but for those of functions that may be left out: these are a bonus."""
-        return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in self.exercises)
+    def most_points(self, numbers: Collection[str] | None = None) -> int:
+        """A point for each check of the exercises (default: all), but for those of functions that may be left out: a bonus."""
+        asked = [e for e in self.exercises if numbers is None or e.number in numbers]
+        return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in asked)
 
     def functions(self) -> set[str]:
         """Every name a student may define to be played."""

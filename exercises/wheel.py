@@ -1,12 +1,10 @@
 """The students' kit as a wheel: ``ecp``, and of every assignment its public side with the exact arrays of its public scenes."""
 
-import base64
 import functools
 import hashlib
 import io
 import json
 import logging
-import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +13,7 @@ from typing import Any
 import numpy as np
 
 import ecp
+from exercises import reproducible
 from exercises.assignment import Assignment, Scene, assignments
 
 log = logging.getLogger(__name__)
@@ -33,7 +32,6 @@ Requires-Dist: matplotlib
 FORM = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 INFO = f"polhode_kit-{ecp.KIT}.dist-info"
 NOTEBOOK = "notebook.ipynb"
-EPOCH = (2000, 1, 1, 0, 0, 0)
 
 
 @functools.cache
@@ -51,12 +49,7 @@ def wheel(server: str | None = None) -> bytes:
     made = {"build": build()} | ({"server": server} if server else {})
     files = _content() | {"ecp/assignments/made.json": json.dumps(made).encode()}
     files |= {f"{INFO}/METADATA": METADATA.encode(), f"{INFO}/WHEEL": FORM.encode()}
-    files[f"{INFO}/RECORD"] = _record(files)
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
-    return stream.getvalue()
+    return reproducible.wheel(INFO, files)
 
 
 def has_notebook(assignment: Assignment) -> bool:
@@ -122,21 +115,12 @@ def _truth(scene: Scene) -> Mapping[str, Any]:
 
 def _packed(arrays: Mapping[str, Any]) -> bytes:
     """Arrays as an .npz whose bytes do not depend on when it is made."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, array in arrays.items():
-            member = io.BytesIO()
-            np.save(member, np.asarray(array), allow_pickle=False)
-            archive.writestr(zipfile.ZipInfo(f"{name}.npy", EPOCH), member.getvalue(), zipfile.ZIP_DEFLATED)
-    return stream.getvalue()
-
-
-def _record(files: Mapping[str, bytes]) -> bytes:
-    lines = []
-    for name, content in files.items():
-        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
-        lines.append(f"{name},sha256={digest},{len(content)}")
-    return "\n".join([*lines, f"{INFO}/RECORD,,", ""]).encode()
+    files = {}
+    for name, array in arrays.items():
+        member = io.BytesIO()
+        np.save(member, np.asarray(array), allow_pickle=False)
+        files[f"{name}.npy"] = member.getvalue()
+    return reproducible.zipped(files)
 
 
 def _listed(value: Any) -> Any:

@@ -49,7 +49,7 @@ def _close_stdout() -> None:
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
-    from service.commands import credentials, database, grade, new_assignment, people, plan, queue, verify
+    from service.commands import credentials, database, export, grade, new_assignment, people, plan, queue, verify
 
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
     commands = parser.add_subparsers(dest="command", required=True)
@@ -72,7 +72,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
     mutants.set_defaults(run=_mutants)
-    for more in (grade, verify, new_assignment, database, queue, plan, people, credentials):
+    for more in (grade, verify, new_assignment, export, database, queue, plan, people, credentials):
         more.add(commands)
     commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)

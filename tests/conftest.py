@@ -35,6 +35,7 @@ FIRST = (
     "test_chaos",
     "test_machines",
     "test_sandbox",
+    "test_autograder",
 )
 
 

@@ -11,6 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from service.commands import forms
+
 if TYPE_CHECKING:
     from service.tellings.files import GradedFile
 
@@ -24,8 +26,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     grade.add_argument("--seed", type=int, help="draw the secret scenes from this seed, as a report names it")
     grade.add_argument("--jobs", type=count, metavar="N", help="grade at most N at a time; default: one per processor")
     grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
-    grade.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
+    printed = grade.add_mutually_exclusive_group()
+    printed.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
+    printed.add_argument("--github", action="store_true", help="annotate lines and write a summary, in GitHub Actions")
     grade.add_argument("--out", type=Path, metavar="DIR", help="write each report with its figures into DIR, and DIR/index.html")
+    forms.add(grade)
     grade.set_defaults(run=_grade)
 
 
@@ -55,11 +60,12 @@ def _grade(arguments: argparse.Namespace) -> int:
         files = find(arguments.files)
         assignment = meant(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-        wanted = Wanted(assignment, seed, ("svg",) if arguments.out else (), arguments.sweep)
+        wanted = Wanted(assignment, seed, forms.pictures(arguments), arguments.sweep)
+        written = forms.Forms(arguments, files)
         asks = [Ask(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = Folder(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
-        with Progress(len(files)) as progress:
+        with Progress(len(files), heard=lambda words: forms.heard(arguments, words)) as progress:
             for file in grade_files(asks, wanted, looking.result(), arguments.jobs, progress.tell):
                 graded.append(file)
                 if folder:
@@ -67,9 +73,10 @@ def _grade(arguments: argparse.Namespace) -> int:
                 progress.show(file, text=not arguments.json)
         if folder:
             folder.end(graded, assignment)
+        written.write(graded, assignment)
     except BrokenPipeError:
         raise
-    except (InvalidAssignment, NoAssignment, NothingFound, UnknownExercise, WallsMissing, Fault, OSError) as error:
+    except (InvalidAssignment, NoAssignment, NothingFound, UnknownExercise, forms.Unfit, WallsMissing, Fault, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     _conclude(graded, as_json=arguments.json)

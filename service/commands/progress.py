@@ -3,6 +3,7 @@
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import TextIO
 
@@ -12,10 +13,13 @@ CLEAR = "\r\x1b[K"
 
 
 class Progress:
-    """Of ``total`` files, of which those shown as good are ``kind``. The live line goes to standard error, only to a terminal."""
+    """Of ``total`` files, of which those shown as good are ``kind``. The live line goes to standard error, only to a terminal.
 
-    def __init__(self, total: int, kind: str = "all ✓") -> None:
-        self._total, self._kind, self._done, self._good = total, kind, 0, 0
+    ``heard`` makes words fit to be printed.
+    """
+
+    def __init__(self, total: int, kind: str = "all ✓", heard: Callable[[str], str] = str) -> None:
+        self._total, self._kind, self._heard, self._done, self._good = total, kind, heard, 0, 0
         self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
@@ -44,7 +48,7 @@ class Progress:
             self._clear()
             self._good += good
             if words:
-                print(words, file=to, flush=True)
+                print(self._heard(words), file=to, flush=True)
             self._draw()
 
     def _draw(self) -> None:

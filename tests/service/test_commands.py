@@ -26,6 +26,8 @@ WRONG = [
     (["assign", "rigid-body", "--most", "0"], {}, "between 1 and"),
     (["assign", "rigid-body", "--due", "tomorrow"], {}, "no time such as"),
     (["assign", "rigid-body", "--due", "2026-12-01T12:00"], {}, "time zone"),
+    (["export", "gradescope", "--out", "x.zip", "--assignment", "nope"], {}, "no assignment nope"),
+    (["export", "gradescope", "--out", "x.zip", "--exercise", "9"], {}, "no exercise 9"),
     (["plan", "--students", "1000000000", "--minutes", "1", "--workers", "1"], {}, "at most"),
 ]
 

@@ -1,0 +1,39 @@
+"""polhode export: an assignment in the form that another grader takes."""
+
+import argparse
+import sys
+from pathlib import Path
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    export = commands.add_parser("export", help="an assignment in the form that another grader takes")
+    forms = export.add_subparsers(dest="form", required=True)
+    gradescope = forms.add_parser("gradescope", help="the zip of an autograder to upload there")
+    gradescope.add_argument("--assignment", default="rigid-body", metavar="SLUG", help="default rigid-body")
+    gradescope.add_argument(
+        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted"
+    )
+    gradescope.add_argument("--out", type=Path, required=True, metavar="FILE.zip")
+    gradescope.set_defaults(run=_gradescope)
+
+
+def _gradescope(arguments: argparse.Namespace) -> int:
+    from exercises.assignment import assignments
+    from service.gradescope.bundle import bundle
+    from service.grading.grade import UnknownExercise, select
+    from service.written import write
+
+    known = assignments()
+    try:
+        if arguments.assignment not in known:
+            raise UnknownExercise(f"there is no assignment {arguments.assignment}; known: {', '.join(sorted(known))}")
+        assignment = known[arguments.assignment]
+        select(assignment, arguments.exercise)
+        write(arguments.out, bundle(assignment, arguments.exercise))
+    except (UnknownExercise, OSError) as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    points = assignment.most_points(arguments.exercise)
+    print(f"written to {arguments.out}: upload it as the autograder, with {points} points for it")
+    return 0

@@ -1,0 +1,106 @@
+"""What polhode grade leaves for other systems: files of grades, and words for GitHub Actions.
+
+After a fault of ours there is no file that somebody could take for a grade: only JUnit's report, where it is an error.
+"""
+
+import argparse
+import json
+import os
+import secrets
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from exercises.assignment import Assignment
+    from service.tellings.classroom50 import About
+    from service.tellings.files import GradedFile
+
+
+class Unfit(ValueError):
+    """What was asked for cannot be written; the message tells why."""
+
+
+def add(grade: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    grade.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML")
+    grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
+    grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write the results.json of one file")
+    grade.add_argument(
+        "--classroom50", type=Path, metavar="FILE", help="write the result.json of one file, in Classroom 50's runner"
+    )
+
+
+def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """The kinds of figures that are needed."""
+    return ("svg",) * bool(arguments.out) + ("png",) * bool(arguments.gradescope)
+
+
+def heard(arguments: argparse.Namespace, words: str) -> str:
+    """The words as they may be printed: in GitHub Actions no line of a student's may be a command."""
+    from service.tellings.commands import unheard
+
+    return unheard(words, secrets.token_hex(16)) if arguments.github else words
+
+
+class Forms:
+    """The forms asked for; Unfit, before anything is graded, where one of them cannot be had of these files."""
+
+    def __init__(self, arguments: argparse.Namespace, files: Sequence[Path]) -> None:
+        self._arguments, self._about = arguments, None
+        for form in ("gradescope", "classroom50"):
+            if getattr(arguments, form) and len(files) != 1:
+                raise Unfit(f"--{form} tells of one file, and there are {len(files)}")
+        if arguments.classroom50:
+            self._about = _about(files[0])
+
+    def write(self, graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
+        """Write them."""
+        from service.written import write
+
+        if self._arguments.junit:
+            from service.tellings import junit
+
+            write(self._arguments.junit, junit.text(graded, assignment))
+        if not any(file.fault for file in graded):
+            for path, content in self._grades(graded, assignment):
+                write(path, content)
+        if self._arguments.github:
+            _tell_github(graded, assignment)
+
+    def _grades(self, graded: "Sequence[GradedFile]", assignment: "Assignment") -> list[tuple[Path, str]]:
+        from service.grades import own
+        from service.tellings import classroom50, gradescope
+        from service.tellings.grades import rows
+
+        found, arguments = [], self._arguments
+        if arguments.csv:
+            checks = [check.id for check in assignment.checks()]
+            found.append((arguments.csv, own.assignment(rows(graded, assignment), checks)))
+        if arguments.gradescope:
+            found.append((arguments.gradescope, json.dumps(gradescope.document(graded[0], assignment), indent=1)))
+        if self._about:
+            document = classroom50.document(graded[0], assignment, self._about)
+            found.append((arguments.classroom50, json.dumps(document, indent=1)))
+        return found
+
+
+def _about(file: Path) -> "About":
+    from service.classroom50 import NotTold, about
+
+    try:
+        return about(os.environ, file.parent, datetime.now(UTC))
+    except NotTold as error:
+        raise Unfit(str(error)) from error
+
+
+def _tell_github(graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
+    """Annotations on standard output, and the summary where the step has one."""
+    from service.tellings import github
+
+    for annotation in github.annotations(graded, assignment):
+        print(annotation)
+    if path := os.environ.get("GITHUB_STEP_SUMMARY"):
+        with open(path, "a", encoding="utf-8") as stream:
+            stream.write(github.summary(graded, assignment))

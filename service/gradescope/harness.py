@@ -1,0 +1,66 @@
+"""What run_autograder runs: finds what was handed in, has it graded, and leaves results.json; or none where we could not grade.
+
+Without one Gradescope tells that the autograder failed, which is no verdict, and can run it again. Exit codes: 0 where there are
+results, 2 where there are none.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from service.found import NothingFound, find
+from service.written import write
+
+HOME = Path("/autograder")
+ANSWERS = (0, 1)  # exit codes of polhode grade
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Grade the one file in /autograder/submission; ``arguments`` are more of ``polhode grade``'s."""
+    results, submission = HOME / "results" / "results.json", HOME / "submission"
+    results.unlink(missing_ok=True)
+    found = _found(submission)
+    if len(found) != 1:
+        _refuse([str(file.relative_to(submission)) for file in found], arguments, results)
+        return 0
+    grade = [sys.executable, "-I", "-m", "service.cli", "grade", str(found[0]), *arguments, "--gradescope", str(results)]
+    code = subprocess.run(grade, check=False).returncode
+    if code in ANSWERS and results.is_file():
+        return 0
+    results.unlink(missing_ok=True)
+    print(f"polhode: this submission was not graded (exit code {code}), which says nothing about it: run the autograder again")
+    return 2
+
+
+def _found(submission: Path) -> list[Path]:
+    """Every .py and .ipynb that was handed in; links, which could lead out of there, are not followed."""
+    try:
+        return [file for file in find([str(submission)]) if not file.is_symlink()]
+    except NothingFound:
+        return []
+
+
+def _refuse(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
+    """No points, and what to hand in instead."""
+    from exercises.assignment import assignments
+    from service.tellings import gradescope
+    from service.tellings.files import GradedFile
+
+    parser = argparse.ArgumentParser(allow_abbrev=False)
+    parser.add_argument("--assignment", choices=sorted(assignments()), required=True)
+    asked, _ = parser.parse_known_args(arguments)
+    refused = GradedFile(file=HOME / "submission", refused=_sentence(names))
+    write(results, json.dumps(gradescope.document(refused, assignments()[asked.assignment]), ensure_ascii=False))
+
+
+def _sentence(names: Sequence[str]) -> str:
+    if not names:
+        return "There is no .py or .ipynb file in this submission. Hand in one of either."
+    return f"Hand in one file: this submission has {len(names)} that could be graded, {', '.join(names)}."
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,102 @@
+"""What polhode grade leaves for other systems, read back."""
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from service.commands import forms
+from service.tellings.files import GradedFile
+from tests.runner import commands
+
+FORGER = """
+import numpy as np
+print("::error file=forged.py::forged")
+print("  ::stop-commands::x")
+print("##[error]forged")
+
+def euler_eqs(t, w, I):
+    raise ValueError("::warning::forged\\n::error::forged")
+"""
+
+
+def polhode(*arguments, folder, **environment):
+    command = [sys.executable, "-m", "service.cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=folder, env=os.environ | environment, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def folder(rigid_body, tmp_path):
+    for name in ("right_terms.py", "wrong_zeros.py"):
+        (tmp_path / name).write_text((rigid_body.folder / "specimens" / name).read_text())
+    (tmp_path / "forger.py").write_text(FORGER)
+    return tmp_path
+
+
+def test_one_grading_in_every_form_agrees(folder):
+    options = ("--exercise", "2", "--junit", "out/j.xml", "--csv", "out/g.csv", "--json")
+    told = polhode("grade", "right_terms.py", "wrong_zeros.py", *options, folder=folder)
+    reports = [r["report"] for r in json.loads(told.stdout)["reports"]]
+    suites = ElementTree.parse(folder / "out" / "j.xml").getroot().findall("testsuite")
+    lines = list(csv.DictReader((folder / "out" / "g.csv").read_text(encoding="utf-8-sig").splitlines()))
+    assert told.returncode == 1 and [r["score"] for r in reports] == [5, 2]
+    assert [int(s.get("tests")) - int(s.get("failures")) for s in suites] == [5, 2]
+    assert [(line["student"], line["points"]) for line in lines] == [("right_terms", "5"), ("wrong_zeros", "2")]
+    for report, line in zip(reports, lines, strict=True):
+        assert {o["id"]: o["verdict"] for e in report["exercises"] for o in e["outcomes"]} == {
+            id: state for id, state in line.items() if id.startswith("2-") and state
+        }
+
+
+def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(folder):
+    told = polhode("grade", "wrong_zeros.py", "--exercise", "2", "--gradescope", "r.json", folder=folder)
+    document = json.loads((folder / "r.json").read_text())
+    assert told.returncode == 1 and document["score"] == 2
+    assert document["tests"][-1]["output"].count('<img src="data:image/png;base64,') == 2
+    (folder / "r.json").unlink()
+    told = polhode("grade", ".", "--gradescope", "r.json", folder=folder)
+    assert told.returncode == 2 and "--gradescope tells of one file, and there are 3" in told.stderr
+    assert not told.stdout and not (folder / "r.json").exists()
+
+
+def test_classroom50_by_its_runners_variables(folder):
+    runner = {"CLASSROOM": "c", "ASSIGNMENT": "a", "OWNER": "ann", "SUBMISSION_TAG": "submit/2026-03-01T10-00-00Z-abc1234"}
+    runner |= {"COMMIT_URL": "https://example.org/c", "RELEASE_URL": "https://example.org/r"}
+    asked = ("grade", "right_terms.py", "--exercise", "2", "--classroom50", "result.json")
+    told = polhode(*asked, folder=folder, **runner)
+    document = json.loads((folder / "result.json").read_text())
+    assert (
+        told.returncode == 0
+        and document["datetime"] == "2026-03-01T10:00:00Z"
+        and (document["score"], document["max-score"]) == (5, 5)
+    )
+    (folder / "result.json").unlink()
+    told = polhode(*asked, folder=folder)
+    assert told.returncode == 2 and "Classroom 50 sets CLASSROOM" in told.stderr and not (folder / "result.json").exists()
+
+
+def test_in_github_actions_only_our_own_commands_are_heard(folder):
+    told = polhode("grade", ".", "--exercise", "2", "--github", folder=folder, GITHUB_STEP_SUMMARY=str(folder / "summary.md"))
+    heard = commands(told.stdout + told.stderr)
+    assert told.returncode == 1 and told.stdout.count("forged") >= 3
+    assert {(name, about["file"]) for name, about, _ in heard} == {("error", "forger.py"), ("error", "wrong_zeros.py")}
+    (forger,) = [about for _, about, _ in heard if about["file"] == "forger.py"]
+    assert forger["line"] == "8"  # where it raised
+    assert "| <code>right&#95;terms&#46;py</code> | ✓ | 5 of 5 |" in (folder / "summary.md").read_text()
+
+
+@pytest.mark.parametrize("form", ["csv", "gradescope"])
+def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_body, tmp_path, form):
+    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out")) | {"github": False}
+    arguments = argparse.Namespace(**asked | {form: tmp_path / "grades", "junit": tmp_path / "junit.xml"})
+    file = Path("x.py")
+    forms.Forms(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)
+    assert [p.name for p in tmp_path.iterdir()] == ["junit.xml"]
+    (case,) = ElementTree.parse(tmp_path / "junit.xml").getroot().iter("testcase")
+    assert "the guest went away" in case.find("error").text

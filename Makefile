@@ -50,13 +50,14 @@ test: lint .venv/browser  ## lint, then every test, in PROCESSES=2
 	@$(CLEAN_ENV) $(BIN)/python -m pytest $(SHARED) || { echo "polhode: once more what failed beside others, by itself"; \
 		$(CLEAN_ENV) $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; }
 
-bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge
+bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge, other autograders
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
 	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
 	@$(CLEAN_ENV) $(BIN)/python -m bench.pages
+	@$(CLEAN_ENV) $(BIN)/python -m bench.peers
 
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
 	@$(CLEAN_ENV) $(BIN)/python -m tests.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
@@ -68,4 +69,4 @@ lock:  ## renew both locks (needs uv; UPGRADE=--upgrade for newer versions); the
 	@! grep -nE 'https?://' requirements.lock requirements-test.lock
 
 clean:  ## remove what the other targets made
-	rm -rf .venv .demo .data .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv .demo .data .bench .pytest_cache .mypy_cache .ruff_cache

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 import reference
 from ecp.checks import Arrays
@@ -60,6 +59,8 @@ def _state(w: Array, R: Array | None) -> Array:
 
 
 def _integrate(start: Array, times: Array, I: Array, ask: Ask, most_calls: int) -> Array:
+    from scipy.integrate import solve_ivp
+
     moments, calls = np.asarray(I, dtype=float), 0
 
     def rates(t: float, y: Array) -> Array:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
@@ -116,6 +115,8 @@ def spun(axis: int) -> tuple[float, ...]:
 
 def _largest_growth(axis: int) -> float:
     """The largest transverse |ω| over the spin about ``axis``, over all times and not only at samples."""
+    from scipy.optimize import minimize_scalar
+
     exact, times = reference.Exact(spun(axis), BOOK), np.linspace(0.0, SPIN_TIME, 400)
 
     def transverse(t: float) -> float:

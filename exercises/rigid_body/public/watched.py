@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from ecp.checks import Arrays
 
@@ -144,6 +143,8 @@ def _paths(seen: Arrays) -> Paths:
 def _attitudes(seen: Arrays, t: Array, R: Array) -> Iterator[Array]:
     """R (f, 3, 3) at the frames, for each way in which frames may count time: evenly, by a whole stride, by index, by the time;
     held at the end or begun anew. Only those that show enough of the motion to tell it from another."""
+    from scipy.interpolate import CubicSpline
+
     number, value, many = seen["at"].T
     n, total, spline = len(t), int(many[0]), CubicSpline(np.arange(len(t)), R.reshape(len(t), 9))
     ways = [number * (n - 1) / max(total - 1, 1)]

@@ -1,0 +1,58 @@
+"""check50: checks that import the student's module, each in a process of check50's pool; one submission a command."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
+from bench.peers.peer import Command, Marks, Peer, reading
+from bench.peers.submissions import Submission, write
+
+# One check for both lines: two would each import the submission and integrate anew, and take a third longer.
+CHECKS = f'''{COMMON}
+import check50
+import check50.py
+
+
+@check50.check()
+def conserved():
+    """energy and angular momentum conserved"""
+    student = check50.py.import_("submission.py")
+    euler_eqs, integrate_body, T_rot, L_body = student.euler_eqs, student.integrate_body, student.T_rot, student.L_body
+    {INTEGRATE}
+    if not ({ENERGY}):
+        raise check50.Failure("energy drifts")
+    if not ({MOMENTUM}):
+        raise check50.Failure("angular momentum drifts")
+'''
+SETTINGS = 'check50:\n  checks: __init__.py\n  files:\n    - !include "submission.py"\n'
+
+
+class Check50(Peer):
+    """In ``place``: the checks, a folder per submission, and in it the answer of ``-o json``."""
+
+    name, package, batch = "check50 --dev", "check50", "the command ten times"
+
+    def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
+        """No command is needed."""
+        write(self.place.folder / "checks/__init__.py", CHECKS)
+        write(self.place.folder / "checks/.cs50.yaml", SETTINGS)
+        for name, submission in submissions.items():
+            write(self.place.folder / name / "submission.py", submission.script)
+        return []
+
+    def one(self, name: str) -> Command:
+        """``check50 --dev`` where the submission is."""
+        output = ["-o", "json", "--output-file", "../" + name + ".json"]
+        return Command([self.place.tool("check50"), "--dev", *output, "../checks"], self.place.folder / name)
+
+    def marks(self, name: str) -> Marks:
+        """Checks passed."""
+        return read(self.place.folder / f"{name}.json")
+
+
+def read(file: Path) -> Marks:
+    """Passed of all in the file of ``--output-file``."""
+    with reading("check50"):
+        results = json.loads(file.read_text())["results"]
+        return Marks(sum(r["passed"] is True for r in results), len(results))

@@ -1,0 +1,71 @@
+"""gradescope-utils: unittest in the process of the submission, by the script that a Gradescope autograder runs for each student."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
+from bench.peers.peer import Command, Marks, Peer, reading
+from bench.peers.submissions import Submission, write
+
+TESTS = f'''{COMMON}
+import sys
+import unittest
+
+from gradescope_utils.autograder_utils.decorators import weight
+from gradescope_utils.autograder_utils.json_test_runner import JSONTestRunner
+
+sys.path.insert(0, sys.argv[1])
+from submission import L_body, T_rot, euler_eqs, integrate_body
+
+
+class Exercise2(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        {INTEGRATE}
+        cls.w = w
+
+    @weight(1)
+    def test_energy(self):
+        """energy conserved"""
+        w = self.w
+        self.assertTrue({ENERGY})
+
+    @weight(1)
+    def test_momentum(self):
+        """angular momentum conserved"""
+        w = self.w
+        self.assertTrue({MOMENTUM})
+
+
+with open(sys.argv[2], "w") as stream:
+    JSONTestRunner(stream=stream, visibility="visible").run(unittest.defaultTestLoader.loadTestsFromTestCase(Exercise2))
+'''
+
+
+class Gradescope(Peer):
+    """In ``place``: the script, a folder per submission, and results.json of each."""
+
+    name, package, batch = "gradescope-utils", "gradescope", "the script ten times"
+
+    def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
+        """No command is needed."""
+        write(self.place.folder / "run_tests.py", TESTS)
+        for name, submission in submissions.items():
+            write(self.place.folder / name / "submission.py", submission.script)
+        return []
+
+    def one(self, name: str) -> Command:
+        """A Python per submission, as in Gradescope's containers; their start is not in it."""
+        return Command([self.place.python, "run_tests.py", name, f"{name}/results.json"], self.place.folder)
+
+    def marks(self, name: str) -> Marks:
+        """Points."""
+        return read(self.place.folder / name / "results.json")
+
+
+def read(file: Path) -> Marks:
+    """Points of all tests that have any, in a results.json of Gradescope's format."""
+    with reading("results.json"):
+        tests = [t for t in json.loads(file.read_text())["tests"] if t.get("max_score")]
+        return Marks(sum(t["score"] for t in tests), sum(t["max_score"] for t in tests))

@@ -1,0 +1,87 @@
+"""What is graded: the Setup cell of the course notebook and an ``euler_eqs`` of the specimens, as a script and as a notebook."""
+
+import ast
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from exercises.assignment import assignments
+
+FOLDER = assignments()["rigid-body"].folder
+SPECIMENS = {
+    "right": "right_terms.py",
+    "sign slip": "wrong_sign_flipped.py",
+    "zeros": "wrong_zeros.py",
+    "reversed in time": "wrong_time_reversed.py",
+    "np.max patched": "hostile_patched_max.py",
+}
+LEAN = """import numpy as np
+from scipy.integrate import solve_ivp
+"""
+COURSE = f"""import matplotlib.pyplot as plt
+from matplotlib.animation import FuncAnimation
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+{LEAN}"""
+
+
+@dataclass(frozen=True)
+class Submission:
+    """What one student sends; ``name`` is used for files and folders."""
+
+    name: str
+    setup: str
+    answer: str
+
+    @property
+    def script(self) -> str:
+        """As a .py file."""
+        return f"{self.setup}\n\n{self.answer}"
+
+    @property
+    def notebook(self) -> str:
+        """As a .ipynb file of two cells."""
+        return notebook([code_cell("setup", self.setup), code_cell("euler", self.answer)])
+
+
+def submissions(batch: int) -> dict[str, Submission]:
+    """By their names: one of each kind, the right one without matplotlib, and ``batch`` copies of the right one."""
+    answers = {kind: (FOLDER / "specimens" / file).read_text() for kind, file in SPECIMENS.items()}
+    course, lean = (imports + "\n\n" + _setup_functions() for imports in (COURSE, LEAN))
+    found = [Submission(file_name(kind), course, answer) for kind, answer in answers.items()]
+    found.append(Submission("lean", lean, answers["right"]))
+    found += [Submission(name, course, f"{answers['right']}\n# {name}\n") for name in copies(batch)]
+    return {s.name: s for s in found}
+
+
+def copies(batch: int) -> list[str]:
+    """Names of the right one's copies."""
+    return [f"copy-{k}" for k in range(batch)]
+
+
+def file_name(kind: str) -> str:
+    """A kind's name as a file's."""
+    return kind.replace(" ", "-").replace(".", "-")
+
+
+def notebook(cells: list[dict]) -> str:
+    """A notebook for Python (nbformat 4.5)."""
+    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kernel, "cells": cells}, indent=1)
+
+
+def code_cell(id: str, source: str, **metadata: object) -> dict:
+    """A cell that has not been run."""
+    return {"cell_type": "code", "id": id, "metadata": metadata, "source": source, "execution_count": None, "outputs": []}
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file and the folders above it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+
+
+def _setup_functions() -> str:
+    """T_rot, L_body and integrate_body word for word as the course's Setup cell has them."""
+    text = (FOLDER / "setup.py").read_text()
+    found = [ast.get_source_segment(text, node) for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
+    return "\n\n\n".join(f for f in found if f) + "\n"

@@ -1,0 +1,37 @@
+"""Tables in Markdown, so that they can be put into docs/benchmarks.md as they are."""
+
+from collections.abc import Mapping, Sequence
+
+from bench.peers.clock import Row
+from bench.peers.peer import Marks
+
+
+def table(head: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """With columns of equal width."""
+    lines = [head, *lines]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
+    told = ["| " + " | ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) + " |" for line in lines]
+    return "\n".join([told[0], "|" + "|".join("-" * (w + 2) for w in widths) + "|", *told[1:]])
+
+
+def times(rows: Sequence[Row]) -> str:
+    """Medians, the least and the greatest, and medians per submission, in seconds."""
+    head = ("tool", "what", "wall s", "least – greatest", "CPU s", "wall s each", "CPU s each")
+    return table(head, [_time(row) for row in rows])
+
+
+def verdicts(kinds: Sequence[str], given: Mapping[str, Mapping[str, Marks | str]]) -> str:
+    """A line for each kind of submission, a column for each tool; a text where a tool gave no marks."""
+    lines = [[kind, *(_mark(of.get(kind, "–")) for of in given.values())] for kind in kinds]
+    return table(["submission", *given], lines)
+
+
+def _time(row: Row) -> list[str]:
+    wall, cpu = row.median
+    walls = [t.wall for t in row.taken]
+    spread = f"{min(walls):.3f} – {max(walls):.3f}"
+    return [row.name, row.what, f"{wall:.3f}", spread, f"{cpu:.3f}", f"{wall / row.count:.3f}", f"{cpu / row.count:.3f}"]
+
+
+def _mark(mark: Marks | str) -> str:
+    return mark if isinstance(mark, str) else f"{'**' if mark.full else ''}{mark}{'**' if mark.full else ''}"

@@ -4,8 +4,10 @@ import importlib
 import importlib.util
 import os
 import pkgutil
+import sys
 import traceback
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import exercises
@@ -57,16 +59,19 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     errors += syntax_errors(folder)
     if errors:
         return None, errors
-    if str(folder.parent) not in exercises.__path__:
-        exercises.__path__.append(str(folder.parent))
-        importlib.invalidate_caches()
-    module = importlib.import_module(f"exercises.{folder.name}")
-    home = Path(module.__file__ or "").parent
-    if home.resolve() != folder.resolve():
-        return None, [f"the name {folder.name} is taken: by {home if home.name == folder.name else module.__file__}"]
+    if errors := _taken(folder):
+        return None, errors
+    module = _imported(folder)
     if not hasattr(module, "ASSIGNMENT"):
         return None, ["__init__.py defines no ASSIGNMENT"]
     return module.ASSIGNMENT, []
+
+
+def within(named: Path) -> list[Path]:
+    """The assignment that a folder is, or each in a folder of them; a folder that is not there stands for itself."""
+    if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
+        return [named]
+    return sorted(path.parent for path in named.glob("*/__init__.py"))
 
 
 def told(error: BaseException, folder: Path) -> str:
@@ -84,8 +89,25 @@ def _named() -> list[Path]:
     return [Path(part).expanduser().resolve() for part in os.environ.get(SETTING, "").split(os.pathsep) if part]
 
 
-def within(named: Path) -> list[Path]:
-    """The assignment that a folder is, or each in a folder of them; a folder that is not there stands for itself."""
-    if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
-        return [named]
-    return sorted(path.parent for path in named.glob("*/__init__.py"))
+def _taken(folder: Path) -> list[str]:
+    """An error where ``exercises`` has something else of that name."""
+    spec = importlib.util.find_spec(f"exercises.{folder.name}")
+    if spec is None or spec.origin == str(folder / "__init__.py"):
+        return []
+    return [f"the name {folder.name} is taken: by {spec.origin or 'a folder of polhode'}"]
+
+
+def _imported(folder: Path) -> ModuleType:
+    """The package as one of ``exercises``, wherever it lies; its neighbours there are not."""
+    name = f"exercises.{folder.name}"
+    if name in sys.modules or str(folder.parent) in exercises.__path__:
+        return importlib.import_module(name)
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    assert spec is not None and spec.loader is not None
+    sys.modules[name] = module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module

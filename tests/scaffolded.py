@@ -5,7 +5,6 @@ import os
 import shutil
 import sys
 
-import exercises
 from exercises import folders
 from exercises.assignment import found
 from service.scaffolding import TEMPLATE
@@ -27,7 +26,7 @@ def change(file, old, new):
 @contextlib.contextmanager
 def known(*paths):
     """These are what POLHODE_ASSIGNMENTS names, beside rigid-body and whatever else lies in exercises/ of this tree not."""
-    before, path, modules, here = os.environ.get(folders.SETTING), list(exercises.__path__), set(sys.modules), folders._here
+    before, modules, here = os.environ.get(folders.SETTING), set(sys.modules), folders._here
     folders._here = lambda: [folder for folder in here() if folder.name == "rigid_body"]
     os.environ[folders.SETTING] = os.pathsep.join(map(str, paths))
     found.cache_clear()
@@ -37,7 +36,6 @@ def known(*paths):
         os.environ.pop(folders.SETTING)
         if before is not None:
             os.environ[folders.SETTING] = before
-        exercises.__path__[:] = path
         folders._here = here
         for name in set(sys.modules) - modules:
             if name.startswith("exercises."):

@@ -1,4 +1,5 @@
 import dataclasses
+import sys
 
 import pytest
 
@@ -27,6 +28,7 @@ def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch, rigid_body):
     try:
         assert set(assignments()) == before | {"second"}
     finally:
+        sys.modules.pop("exercises.second", None)
         found.cache_clear()
 
 

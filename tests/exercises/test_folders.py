@@ -3,6 +3,7 @@
 import pytest
 
 from exercises.assignment import InvalidAssignment, NoAssignment, assignments, find
+from exercises.folders import add, folders, taken
 from tests.scaffolded import change, copied, known
 
 
@@ -13,6 +14,14 @@ def test_an_assignment_outside_is_found(tmp_path, named):
         assert list(found.sound) == ["rigid-body", "damped-oscillator"] and not found.broken
         assert find("damped_oscillator").folder == folder
     assert "damped-oscillator" not in assignments()
+
+
+def test_an_assignment_named_alone_brings_no_neighbour(tmp_path):
+    one, two = copied(tmp_path), copied(tmp_path, "neighbour")
+    with known(one) as found:
+        assert list(found.sound) == ["rigid-body", "damped-oscillator"] and not taken("neighbour")
+        add(two)
+        assert two in folders() and "neighbour" not in assignments()  # these are asked once
 
 
 def spoiled(folder):

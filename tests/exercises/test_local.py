@@ -48,7 +48,7 @@ for file, numbers in {files!r}:
     exec(setup, names)
     with contextlib.redirect_stdout(io.StringIO()):
         exec(compile(open(file).read(), file, "exec"), names)
-    report = eval(f"ecp.check(*{{numbers!r}})", names)
+    report = eval(f"ecp.check(*{{numbers!r}}, assignment='rigid-body')", names)
     told[file] = {{"lines": repr(report), "text": str(report), "remark": report.remark}}
     if {drawn}:
         told[file]["html"] = report._repr_html_()

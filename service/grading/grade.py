@@ -61,9 +61,15 @@ def grade(
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
     job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
     places = {played.name: k for k, played in enumerate(job.scenes, start=1)}
-    seen = sandbox.play(job, lambda scene: tell("playing", places[scene], len(places)))
+    exact: dict[str, Arrays] = {}
+
+    def begin(scene: str) -> None:
+        tell("playing", places[scene], len(places))
+        exact[scene] = truth(assignment.scene(scene), inputs[scene])  # while the guest plays it
+
+    seen = sandbox.play(job, begin)
     tell("judging", len(places), len(places))
-    truths = {name: truth(assignment.scene(name), inputs[name]) for name in seen.arrays}
+    truths = {name: exact[name] for name in seen.arrays}
     attempt = Attempt(job, inputs, truths, seen)
     crossed = cross_check(assignment, attempt, sandbox, seed)
     _add_what_is_known(assignment, seen, truths)

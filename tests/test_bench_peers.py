@@ -168,6 +168,8 @@ def row(name, what, count, *walls):
 ROWS = [
     row(SERVER, ONE, 1, 0.1, 0.09, 0.5),
     row("polhode grade", "10: one command", 10, 1.0),
+    row(SERVER, "10: sent at once", 10, 0.5),
+    row("polhode grade", ONE, 1, 0.55),
     row("slow", ONE, 1, 5.0, 3.9, 4.1),
     row("slow", "10: a loop", 10, 41.0),
     row("fast", ONE, 1, 0.7),
@@ -177,14 +179,17 @@ ROWS = [
 
 def test_goals_are_ratios_of_medians_in_one_run():
     told = list(map(str, goals(ROWS, [("slow", 40), ("fast", 8), ("absent", 8)], 10)))
+    than = "at most 1/8 per submission of the best peer (fast)"
     assert told == [
         "met      one over the warm server at most 1/40 of slow: 1/41.0 (CPU 1/41.0)",
         "not met  one over the warm server at most 1/8 of fast: 1/7.0 (CPU 1/7.0)",
         "not measured  one over the warm server at most 1/8 of absent",
-        "not met  10 by polhode grade at most 1/8 per submission of the best peer (fast): 1/7.0 (CPU 1/7.0)",
+        f"met      10 over the warm server {than}: 1/14.0 (CPU 1/14.0)",
+        f"not met  10 by polhode grade, from nothing, {than}: 1/7.0 (CPU 1/7.0)",
+        f"met      each after the first of 10 by polhode grade {than}: 1/14.0 (CPU 1/14.0)",
     ]
     assert best(ROWS, 10).name == "fast"
-    assert str(goals(ROWS[:3], [], 10)[0]).startswith("not measured")
+    assert all(str(goal).startswith("not measured") for goal in goals(ROWS[:4], [], 10))
 
 
 def test_tables():

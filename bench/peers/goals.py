@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bench.peers.clock import Row
+from bench.peers.clock import Row, Took
 
-SERVER, ONE = "polhode over HTTP", "one"
+SERVER, COMMAND, ONE = "polhode over HTTP", "polhode grade", "one"
 
 
 @dataclass(frozen=True)
@@ -25,16 +25,31 @@ class Goal:
 
 
 def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int) -> list[Goal]:
-    """For one over HTTP against each peer's one, and for our batch against the best of all peers."""
+    """For one over HTTP against each peer's one, and for our batches against the best of all peers: over HTTP, and by the command
+    as a whole and without its start.
+    """
     one = {r.name: r for r in rows if r.what == ONE}
     found = [
         _goal(f"one over the warm server at most 1/{wanted:g} of {peer}", wanted, one.get(peer), one.get(SERVER))
         for peer, wanted in against
     ]
-    ours = next((r for r in rows if r.name == "polhode grade" and r.count == batch), None)
-    peers = best(rows, batch)
-    claim = f"{batch} by polhode grade at most 1/8 per submission of the best peer ({peers.name if peers else 'there is none'})"
-    return [*found, _goal(claim, 8, peers, ours)]
+    peers, ours = best(rows, batch), {r.name: r for r in rows if r.count == batch and r.name.startswith("polhode")}
+    than = f"at most 1/8 per submission of the best peer ({peers.name if peers else 'there is none'})"
+    command, started = ours.get(COMMAND), one.get(COMMAND)
+    return [
+        *found,
+        _goal(f"{batch} over the warm server {than}", 8, peers, ours.get(SERVER)),
+        _goal(f"{batch} by {COMMAND}, from nothing, {than}", 8, peers, command),
+        _goal(f"each after the first of {batch} by {COMMAND} {than}", 8, peers, further(command, started)),
+    ]
+
+
+def further(batch: Row | None, one: Row | None) -> Row | None:
+    """What the batch takes beyond a single one, for the others in it: its start is left out."""
+    if batch is None or one is None:
+        return None
+    left = Took(*(whole - first for whole, first in zip(batch.median, one.median, strict=True)))
+    return Row(batch.name, "each after the first", batch.count - 1, [left])
 
 
 def best(rows: Sequence[Row], batch: int) -> Row | None:

@@ -24,8 +24,9 @@ class Case:
 
 
 def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Case]:
-    """The server, then each tool: one, a batch, and one that does without matplotlib."""
+    """The server: one, and a batch; then each tool: one, a batch, and one that does without matplotlib."""
     found = [Case(SERVER, ONE, 1, lambda: warm.grade(posts))]
+    found.append(Case(SERVER, f"{batch}: sent at once", batch, lambda: warm.at_once(batch)))
     for tool in tools:
         found += [
             Case(tool.name, ONE, 1, lambda tool=tool: graded(tool, [tool.one("right")], ["right"])),

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from service.tellings.files import GradedFile
 
 
+VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
+"""When students see a test in Gradescope."""
+
+
 class Unfit(ValueError):
     """What was asked for cannot be written; the message tells why."""
 
@@ -27,9 +31,8 @@ def add(grade: argparse.ArgumentParser) -> None:
     grade.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML")
     grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
     grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write the results.json of one file")
-    grade.add_argument(
-        "--classroom50", type=Path, metavar="FILE", help="write the result.json of one file, in Classroom 50's runner"
-    )
+    grade.add_argument("--hidden", choices=VISIBILITIES, default="visible", help="there, of checks that ask what nobody knows")
+    grade.add_argument("--classroom50", type=Path, metavar="FILE", help="write the result.json of one file, in its runner")
 
 
 def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
@@ -79,7 +82,8 @@ class Forms:
             checks = [check.id for check in assignment.checks()]
             found.append((arguments.csv, own.assignment(rows(graded, assignment), checks)))
         if arguments.gradescope:
-            found.append((arguments.gradescope, json.dumps(gradescope.document(graded[0], assignment), indent=1)))
+            results = gradescope.document(graded[0], assignment, hidden=arguments.hidden)
+            found.append((arguments.gradescope, json.dumps(results, indent=1)))
         if self._about:
             document = classroom50.document(graded[0], assignment, self._about)
             found.append((arguments.classroom50, json.dumps(document, indent=1)))

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 from service.commands import forms
+from service.tellings import gradescope
 from service.tellings.files import GradedFile
 from tests.runner import commands
 
@@ -59,6 +60,12 @@ def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(folde
     document = json.loads((folder / "r.json").read_text())
     assert told.returncode == 1 and document["score"] == 2
     assert document["tests"][-1]["output"].count('<img src="data:image/png;base64,') == 2
+    assert {test["visibility"] for test in document["tests"]} == {"visible"}
+    asked = ("--exercise", "2", "--gradescope", "r.json", "--hidden", "after_due_date")
+    assert polhode("grade", "wrong_zeros.py", *asked, folder=folder).returncode == 1
+    later = {t["name"]: t["visibility"] for t in json.loads((folder / "r.json").read_text())["tests"]}
+    assert list(later.values()).count("after_due_date") == 2 and later["Figures"] == "visible"
+    assert forms.VISIBILITIES == gradescope.VISIBILITIES
     (folder / "r.json").unlink()
     told = polhode("grade", ".", "--gradescope", "r.json", folder=folder)
     assert told.returncode == 2 and "--gradescope tells of one file, and there are 3" in told.stderr
@@ -93,7 +100,7 @@ def test_in_github_actions_only_our_own_commands_are_heard(folder):
 
 @pytest.mark.parametrize("form", ["csv", "gradescope"])
 def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_body, tmp_path, form):
-    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out")) | {"github": False}
+    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out")) | {"github": False, "hidden": "visible"}
     arguments = argparse.Namespace(**asked | {form: tmp_path / "grades", "junit": tmp_path / "junit.xml"})
     file = Path("x.py")
     forms.Forms(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)

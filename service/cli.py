@@ -5,6 +5,7 @@ grade: all ✓, or not all; of mutants: whether we accept what is right and noth
 """
 
 import argparse
+import contextlib
 import os
 import sys
 import traceback
@@ -18,18 +19,20 @@ def main(argv: list[str] | None = None) -> int:
     try:
         arguments = _parse(argv)
         code = int(arguments.run(arguments))
-        sys.stdout.flush()  # what was told may not have arrived
+        if sys.stdout is not None:
+            sys.stdout.flush()  # what was told may not have arrived
+        return code
     except BrokenPipeError:  # whoever read us has seen enough
         _close_stdout()
         return PIPE
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
-        _tell(error)
+        with contextlib.suppress(OSError):  # standard error may be full too, and a traceback's exit code is an answer
+            _tell(error)
         if isinstance(error, OSError):
             _close_stdout()
         return CANNOT
-    return code
 
 
 def _tell(error: Exception) -> None:
@@ -45,7 +48,8 @@ def _tell(error: Exception) -> None:
 
 def _close_stdout() -> None:
     """Or Python flushes it once more at its end, and tells of that with an exit code of its own."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if sys.stdout is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:

@@ -105,6 +105,14 @@ def test_a_full_disk_is_no_verdict(folder):
     assert printed.returncode == 2 and "No space left on device" in printed.stderr
 
 
+@pytest.mark.parametrize("file", ["right_terms.py", "nowhere.py"])
+def test_a_full_disk_below_the_log_is_no_verdict(folder, file):
+    """Standard error too: a traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "service.cli", "grade", str(folder / file), "--exercise", "2"]
+        assert subprocess.run(command, stdout=full, stderr=full, check=False).returncode == 2
+
+
 def test_what_cannot_be_written_as_a_whole_is_not_written(folder, tmp_path):
     script = (
         "import resource, sys\n"

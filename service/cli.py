@@ -6,6 +6,7 @@ grade: all ✓, or not all; of mutants: whether we accept what is right and noth
 
 import argparse
 import contextlib
+import io
 import os
 import sys
 import traceback
@@ -16,6 +17,8 @@ CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; its exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as standard error: no ✓ and no file's name may cost a whole answer
     try:
         arguments = _parse(argv)
         code = int(arguments.run(arguments))

@@ -87,7 +87,7 @@ def _conclude(graded: "list[GradedFile]", *, as_json: bool) -> None:
     from service.tellings.files import summary
 
     if as_json:
-        print(json.dumps({"reports": [_told(file) for file in graded]}, ensure_ascii=False, allow_nan=False))
+        print(json.dumps({"reports": [_told(file) for file in graded]}, allow_nan=False))
     elif len(graded) > 1:
         print(summary(graded))
 

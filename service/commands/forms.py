@@ -8,6 +8,7 @@ import json
 import os
 import secrets
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -59,9 +60,11 @@ class Forms:
             self._about = _about(files[0])
 
     def write(self, graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
-        """Write them."""
+        """Write them; of points and checks there are those of the exercises asked for."""
+        from service.grading.grade import select
         from service.written import write
 
+        assignment = replace(assignment, exercises=tuple(select(assignment, self._arguments.exercise)))
         if self._arguments.junit:
             from service.tellings import junit
 

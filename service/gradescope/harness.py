@@ -9,6 +9,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from service.found import NothingFound, find
@@ -46,14 +47,18 @@ def _found(submission: Path) -> list[Path]:
 def _refuse(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
     """No points, and what to hand in instead."""
     from exercises.assignment import assignments
+    from service.grading.grade import select
     from service.tellings import gradescope
     from service.tellings.files import GradedFile
 
     parser = argparse.ArgumentParser(allow_abbrev=False)
     parser.add_argument("--assignment", choices=sorted(assignments()), required=True)
+    parser.add_argument("--exercise", action="append")
     asked, _ = parser.parse_known_args(arguments)
+    assignment = assignments()[asked.assignment]
+    assignment = replace(assignment, exercises=tuple(select(assignment, asked.exercise)))
     refused = GradedFile(file=HOME / "submission", refused=_sentence(names))
-    write(results, json.dumps(gradescope.document(refused, assignments()[asked.assignment]), ensure_ascii=False))
+    write(results, json.dumps(gradescope.document(refused, assignment), ensure_ascii=False))
 
 
 def _sentence(names: Sequence[str]) -> str:

@@ -83,7 +83,7 @@ def test_a_submission_that_looks_for_our_files_finds_none(gradescope):
 )
 def test_what_is_no_submission_gets_a_sentence_for_the_student(gradescope, files, said):
     code, printed, results = gradescope.grade(files)
-    assert code == 0 and results["score"] == 0 and said in results["output"], printed
+    assert (code, points(results)) == (0, (0, 5)) and said in results["output"], printed
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,9 @@ def main(arguments: Sequence[str]) -> int:
     """Grade the one file in /autograder/submission; ``arguments`` are more of ``polhode grade``'s."""
     results, submission = HOME / "results" / "results.json", HOME / "submission"
     results.unlink(missing_ok=True)
+    if not submission.is_dir():
+        print(f"polhode: there is no folder {submission}, which is nobody's empty submission")
+        return 2
     found = _found(submission)
     if len(found) != 1:
         _refuse([str(file.relative_to(submission)) for file in found], arguments, results)

@@ -64,4 +64,4 @@ def _seen(name: str) -> bool:
 
 
 def _is_one(file: Path) -> bool:
-    return file.suffix in SUFFIXES and not file.is_symlink() and file.is_file()
+    return file.suffix.lower() in SUFFIXES and not file.is_symlink() and file.is_file()

@@ -54,6 +54,11 @@ def test_a_name_with_the_characters_of_a_pattern(tree):
     assert list(map(str, find(["x[1].py"]))) == ["x[1].py"]
 
 
+def test_an_ending_in_large_letters_is_not_passed_over(tree):
+    (tree / "deep" / "Zed.PY").write_text("x = 1")
+    assert tree / "deep" / "Zed.PY" in find([str(tree)])
+
+
 def test_a_pattern_below_a_hidden_folder(tree):
     (tree / ".class").mkdir()
     (tree / ".class" / "d.py").write_text("x = 1")

@@ -186,6 +186,13 @@ def test_a_public_side_that_students_cannot_play(folder, capsys):
     assert "public/: exercise 1 reads the scene probes, which is drawn for each attempt" in capsys.readouterr().err
 
 
+def test_an_export_of_a_broken_assignment_tells_what_is_wrong_with_it(folder, capsys, tmp_path):
+    (folder / "plays.py").write_text("(")
+    with known(folder):
+        assert main(["export", "gradescope", "--assignment", "damped_oscillator", "--out", str(tmp_path / "x.zip")]) == 2
+    assert "plays.py line 1: '(' was never closed" in capsys.readouterr().err and not (tmp_path / "x.zip").exists()
+
+
 def test_nothing_to_grade(folder, capsys):
     for path in (folder, folder / "specimens", folder.parent):
         assert verify(path, "--only", "nothing*") == 2

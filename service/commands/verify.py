@@ -11,7 +11,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from service.commands.grade import count
+from service.commands.grade import count, seed
 
 if TYPE_CHECKING:
     from exercises.assignment import Assignment
@@ -29,7 +29,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     )
     verify.add_argument("--only", action="append", metavar="NAME", help="only specimens of that name or pattern; repeatable")
     verify.add_argument("--jobs", type=count, metavar="N", help="grade at most N at a time; default: one per processor")
-    verify.add_argument("--seed", type=int, default=SEED, help=f"draw the secret scenes from this seed (default {SEED})")
+    verify.add_argument("--seed", type=seed, default=SEED, help=f"draw the secret scenes from this seed (default {SEED})")
     verify.add_argument("--write", action="store_true", help="add an entry to expected.toml for each specimen that has none")
     verify.set_defaults(run=_verify)
 

@@ -110,6 +110,11 @@ def test_in_github_actions_only_our_own_commands_are_heard(folder):
     assert "| <code>right&#95;terms&#46;py</code> | ✓ | 5 of 5 |" in (folder / "summary.md").read_text()
 
 
+def test_in_github_actions_no_command_of_a_student_is_heard_also_where_nobody_asked_for_ours(folder):
+    told = polhode("grade", "forger.py", "--exercise", "2", folder=folder, GITHUB_ACTIONS="true")
+    assert told.stdout.count("::stop-commands::") == 1 and commands(told.stdout + told.stderr) == []
+
+
 @pytest.mark.parametrize("form", ["csv", "gradescope"])
 def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_body, tmp_path, form):
     asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out", "exercise")) | {"github": False, "hidden": "visible"}

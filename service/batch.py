@@ -1,5 +1,6 @@
 """Grading files without a server: the same core and the same walls, in processes with a warm guest each."""
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ecp.outcome import Swept
+from exercises import folders
 from exercises.assignment import Assignment
 from service import charts
 from service.grading import pictures
@@ -23,6 +25,7 @@ from service.sandbox.seen import Fault
 from service.sandbox.walls import Walls
 from service.tellings.files import GradedFile
 
+log = logging.getLogger(__name__)
 Tell = Callable[[int], None]
 
 
@@ -121,6 +124,9 @@ class _Hand:
             drawn = _draw(graded, wanted)
         except Fault as fault:
             return GradedFile(file=ask.file, source=source, fault=str(fault))
+        except (Exception, SystemExit) as error:  # the assignment's code or ours: not foreseen, and no other file's
+            log.exception("grading failed")
+            return GradedFile(file=ask.file, source=source, fault=folders.told(error, wanted.assignment.folder))
         seconds = time.perf_counter() - began
         return GradedFile(file=ask.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
 

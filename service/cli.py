@@ -5,6 +5,8 @@ grade: all ✓, or not all; of mutants: whether we accept what is right and noth
 """
 
 import argparse
+import contextlib
+import io
 import os
 import sys
 import traceback
@@ -15,21 +17,25 @@ CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; its exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as standard error: no ✓ and no file's name may cost a whole answer
     try:
         arguments = _parse(argv)
         code = int(arguments.run(arguments))
-        sys.stdout.flush()  # what was told may not have arrived
+        if sys.stdout is not None:
+            sys.stdout.flush()  # what was told may not have arrived
+        return code
     except BrokenPipeError:  # whoever read us has seen enough
         _close_stdout()
         return PIPE
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
-        _tell(error)
+        with contextlib.suppress(OSError):  # standard error may be full too, and a traceback's exit code is an answer
+            _tell(error)
         if isinstance(error, OSError):
             _close_stdout()
         return CANNOT
-    return code
 
 
 def _tell(error: Exception) -> None:
@@ -45,7 +51,8 @@ def _tell(error: Exception) -> None:
 
 def _close_stdout() -> None:
     """Or Python flushes it once more at its end, and tells of that with an exit code of its own."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if sys.stdout is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:

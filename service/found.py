@@ -1,6 +1,7 @@
 """The submissions that somebody names on a command line: files, folders of them, and patterns a shell has left as they are."""
 
 import glob
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -14,7 +15,8 @@ class NothingFound(ValueError):
 def find(named: Iterable[str]) -> list[Path]:
     """The files, each once: those named, and in folders and below them every .py and .ipynb that is not hidden, by name.
 
-    NothingFound where a name leads to none.
+    A link is followed only where it is named itself: in a folder it could be a student's, and lead to another's file or away.
+    NothingFound where a name leads to none; OSError for a folder that cannot be listed, whose files would be passed over.
     """
     found: dict[Path, Path] = {}
     for name in named:
@@ -33,19 +35,33 @@ def _files(name: str) -> Iterator[Path]:
     elif path.is_dir():
         yield from _below(path)
     elif glob.has_magic(name):
+        fixed = next(k for k, part in enumerate(path.parts) if glob.has_magic(part))
         for match in sorted(map(Path, glob.glob(name, recursive=True))):
+            told = [Path(*match.parts[:end]) for end in range(fixed + 1, len(match.parts) + 1)]  # by the pattern's signs
+            if any(part.is_symlink() or part.name.startswith("__") for part in told):  # glob itself leaves out what is hidden
+                continue
             if match.is_dir():
                 yield from _below(match)
-            elif _is_one(match, match):
+            elif _is_one(match):
                 yield match
 
 
 def _below(folder: Path) -> list[Path]:
-    """Also where the folder itself is hidden."""
-    return sorted(file for file in folder.rglob("*") if _is_one(file, file.relative_to(folder)))
+    """Also where the folder itself is hidden. Checkpoints of Jupyter and files such as __init__.py are none."""
+    found: list[Path] = []
+    for here, folders, names in os.walk(folder, onerror=_raise):
+        folders[:] = filter(_seen, folders)
+        found += filter(_is_one, (Path(here, name) for name in names if _seen(name)))
+    return sorted(found)
 
 
-def _is_one(file: Path, seen: Path) -> bool:
-    """Checkpoints of Jupyter and files such as __init__.py are none."""
-    hidden = any(part.startswith((".", "__")) and part != ".." for part in seen.parts)
-    return file.suffix in SUFFIXES and not hidden and file.is_file()
+def _raise(error: OSError) -> None:
+    raise error
+
+
+def _seen(name: str) -> bool:
+    return not name.startswith((".", "__"))
+
+
+def _is_one(file: Path) -> bool:
+    return file.suffix.lower() in SUFFIXES and not file.is_symlink() and file.is_file()

@@ -14,11 +14,19 @@ from service.tellings.files import GradedFile
 
 
 def write(file: Path, content: str | bytes) -> None:
-    """Write a file as a whole: where that fails, as on a full disk, what was there before is still there."""
+    """Write a file as a whole: where that fails, as on a full disk, what was there before is still there.
+
+    What is no file, such as a pipe or anything in /dev, is written to and not replaced; a link is replaced, wherever it leads.
+    Names that are not UTF-8 are told as they can be.
+    """
+    whole = content.encode(errors="backslashreplace") if isinstance(content, str) else content
+    if file.is_relative_to("/dev") or (file.exists() and not file.is_file() and not file.is_dir()):
+        file.write_bytes(whole)
+        return
     file.parent.mkdir(parents=True, exist_ok=True)
     part = file.with_name(f"{file.name}.part{os.getpid()}")
     try:
-        part.write_bytes(content.encode() if isinstance(content, str) else content)
+        part.write_bytes(whole)
         part.replace(file)
     finally:
         part.unlink(missing_ok=True)

@@ -19,19 +19,16 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _gradescope(arguments: argparse.Namespace) -> int:
-    from exercises.assignment import assignments
+    from exercises.assignment import InvalidAssignment, NoAssignment, find
     from service.gradescope.bundle import bundle
     from service.grading.grade import UnknownExercise, select
     from service.written import write
 
-    known = assignments()
     try:
-        if arguments.assignment not in known:
-            raise UnknownExercise(f"there is no assignment {arguments.assignment}; known: {', '.join(sorted(known))}")
-        assignment = known[arguments.assignment]
+        assignment = find(arguments.assignment)
         select(assignment, arguments.exercise)
         write(arguments.out, bundle(assignment, arguments.exercise))
-    except (UnknownExercise, OSError) as error:
+    except (InvalidAssignment, NoAssignment, UnknownExercise, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     points = assignment.most_points(arguments.exercise)

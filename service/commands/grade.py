@@ -23,7 +23,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     grade.add_argument("files", nargs="+", metavar="FILE", help="a file, a folder of them, or a pattern such as 'class/**/*.ipynb'")
     grade.add_argument("--assignment", metavar="SLUG", help="default: the only one there is, or whose functions they name")
     grade.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
-    grade.add_argument("--seed", type=int, help="draw the secret scenes from this seed, as a report names it")
+    grade.add_argument("--seed", type=seed, help="draw the secret scenes from this seed, as a report names it")
     grade.add_argument("--jobs", type=count, metavar="N", help="grade at most N at a time; default: one per processor")
     grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
     printed = grade.add_mutually_exclusive_group()
@@ -38,6 +38,13 @@ def count(told: str) -> int:
     """A number of processes."""
     if (number := int(told)) < 1:
         raise argparse.ArgumentTypeError("at least 1")
+    return number
+
+
+def seed(told: str) -> int:
+    """What scenes are drawn from."""
+    if (number := int(told)) < 0:
+        raise argparse.ArgumentTypeError("a seed is 0 or more")
     return number
 
 
@@ -87,7 +94,7 @@ def _conclude(graded: "list[GradedFile]", *, as_json: bool) -> None:
     from service.tellings.files import summary
 
     if as_json:
-        print(json.dumps({"reports": [_told(file) for file in graded]}, ensure_ascii=False, allow_nan=False))
+        print(json.dumps({"reports": [_told(file) for file in graded]}, allow_nan=False))
     elif len(graded) > 1:
         print(summary(graded))
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import TextIO
 
+from service.tellings.detail import one_line, shown
 from service.tellings.files import GradedFile
 
 CLEAR = "\r\x1b[K"
@@ -37,10 +38,12 @@ class Progress:
 
     def show(self, file: GradedFile, *, text: bool) -> None:
         """Print a file's report (``text``), or why there is none."""
+        name = shown(str(file.file)).replace("\n", "\ufffd")  # a line of its own could be a command where it is printed
         if file.report is None:
-            self.say(f"polhode: {file.file}: {file.refused or f'not graded: {file.fault}'}", good=False, to=sys.stderr)
+            why = one_line(file.refused or f"not graded: {file.fault}")
+            self.say(f"polhode: {name}: {why}", good=False, to=sys.stderr)
         else:
-            self.say(f"== {file.file}\n{file.report.text()}" if text else "", good=file.passed)
+            self.say(f"== {name}\n{file.report.text()}" if text else "", good=file.passed)
 
     def say(self, words: str, *, good: bool, to: TextIO | None = None) -> None:
         """Print the ``words`` for one file, if there are any."""

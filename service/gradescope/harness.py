@@ -9,6 +9,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from service.found import NothingFound, find
@@ -22,6 +23,9 @@ def main(arguments: Sequence[str]) -> int:
     """Grade the one file in /autograder/submission; ``arguments`` are more of ``polhode grade``'s."""
     results, submission = HOME / "results" / "results.json", HOME / "submission"
     results.unlink(missing_ok=True)
+    if not submission.is_dir():
+        print(f"polhode: there is no folder {submission}, which is nobody's empty submission")
+        return 2
     found = _found(submission)
     if len(found) != 1:
         _refuse([str(file.relative_to(submission)) for file in found], arguments, results)
@@ -36,9 +40,9 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _found(submission: Path) -> list[Path]:
-    """Every .py and .ipynb that was handed in; links, which could lead out of there, are not followed."""
+    """Every .py and .ipynb that was handed in."""
     try:
-        return [file for file in find([str(submission)]) if not file.is_symlink()]
+        return find([str(submission)])
     except NothingFound:
         return []
 
@@ -46,14 +50,18 @@ def _found(submission: Path) -> list[Path]:
 def _refuse(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
     """No points, and what to hand in instead."""
     from exercises.assignment import assignments
+    from service.grading.grade import select
     from service.tellings import gradescope
     from service.tellings.files import GradedFile
 
     parser = argparse.ArgumentParser(allow_abbrev=False)
     parser.add_argument("--assignment", choices=sorted(assignments()), required=True)
+    parser.add_argument("--exercise", action="append")
     asked, _ = parser.parse_known_args(arguments)
+    assignment = assignments()[asked.assignment]
+    assignment = replace(assignment, exercises=tuple(select(assignment, asked.exercise)))
     refused = GradedFile(file=HOME / "submission", refused=_sentence(names))
-    write(results, json.dumps(gradescope.document(refused, assignments()[asked.assignment]), ensure_ascii=False))
+    write(results, json.dumps(gradescope.document(refused, assignment), ensure_ascii=False))
 
 
 def _sentence(names: Sequence[str]) -> str:

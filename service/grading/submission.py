@@ -48,7 +48,7 @@ class Submission:
 
     def cells(self) -> tuple[Cell, ...]:
         """The code cells of a notebook, or the whole file as one cell."""
-        if not self.filename.endswith(".ipynb"):
+        if not self.filename.lower().endswith(".ipynb"):
             return (Cell("submission.py", self.source),)
         return _notebook_cells(self.source)
 

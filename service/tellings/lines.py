@@ -26,7 +26,7 @@ class Lines:
     def __init__(self, file: GradedFile, assignment: Assignment) -> None:
         self._endings = file.report.endings if file.report else []
         self._functions = {c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes}
-        self._cells = _notebook(file.source) if file.file.suffix == ".ipynb" else {"submission.py": _numbered(file.source)}
+        self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else {"submission.py": _numbered(file.source)}
 
     def of(self, outcome: Outcome) -> int | None:
         """The line in the file; None if there is none to name."""

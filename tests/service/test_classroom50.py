@@ -44,6 +44,18 @@ def test_without_the_commit_the_tag_tells(tmp_path, commit_told):
     assert about(TOLD | {"GITHUB_SHA": commit_told}, tmp_path, NOW).submitted_at == datetime(2026, 2, 28, 23, 59, 58, tzinfo=UTC)
 
 
+def test_a_submission_that_is_made_like_a_repository_runs_nothing(tmp_path, commit):
+    """Git finds a bare repository in any folder, and a fetch from a promisor runs what the repository's config names."""
+    inside = tmp_path / "mine"
+    subprocess.run(["git", "init", "--quiet", "--bare", str(inside)], check=True)
+    (inside / "config").write_text(
+        "[core]\nrepositoryformatversion = 1\nbare = true\n[extensions]\npartialClone = x\n"
+        f'[remote "x"]\nurl = .\npromisor = true\nuploadpack = "touch {tmp_path}/ran; false"\n'
+    )
+    about(TOLD | {"GITHUB_SHA": commit}, inside, NOW)
+    assert not (tmp_path / "ran").exists()
+
+
 def test_without_either_there_is_no_time_and_none_is_made_up(tmp_path):
     for tag in ("submit/first", "submit/2026-02-31T23-59-58Z-a"):
         with pytest.raises(NotTold, match="neither git nor the tag submit/"):

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from service.written import write
+
 
 def polhode(*arguments, **environment):
     return subprocess.run(
@@ -53,6 +55,7 @@ def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(folder):
         (["right_terms.py", "--exercise", "9"], "no exercise 9"),
         (["right_terms.py", "--assignment", "knitting"], "no assignment knitting; known: "),
         (["right_terms.py", "--jobs", "0"], "at least 1"),
+        (["right_terms.py", "--seed=-1"], "argument --seed: a seed is 0 or more"),
         (["right_terms.py", "--out", "/dev/null/x"], "/dev/null/x"),
     ],
 )
@@ -105,6 +108,14 @@ def test_a_full_disk_is_no_verdict(folder):
     assert printed.returncode == 2 and "No space left on device" in printed.stderr
 
 
+@pytest.mark.parametrize("file", ["right_terms.py", "nowhere.py"])
+def test_a_full_disk_below_the_log_is_no_verdict(folder, file):
+    """Standard error too: a traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "service.cli", "grade", str(folder / file), "--exercise", "2"]
+        assert subprocess.run(command, stdout=full, stderr=full, check=False).returncode == 2
+
+
 def test_what_cannot_be_written_as_a_whole_is_not_written(folder, tmp_path):
     script = (
         "import resource, sys\n"
@@ -115,6 +126,30 @@ def test_what_cannot_be_written_as_a_whole_is_not_written(folder, tmp_path):
     told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert "File too large" in told.stderr
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("x", "as it was")]
+
+
+def test_names_of_files_cost_nobody_a_report_and_are_no_lines_of_ours(folder, tmp_path):
+    """Of bytes that are no UTF-8, and of several lines, also where a file is refused; where nobody can print a ✓."""
+    for name in (b"no\xff.py", b"a\n::error::b.py"):
+        Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)).write_text((folder / "right_terms.py").read_text())
+    Path(os.fsdecode(os.fsencode(tmp_path) + b"/x\n::error::c.py")).write_bytes(b"\0")
+    written = [part for form in ("csv", "junit", "out") for part in (f"--{form}", tmp_path / "told" / form)]
+    told = polhode("grade", tmp_path, "--exercise", "2", *written, PYTHONIOENCODING="ascii")
+    assert told.returncode == 1 and "3 files: 2 all \\u2713, 1 no submission" in told.stdout, told.stderr
+    assert not [line for line in f"{told.stdout}\n{told.stderr}".split("\n") if line.startswith("::")]
+    assert len(list((tmp_path / "told" / "out").glob("*/report.json"))) == 2 and len(list((tmp_path / "told").iterdir())) == 3
+    told = polhode("grade", tmp_path, "--exercise", "2", "--json", PYTHONIOENCODING="ascii")
+    assert [bool(r["report"]) for r in json.loads(told.stdout)["reports"]] == [True, True, False]
+
+
+def test_what_is_no_file_is_written_to_and_not_replaced(tmp_path):
+    """Such as /dev/stdout, which a container's root could replace for good."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write(pipe, "told")
+    assert os.read(reader, 10) == b"told" and pipe.is_fifo()
+    os.close(reader)
 
 
 def test_a_reader_that_goes_away_gets_no_verdict(folder):

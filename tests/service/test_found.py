@@ -1,3 +1,5 @@
+import os
+
 import pytest
 
 from service.found import NothingFound, find
@@ -50,3 +52,35 @@ def test_a_name_that_leads_nowhere(tree, name):
 def test_a_name_with_the_characters_of_a_pattern(tree):
     (tree / "x[1].py").write_text("x = 1")
     assert list(map(str, find(["x[1].py"]))) == ["x[1].py"]
+
+
+def test_an_ending_in_large_letters_is_not_passed_over(tree):
+    (tree / "deep" / "Zed.PY").write_text("x = 1")
+    assert tree / "deep" / "Zed.PY" in find([str(tree)])
+
+
+def test_a_pattern_below_a_hidden_folder(tree):
+    (tree / ".class").mkdir()
+    (tree / ".class" / "d.py").write_text("x = 1")
+    assert find([str(tree / ".class" / "*.py")]) == [tree / ".class" / "d.py"]
+
+
+def test_a_link_in_a_folder_takes_nobodys_file(tree):
+    (tree / "ann").mkdir()
+    (tree / "ann" / "mine.py").symlink_to(tree / "deep" / "er" / "c.py")
+    (tree / "all").symlink_to(tree / "deep")
+    for named in (".", "*", "*/", "**/*.py", f"{tree}/*/"):
+        assert [f.name for f in find([named]) if f.suffix == ".py"].count("c.py") == 1, named
+        assert tree / "deep/er/c.py" in [tree / f for f in find([named])], named
+    assert list(map(str, find(["ann/mine.py"]))) == ["ann/mine.py"]
+
+
+def test_a_folder_that_cannot_be_listed_is_not_passed_over(tree, monkeypatch):
+    def scandir(path, real=os.scandir):
+        if str(path).endswith("er"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return real(path)
+
+    monkeypatch.setattr(os, "scandir", scandir)
+    with pytest.raises(PermissionError, match="deep/er"):
+        find(["."])

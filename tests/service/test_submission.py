@@ -20,6 +20,10 @@ def test_a_notebook_is_its_code_cells_numbered_as_shown():
     assert [(c.name, c.source) for c in submission.cells()] == [("cell 1", "x = 1"), ("cell 2", "y = 2\nz = 3")]
 
 
+def test_a_notebook_by_a_name_in_large_letters():
+    assert Submission.from_bytes(notebook("x = 1"), "MINE.IPYNB").cells()[0].name == "cell 1"
+
+
 def test_a_path_in_a_file_name_is_dropped():
     assert Submission.from_bytes(b"x = 1", "../../etc/cron.d/mine.py").filename == "mine.py"
 

@@ -163,18 +163,34 @@ def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, cap
     change(folder / "truth.py", "np.sqrt(omega**2 - gamma**2)", "np.sqroot(omega**2 - gamma**2)")
     second = copied(folder.parent, "second")
     assert verify(folder, str(second), "--only", "right_terms.py") == 2
+    told = capsys.readouterr().out
+    assert "right_terms.py   not graded: truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'" in told
+    assert "second: 1 of 1 specimens as expected" in told
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_an_assignment_that_leaves_by_sys_exit_gives_no_verdict(folder, capsys, jobs):
+    """Its exit code would be an answer of ours; and what costs one file costs no other."""
+    change(folder / "causes.py", "    if scene", "    import sys\n\n    sys.exit(0)\n    if scene")
+    files = [str(folder / "specimens" / name) for name in ("right_terms.py", "wrong_zeros.py")]
+    with known(folder):
+        assert main(["grade", "--jobs", jobs, *files]) == 2
     told = capsys.readouterr()
-    assert (
-        "polhode: assignment damped-oscillator: truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'"
-        in told.err
-    )
-    assert "second: 1 of 1 specimens as expected" in told.out
+    assert "wrong_zeros.py: not graded: causes.py line" in told.err and "SystemExit: 0" in told.err
+    assert "2 files: 1 all ✓, 1 not graded" in told.out
 
 
 def test_a_public_side_that_students_cannot_play(folder, capsys):
     change(folder / "public" / "__init__.py", '"undamped",\n', '"probes",\n')
     assert verify(folder, "--only", "right_terms.py") == 2
     assert "public/: exercise 1 reads the scene probes, which is drawn for each attempt" in capsys.readouterr().err
+
+
+def test_an_export_of_a_broken_assignment_tells_what_is_wrong_with_it(folder, capsys, tmp_path):
+    (folder / "plays.py").write_text("(")
+    with known(folder):
+        assert main(["export", "gradescope", "--assignment", "damped_oscillator", "--out", str(tmp_path / "x.zip")]) == 2
+    assert "plays.py line 1: '(' was never closed" in capsys.readouterr().err and not (tmp_path / "x.zip").exists()
 
 
 def test_nothing_to_grade(folder, capsys):

@@ -55,6 +55,18 @@ def test_one_grading_in_every_form_agrees(folder):
         }
 
 
+def test_points_are_out_of_the_exercises_asked_for_also_of_what_is_no_submission(folder):
+    """Else all that was asked would be a seventh of the points, and a grade's most would change with a file that cannot be read."""
+    (folder / "binary.py").write_bytes(b"\0")
+    options = ("--exercise", "2", "--csv", "g.csv")
+    polhode("grade", "right_terms.py", "binary.py", *options, folder=folder)
+    lines = list(csv.DictReader((folder / "g.csv").read_text(encoding="utf-8-sig").splitlines()))
+    assert [(line["points"], line["max_points"], float(line["percent"])) for line in lines] == [("5", "5", 100), ("0", "5", 0)]
+    polhode("grade", "binary.py", "--exercise", "2", "--gradescope", "r.json", folder=folder)
+    (test,) = json.loads((folder / "r.json").read_text())["tests"]
+    assert (test["score"], test["max_score"]) == (0, 5)
+
+
 def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(folder):
     told = polhode("grade", "wrong_zeros.py", "--exercise", "2", "--gradescope", "r.json", folder=folder)
     document = json.loads((folder / "r.json").read_text())
@@ -98,9 +110,14 @@ def test_in_github_actions_only_our_own_commands_are_heard(folder):
     assert "| <code>right&#95;terms&#46;py</code> | ✓ | 5 of 5 |" in (folder / "summary.md").read_text()
 
 
+def test_in_github_actions_no_command_of_a_student_is_heard_also_where_nobody_asked_for_ours(folder):
+    told = polhode("grade", "forger.py", "--exercise", "2", folder=folder, GITHUB_ACTIONS="true")
+    assert told.stdout.count("::stop-commands::") == 1 and commands(told.stdout + told.stderr) == []
+
+
 @pytest.mark.parametrize("form", ["csv", "gradescope"])
 def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_body, tmp_path, form):
-    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out")) | {"github": False, "hidden": "visible"}
+    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out", "exercise")) | {"github": False, "hidden": "visible"}
     arguments = argparse.Namespace(**asked | {form: tmp_path / "grades", "junit": tmp_path / "junit.xml"})
     file = Path("x.py")
     forms.Forms(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)

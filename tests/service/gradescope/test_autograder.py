@@ -9,6 +9,7 @@ import zipfile
 import pytest
 
 from exercises.assignment import assignments
+from service.gradescope import harness
 from service.gradescope.bundle import bundle
 from tests.containers import Container
 
@@ -83,7 +84,7 @@ def test_a_submission_that_looks_for_our_files_finds_none(gradescope):
 )
 def test_what_is_no_submission_gets_a_sentence_for_the_student(gradescope, files, said):
     code, printed, results = gradescope.grade(files)
-    assert code == 0 and results["score"] == 0 and said in results["output"], printed
+    assert (code, points(results)) == (0, (0, 5)) and said in results["output"], printed
 
 
 @pytest.mark.parametrize(
@@ -99,3 +100,8 @@ def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(gr
     code, printed, results = gradescope.grade({"mine.py": specimen("right_terms.py")}, before, **environment)
     assert (code, results) == (2, None)
     assert reason in printed and "was not graded (exit code " in printed.splitlines()[-1]
+
+
+def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(tmp_path, monkeypatch):
+    monkeypatch.setattr(harness, "HOME", tmp_path)
+    assert harness.main(["--assignment", "rigid-body"]) == 2 and not (tmp_path / "results").exists()

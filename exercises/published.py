@@ -5,13 +5,17 @@ from collections.abc import Iterator, Sequence
 
 from ecp.exercise import Exercise
 from exercises.assignment import Assignment
+from exercises.folders import told
 
 
 def errors(assignment: Assignment) -> list[str]:
     """Empty where nothing is wrong, or where there is no folder public/: then ``ecp.check`` does not know the assignment."""
     if not (assignment.folder / "public").is_dir():
         return []
-    public = importlib.import_module(f"exercises.{assignment.folder.name}.public")
+    try:
+        public = importlib.import_module(f"exercises.{assignment.folder.name}.public")
+    except (Exception, SystemExit) as error:
+        return [f"public/: {told(error, assignment.folder)}"]
     if not hasattr(public, "EXERCISES"):
         return ["public/__init__.py defines no EXERCISES"]
     return [f"public/: {error}" for error in _errors(assignment, public.EXERCISES)]

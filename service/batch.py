@@ -53,7 +53,7 @@ def grade_files(
     """Each file in turn, graded by a process for each processor (at most ``jobs``); ``tell`` hears how many files are done.
 
     Raises before grading anything if an exercise is unknown or a file cannot be read, and Fault if the walls do not hold. What
-    fails us with a single file is that file's fault, and the others are graded.
+    fails us with a single file is that file's fault, and the others are graded; a process that is lost takes along what was left.
     """
     for ask in asks:
         select(wanted.assignment, ask.exercises)

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from exercises.assignment import Assignment, NoAssignment, find, found
 from exercises.folders import folders, slug_of
-
-MOST_BYTES = 256 * 1024
+from service.grading.submission import MOST_BYTES
 
 
 def meant(slug: str | None, files: Sequence[Path]) -> Assignment:

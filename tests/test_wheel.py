@@ -49,7 +49,7 @@ def test_it_holds_what_runs_and_no_specimen(wheel, rigid_body):
     found = contents(wheel)
     assert {"exercises/rigid_body/notebook.ipynb", "ecp/__init__.py", "service/gradescope/setup.sh"} <= found.keys()
     assert found["service/gradescope/requirements.lock"] == (ROOT / "requirements.lock").read_bytes()
-    solutions = {p.read_bytes() for p in (rigid_body.folder / "specimens").iterdir()}
+    solutions = {p.read_bytes() for p in (rigid_body.folder / "specimens").iterdir() if p.is_file()}
     assert len(solutions) > 100 and not solutions & set(found.values())
 
 
@@ -71,6 +71,9 @@ def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_pat
 
 def test_an_assignment_from_outside_comes_along_without_its_specimens(rigid_body, tmp_path):
     shutil.copytree(rigid_body.folder, tmp_path / "spinning_top")
+    (tmp_path / "spinning_top" / ".git").mkdir()
+    for private in (".env", ".git/config", "solution.ipynb"):
+        (tmp_path / "spinning_top" / private).write_text("mine")
     files = read(bundle(replace(rigid_body, slug="spinning-top", folder=tmp_path / "spinning_top"), None))
     inside = read(files["polhode-0.1.0-py3-none-any.whl"])
     assert b" --assignment spinning-top 2>&1" in files["run_autograder"]

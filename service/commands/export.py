@@ -10,7 +10,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     export = commands.add_parser("export", help="an assignment in the form that another grader takes")
     forms = export.add_subparsers(dest="form", required=True)
     gradescope = forms.add_parser("gradescope", help="the zip of an autograder to upload there")
-    gradescope.add_argument("--assignment", default="rigid-body", metavar="SLUG", help="default rigid-body")
+    gradescope.add_argument("--assignment", metavar="SLUG", help="default: the only one there is")
     gradescope.add_argument(
         "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted"
     )
@@ -19,13 +19,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _gradescope(arguments: argparse.Namespace) -> int:
-    from exercises.assignment import InvalidAssignment, NoAssignment, find
+    from exercises.assignment import InvalidAssignment, NoAssignment
     from service.gradescope.bundle import bundle
     from service.grading.grade import UnknownExercise, select
+    from service.meant import meant
     from service.written import write
 
     try:
-        assignment = find(arguments.assignment)
+        assignment = meant(arguments.assignment, [])
         select(assignment, arguments.exercise)
         write(arguments.out, bundle(assignment, arguments.exercise))
     except (InvalidAssignment, NoAssignment, UnknownExercise, OSError) as error:

@@ -5,9 +5,11 @@ After a fault of ours there is no file that somebody could take for a grade: onl
 
 import argparse
 import json
+import math
 import os
 import secrets
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,6 +25,9 @@ VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 """When students see a test in Gradescope."""
 
 
+FILES = ("junit", "csv", "gradescope", "classroom50")
+
+
 class Unfit(ValueError):
     """What was asked for cannot be written; the message tells why."""
 
@@ -33,7 +38,14 @@ def add(grade: argparse.ArgumentParser) -> None:
     grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
     grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write the results.json of one file")
     grade.add_argument("--hidden", choices=VISIBILITIES, default="visible", help="there, of checks that ask what nobody knows")
+    grade.add_argument("--max-score", type=_positive, metavar="N", help="there, of all checks together; default: a point each")
     grade.add_argument("--classroom50", type=Path, metavar="FILE", help="write the result.json of one file, in its runner")
+
+
+def _positive(told: str) -> float:
+    if not 0 < (number := float(told)) < math.inf:
+        raise argparse.ArgumentTypeError("more than 0")
+    return number
 
 
 def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
@@ -41,12 +53,12 @@ def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
     return ("svg",) * bool(arguments.out) + ("png",) * bool(arguments.gradescope)
 
 
-def heard(arguments: argparse.Namespace, words: str) -> str:
-    """The words as they may be printed: in GitHub Actions no line of a student's may be a command."""
+def guard(arguments: argparse.Namespace) -> Callable[[str], str] | None:
+    """In GitHub Actions what makes words of students such that none of their lines is a command; elsewhere None."""
     from service.tellings.commands import unheard
 
     in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"  # such as pre-commit's hook
-    return unheard(words, secrets.token_hex(16)) if in_actions else words
+    return (lambda words: unheard(words, secrets.token_hex(16))) if in_actions else None
 
 
 class Forms:
@@ -59,12 +71,17 @@ class Forms:
                 raise Unfit(f"--{form} tells of one file, and there are {len(files)}")
         if arguments.classroom50:
             self._about = _about(files[0])
+        for path in filter(None, (getattr(arguments, form) for form in FILES)):
+            if path.is_file():
+                path.unlink()  # what an earlier run left there is no grade of this one
 
     def write(self, graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
         """Write them; of points and checks there are those of the exercises asked for."""
         from service.grading.grade import select
         from service.written import write
 
+        if not any(getattr(self._arguments, form) for form in (*FILES, "github")):
+            return
         assignment = replace(assignment, exercises=tuple(select(assignment, self._arguments.exercise)))
         if self._arguments.junit:
             from service.tellings import junit
@@ -86,7 +103,7 @@ class Forms:
             checks = [check.id for check in assignment.checks()]
             found.append((arguments.csv, own.assignment(rows(graded, assignment), checks)))
         if arguments.gradescope:
-            results = gradescope.document(graded[0], assignment, hidden=arguments.hidden)
+            results = gradescope.document(graded[0], assignment, max_score=arguments.max_score, hidden=arguments.hidden)
             found.append((arguments.gradescope, json.dumps(results, indent=1)))
         if self._about:
             document = classroom50.document(graded[0], assignment, self._about)
@@ -109,6 +126,9 @@ def _tell_github(graded: "Sequence[GradedFile]", assignment: "Assignment") -> No
 
     for annotation in github.annotations(graded, assignment):
         print(annotation)
-    if path := os.environ.get("GITHUB_STEP_SUMMARY"):
-        with open(path, "a", encoding="utf-8") as stream:
-            stream.write(github.summary(graded, assignment))
+    try:
+        if path := os.environ.get("GITHUB_STEP_SUMMARY"):
+            with open(path, "a", encoding="utf-8") as stream:
+                stream.write(github.summary(graded, assignment))
+    except OSError as error:  # it repeats what the log tells, and is no grade
+        print(f"polhode: no summary: {error}", file=sys.stderr)

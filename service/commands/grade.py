@@ -72,7 +72,7 @@ def _grade(arguments: argparse.Namespace) -> int:
         asks = [Ask(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = Folder(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
-        with Progress(len(files), heard=lambda words: forms.heard(arguments, words)) as progress:
+        with Progress(len(files), guard=forms.guard(arguments)) as progress:
             for file in grade_files(asks, wanted, looking.result(), arguments.jobs, progress.tell):
                 graded.append(file)
                 if folder:

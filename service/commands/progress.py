@@ -16,11 +16,12 @@ CLEAR = "\r\x1b[K"
 class Progress:
     """Of ``total`` files, of which those shown as good are ``kind``. The live line goes to standard error, only to a terminal.
 
-    ``heard`` makes words fit to be printed.
+    ``guard`` makes words of students fit to be printed where a line can be a command; all of them then go to standard output, as
+    a guard that is opened on one stream may be closed by the other.
     """
 
-    def __init__(self, total: int, kind: str = "all ✓", heard: Callable[[str], str] = str) -> None:
-        self._total, self._kind, self._heard, self._done, self._good = total, kind, heard, 0, 0
+    def __init__(self, total: int, kind: str = "all ✓", guard: Callable[[str], str] | None = None) -> None:
+        self._total, self._kind, self._guard, self._done, self._good = total, kind, guard, 0, 0
         self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
@@ -51,7 +52,7 @@ class Progress:
             self._clear()
             self._good += good
             if words:
-                print(self._heard(words), file=to, flush=True)
+                print(self._guard(words) if self._guard else words, file=None if self._guard else to, flush=True)
             self._draw()
 
     def _draw(self) -> None:

@@ -16,6 +16,7 @@ METADATA = "Metadata-Version: 2.1\nName: polhode\nVersion: {version}\nLicense: M
 KEPT = ("entry_points.txt", "licenses/LICENSE")  # of what the installed distribution tells of itself
 LOCK = "requirements.lock"
 HERE = Path(__file__).parent
+LEFT_OUT = ("__pycache__", "kit", "specimens")
 
 
 def own_wheel(*outside: Path) -> tuple[str, bytes]:
@@ -42,5 +43,10 @@ def lock() -> bytes:
 def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
     for path in home.rglob("*"):
         inside = path.relative_to(home)
-        if path.is_file() and inside.parts[0] != "kit" and not {"__pycache__", "specimens"} & set(inside.parts):
+        if path.is_file() and not any(part in LEFT_OUT or part.startswith(".") for part in inside.parts) and _belongs(path):
             yield f"{into}/{inside.as_posix()}", path.read_bytes()
+
+
+def _belongs(path: Path) -> bool:
+    """A notebook of another name than the students' may be the one with the solutions."""
+    return path.suffix != ".ipynb" or path.name == "notebook.ipynb"

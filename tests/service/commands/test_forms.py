@@ -117,10 +117,38 @@ def test_in_github_actions_no_command_of_a_student_is_heard_also_where_nobody_as
 
 @pytest.mark.parametrize("form", ["csv", "gradescope"])
 def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_body, tmp_path, form):
-    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out", "exercise")) | {"github": False, "hidden": "visible"}
+    asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out", "exercise", "max_score"))
+    asked |= {"github": False, "hidden": "visible"}
     arguments = argparse.Namespace(**asked | {form: tmp_path / "grades", "junit": tmp_path / "junit.xml"})
     file = Path("x.py")
     forms.Forms(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)
     assert [p.name for p in tmp_path.iterdir()] == ["junit.xml"]
     (case,) = ElementTree.parse(tmp_path / "junit.xml").getroot().iter("testcase")
     assert "the guest went away" in case.find("error").text
+
+
+def test_what_an_earlier_run_left_is_no_grade_of_this_one(folder):
+    (folder / "r.json").write_text('{"score": 5}')
+    told = polhode("grade", "right_terms.py", "--exercise", "2", "--gradescope", "r.json", folder=folder, POLHODE_MIN_TIER="C")
+    assert told.returncode == 2 and (folder / "r.json").exists()  # nothing had begun
+    script = (
+        "import sys\nfrom service.sandbox import sandbox\nfrom service.sandbox.seen import Fault\n"
+        "def lost(self, job, tell=None):\n    raise Fault('the guest went away')\n"
+        "sandbox.Sandbox.play, sandbox.Sandbox.rehearse = lost, lambda self: None\n"
+        "from service.cli import main\nsys.exit(main(['grade', 'right_terms.py', '--exercise', '2', '--gradescope', 'r.json']))"
+    )
+    told = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False)
+    assert told.returncode == 2 and "the guest went away" in told.stderr and not (folder / "r.json").exists()
+
+
+def test_points_in_gradescope_can_be_scaled(folder):
+    asked = ("--exercise", "2", "--gradescope", "r.json", "--max-score", "10")
+    assert polhode("grade", "wrong_zeros.py", *asked, folder=folder).returncode == 1
+    document = json.loads((folder / "r.json").read_text())
+    assert document["score"] == 4 and sum(test.get("max_score", 0) for test in document["tests"]) == 10
+    assert polhode("grade", "wrong_zeros.py", *asked[:-1], "-1", folder=folder).returncode == 2
+
+
+def test_a_summary_that_cannot_be_written_changes_no_verdict(folder):
+    told = polhode("grade", "right_terms.py", "--exercise", "2", "--github", folder=folder, GITHUB_STEP_SUMMARY="/dev/full")
+    assert told.returncode == 0 and "no summary" in told.stderr

@@ -40,12 +40,10 @@ def main(argv: list[str] | None = None) -> int:
 
 def _tell(error: Exception) -> None:
     """A sentence for each wrong setting; anything else was not foreseen."""
-    from pydantic import ValidationError
-
-    if not isinstance(error, ValidationError) or error.title != "Settings":
+    if type(error).__name__ != "ValidationError" or getattr(error, "title", "") != "Settings":  # no import here: it may fail
         traceback.print_exc()
         return
-    for wrong in error.errors(include_input=False, include_url=False):
+    for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
         print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
 
 

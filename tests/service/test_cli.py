@@ -210,9 +210,11 @@ def test_an_interrupted_batch_leaves_no_process(folder):
 
 
 def test_whatever_goes_wrong_before_a_command_is_no_verdict(tmp_path):
-    (tmp_path / "numpy.py").write_text("raise ImportError('no numpy here')")
-    told = polhode("grade", "x.py", PYTHONPATH=f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}")
-    assert told.returncode == 2 and "no numpy here" in told.stderr
+    for library in ("numpy", "pydantic"):
+        (tmp_path / library).mkdir()
+        (tmp_path / library / f"{library}.py").write_text(f"raise ImportError('no {library} here')")
+        told = polhode("grade", "x.py", PYTHONPATH=f"{tmp_path / library}:{os.environ.get('PYTHONPATH', '')}")
+        assert told.returncode == 2 and f"no {library} here" in told.stderr
 
 
 def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(folder):

@@ -5,12 +5,12 @@ grade: all ✓, or not all; of mutants: whether we accept what is right and noth
 """
 
 import argparse
-import contextlib
 import io
 import os
 import sys
 import traceback
 from pathlib import Path
+from typing import TextIO
 
 CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
@@ -26,15 +26,17 @@ def main(argv: list[str] | None = None) -> int:
             sys.stdout.flush()  # what was told may not have arrived
         return code
     except BrokenPipeError:  # whoever read us has seen enough
-        _close_stdout()
+        _close(sys.stdout)
         return PIPE
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
-        with contextlib.suppress(OSError):  # standard error may be full too, and a traceback's exit code is an answer
+        try:
             _tell(error)
+        except OSError:  # standard error is full too, and a traceback's exit code is an answer
+            _close(sys.stderr)
         if isinstance(error, OSError):
-            _close_stdout()
+            _close(sys.stdout)
         return CANNOT
 
 
@@ -47,10 +49,10 @@ def _tell(error: Exception) -> None:
         print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
 
 
-def _close_stdout() -> None:
+def _close(stream: TextIO | None) -> None:
     """Or Python flushes it once more at its end, and tells of that with an exit code of its own."""
-    if sys.stdout is not None:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if stream is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:

@@ -134,6 +134,12 @@ def database_url(postgres):
     return new_database(postgres.url, "polhode")
 
 
+@pytest.fixture(scope="module")
+def url(postgres):
+    """Address of a database for all tests of a file."""
+    return new_database(postgres.url, "polhode")
+
+
 @pytest.fixture
 def empty_url(postgres):
     """A new database with nothing in it."""

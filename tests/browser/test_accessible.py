@@ -3,14 +3,9 @@
 import pytest
 
 from tests.everywhere import fill
-from tests.stored import entered, new_database
+from tests.stored import entered
 
 WIDTHS = (1280, 360)
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

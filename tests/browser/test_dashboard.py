@@ -11,7 +11,7 @@ import pytest
 
 from ecp.outcome import Diagnosis
 from tests.classroom import SLIP, hand_in
-from tests.stored import entered, new_database, run, sql
+from tests.stored import entered, run, sql
 
 BASE = "/assignments/rigid-body"
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
@@ -20,11 +20,6 @@ LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\
 OTHER = Diagnosis("cyclic-order", "ω̇₂ multiplies ω₁·ω₂ where ω₃·ω₁ belongs", 1.0)
 ROLES = {"prof": "instructor", "tutor": "assistant", "ann": "student", "ben": "student", "cleo": "student", "dan": "student"}
 STAFF_ONLY = ("/people", f"{BASE}/class", f"{BASE}/class/submissions", "/queue", f"{BASE}/regrades", "/audit", "/grades.csv")
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

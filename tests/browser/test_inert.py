@@ -8,7 +8,7 @@ import pytest
 
 from service.web.templating import TURNING
 from tests.everywhere import BASE, fill
-from tests.stored import entered, new_database
+from tests.stored import entered
 
 RUNS = "window.pwned=1"
 TAGS = f'"><img src=x onerror={RUNS}><svg onload={RUNS}>'
@@ -41,11 +41,6 @@ SHOWN = {  # pages on which what is told must be seen as it is, with the beginni
     "changed": "<!--", "regrades": "<meta http-equiv", "applied": "<svg onload", "regrade": "ann \"><img", "waiting": "Ann \"><img",
 }  # fmt: skip
 ALIVE = "script:not([src^='/static/']), base, meta[http-equiv], main style, [onerror], [onload], [onfocus], a[href^='javascript']"
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

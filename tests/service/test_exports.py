@@ -18,7 +18,7 @@ from ecp.report import ExerciseReport, Provenance, Report
 from service.grading.submission import Submission
 from service.store import people, runs, tokens
 from service.store.accept import accept
-from tests.stored import new, new_database, run, sql
+from tests.stored import new, run, sql
 
 SLUG = "/assignments/rigid-body"
 FORMS = ("nbgrader", "canvas", "moodle")
@@ -81,11 +81,6 @@ async def fill(database):
         found[name] = await graded(database, name, report(c2_energy="pass"), f"y = {k}")
     found["prof"] = await graded(database, "prof", two)
     return found
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

@@ -15,16 +15,11 @@ import pytest
 from service.store import people, tokens
 from tests.hub import ADVISED
 from tests.screenless import Browser
-from tests.stored import new_database, run, sql
+from tests.stored import run, sql
 
 OPERATING = Path(__file__).parents[2] / "docs/operating.md"
 SLUG = "/v1/assignments/rigid-body/submissions"
 ZEROS = json.dumps({"source": "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0]\n"}).encode()
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,7 @@ import pytest
 
 from tests.oidc import PUBLIC, Provider
 from tests.screenless import Browser
-from tests.stored import entered, new_database, sql
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
+from tests.stored import entered, sql
 
 
 @pytest.fixture(scope="module")

@@ -9,17 +9,12 @@ import pytest
 
 from service.store import rescue
 from tests.browsing import Visitor, enter
-from tests.stored import new_database, run, sql
+from tests.stored import run, sql
 
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 # It answers the questions one by one and goes round for ever in the first motion, whose budget is 12 s.
 LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n"
 LOADING = "while True:\n    pass\n" + GOOD
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

@@ -7,14 +7,9 @@ import pytest
 from service.store import reading
 from tests.browsing import Visitor, enter
 from tests.graded import grade_open, graded, open_attempts, submitted
-from tests.stored import new_database, run, sql
+from tests.stored import run, sql
 
 REGRADES = "/assignments/rigid-body/regrades"
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

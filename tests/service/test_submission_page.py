@@ -20,17 +20,12 @@ from service.grading.submission import Submission
 from service.store import people, tokens
 from service.web.difference import MOST_WORK, TooLong, difference
 from service.web.source import MOST_LINES, cells
-from tests.stored import new_database, run, sql
+from tests.stored import run, sql
 
 SLUG = "/v1/assignments/rigid-body/submissions"
 RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
 REVERSED = "def euler_eqs(t, w, I):\n    return -np.cross(I * w, w) / I\n"
 MOST_BYTES = 10 * 1024
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

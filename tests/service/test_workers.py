@@ -15,7 +15,6 @@ import psycopg
 import pytest
 
 from tests.machines import children, command_of, started_with
-from tests.stored import new_database
 
 TAKEOVER_S = 5.0
 SLOW = "import time\ntime.sleep({})\ndef euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
@@ -56,11 +55,6 @@ def running(database_url, id, but=()):
     query = "SELECT worker FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s AND ended_at IS NULL"
     names = [name for (name,) in rows(database_url, query, id) if name not in but]
     return (names[0], int(names[0].split("/")[1])) if names else None
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    return new_database(postgres.url, "polhode")
 
 
 @pytest.fixture(scope="module")

@@ -2,14 +2,6 @@
 
 import pytest
 
-from tests.stored import new_database
-
-
-@pytest.fixture(scope="module")
-def url(postgres):
-    """Where its database is."""
-    return new_database(postgres.url, "polhode")
-
 
 @pytest.fixture(scope="module")
 def server(new_server, tmp_path_factory, url):

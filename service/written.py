@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
@@ -36,8 +37,8 @@ class Folder:
     """Reports below ``path``, a folder for each file named like it; where several are, by their whole paths; and index.html."""
 
     def __init__(self, path: Path, files: Sequence[Path]) -> None:
-        stems, names = [file.stem for file in files], Names(["index.html"])
-        whole = {f: f.stem if stems.count(f.stem) == 1 else "_".join(p for p in f.parts if p not in ("/", "..")) for f in files}
+        stems, names = Counter(file.stem for file in files), Names(["index.html"])
+        whole = {f: f.stem if stems[f.stem] == 1 else "_".join(p for p in f.parts if p not in ("/", "..")) for f in files}
         self._path, self._names = path, {file: names.give(name) for file, name in whole.items()}
 
     def add(self, file: GradedFile) -> None:
@@ -45,7 +46,7 @@ class Folder:
         folder = self._path / self._names[file.file]
         write(folder / "index.html", page.page(file))
         if file.report is None:
-            write(folder / "report.txt", f"{file.refused or f'not graded: {file.fault}'}\n")
+            write(folder / "report.txt", f"{file.why}\n")
             return
         write(folder / "report.txt", file.report.text())
         write(folder / "report.json", json.dumps(document(file.report), ensure_ascii=False, indent=1))

@@ -41,8 +41,7 @@ class Progress:
         """Print a file's report (``text``), or why there is none."""
         name = shown(str(file.file)).replace("\n", "\ufffd")  # a line of its own could be a command where it is printed
         if file.report is None:
-            why = one_line(file.refused or f"not graded: {file.fault}")
-            self.say(f"polhode: {name}: {why}", good=False, to=sys.stderr)
+            self.say(f"polhode: {name}: {one_line(file.why)}", good=False, to=sys.stderr)
         else:
             self.say(f"== {name}\n{file.report.text()}" if text else "", good=file.passed)
 

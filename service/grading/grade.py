@@ -53,23 +53,14 @@ def grade(
     """Grade the exercises ``numbers``, or without them every exercise the submission has attempted.
 
     ``seed`` draws the scenes a student must not know; the same seed gives the same questions.
-    ``tell`` hears how far it is. Raises UnknownExercise, and
-    Fault when the sandbox fails: then there is no report.
+    ``tell`` hears how far it is. Raises UnknownExercise, and Fault when the sandbox fails: then there is no report.
     """
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
     job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
-    places = {played.name: k for k, played in enumerate(job.scenes, start=1)}
-    exact: dict[str, Arrays] = {}
-
-    def begin(scene: str) -> None:
-        tell("playing", places[scene], len(places))
-        exact[scene] = truth(assignment.scene(scene), inputs[scene])  # while the guest plays it
-
-    seen = sandbox.play(job, begin)
-    tell("judging", len(places), len(places))
-    truths = {name: exact[name] for name in seen.arrays}
+    seen, truths = _play(job, assignment, inputs, sandbox, tell)
+    tell("judging", len(job.scenes), len(job.scenes))
     attempt = Attempt(job, inputs, truths, seen)
     crossed = cross_check(assignment, attempt, sandbox, seed)
     _add_what_is_known(assignment, seen, truths)
@@ -130,6 +121,21 @@ def versions() -> dict[str, str]:
 def _fixed_truth(scene: Scene) -> Arrays:
     assert not callable(scene.inputs)
     return scene.truth(scene.inputs)
+
+
+def _play(
+    job: Job, assignment: Assignment, inputs: Mapping[str, Inputs], sandbox: Sandbox, tell: Tell
+) -> tuple[Seen, dict[str, Arrays]]:
+    """What came back, and the exact answer to each scene of it, worked out while the guest plays that scene."""
+    places = {played.name: k for k, played in enumerate(job.scenes, start=1)}
+    exact: dict[str, Arrays] = {}
+
+    def begin(scene: str) -> None:
+        tell("playing", places[scene], len(places))
+        exact[scene] = truth(assignment.scene(scene), inputs[scene])
+
+    seen = sandbox.play(job, begin)
+    return seen, {name: exact[name] for name in seen.arrays}
 
 
 def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:

@@ -36,21 +36,15 @@ class GradedFile:
             return 0 if self.fault is None else None
         return self.report.score
 
+    @property
+    def why(self) -> str:
+        """Why there is no report."""
+        return self.refused or f"not graded: {self.fault}"
+
 
 def summary(files: Sequence[GradedFile]) -> str:
     """How many files there are of each kind, in a line."""
-    passed, refused, faults = (sum(map(is_one, files)) for is_one in (_passed, _refused, _faulted))
+    passed = sum(file.passed for file in files)
+    refused, faults = sum(file.refused is not None for file in files), sum(file.fault is not None for file in files)
     kinds = {"all ✓": passed, "not all ✓": len(files) - passed - refused - faults, "no submission": refused, "not graded": faults}
     return f"{len(files)} file{'s' * (len(files) != 1)}: " + ", ".join(f"{n} {kind}" for kind, n in kinds.items() if n)
-
-
-def _passed(file: GradedFile) -> bool:
-    return file.passed
-
-
-def _refused(file: GradedFile) -> bool:
-    return file.refused is not None
-
-
-def _faulted(file: GradedFile) -> bool:
-    return file.fault is not None

@@ -43,7 +43,7 @@ def index(files: Sequence[GradedFile], assignment: Assignment, pages: Mapping[Pa
 def page(file: GradedFile) -> str:
     """One file's report with its pictures."""
     if file.report is None:
-        return _page(str(file.file), f"<p>{escape(file.refused or f'not graded: {file.fault}')}</p>")
+        return _page(str(file.file), f"<p>{escape(file.why)}</p>")
     report = replace(file.report, drawn=lambda name: file.pictures.get(f"{name}.svg") or file.pictures.get(f"{name}.png"))
     printed = f"<details><summary>printed</summary><pre>{escape(report.stdout)}</pre></details>" if report.stdout else ""
     told = f"<p><small>seed {report.provenance.seed}, walls {escape(report.provenance.walls)}</small></p>"
@@ -53,8 +53,8 @@ def page(file: GradedFile) -> str:
 def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:
     name = f'<th scope="row"><a href="{escape(address)}">{escape(str(file.file))}</a></th>'
     if file.report is None:
-        why = file.refused or f"not graded: {file.fault}"
-        return f'<tr>{name}<td>{"" if file.fault else 0}</td><td class="none" colspan="{len(checks)}">{escape(why)}</td></tr>'
+        points = "" if file.points is None else file.points
+        return f'<tr>{name}<td>{points}</td><td class="none" colspan="{len(checks)}">{escape(file.why)}</td></tr>'
     verdicts = {outcome.id: outcome.verdict for outcome in file.report.outcomes()}
     cells = [f'<td class="{v.value}">{MARKS[v]}</td>' if (v := verdicts.get(id)) else "<td></td>" for id in checks]
     return f"<tr>{name}<td>{file.report.score}/{file.report.max_score}</td>{''.join(cells)}</tr>"

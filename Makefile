@@ -5,11 +5,11 @@ BIN := .venv/bin
 INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Much of a test is waiting: processes share whole files, begun in the order of tests/conftest.py.
-SHARED := --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
+TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test lint bench chaos image-test lock clean
+.PHONY: help env demo serve test test-all lint bench chaos image-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -48,9 +48,11 @@ lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-test: lint .venv/browser  ## lint, then every test, in PROCESSES=2
-	@$(CLEAN_ENV) $(BIN)/python -m pytest $(SHARED) || { echo "polhode: once more what failed beside others, by itself"; \
-		$(CLEAN_ENV) $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; }
+test: lint .venv/browser  ## lint, then the tests that fit in four minutes on two cores (PROCESSES=2)
+	@$(TEST) -m "not slow and not exhaustive"
+
+test-all: lint .venv/browser  ## also the slow tests: every sample over HTTP, browsers, JupyterHub, several machines, wheels, outages
+	@$(TEST) -m "not exhaustive"
 
 bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge, other autograders
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
@@ -62,7 +64,7 @@ bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what wall
 	@$(CLEAN_ENV) $(BIN)/python -m bench.peers
 
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
-	@$(CLEAN_ENV) $(BIN)/python -m tests.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
+	@$(CLEAN_ENV) $(BIN)/python -m tests.support.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
 
 image-test: .venv/tests  ## build the container image with podman, run it as docs/docker.md says, and a whole course by docker-compose.yml
 	@{ command -v podman && command -v mmdebstrap && command -v podman-compose; } >/dev/null || { echo "polhode: installing $(IMAGE_TOOLS)" \

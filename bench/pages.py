@@ -17,7 +17,7 @@ from ecp.document import document
 from service.store import gradebook
 from service.store.people import COURSE
 from service.store.postgres import running_url
-from tests.classroom import ASSIGNMENT, SLIP, report
+from tests.support.reports import ASSIGNMENT, SLIP, report_of_marks
 
 STUDENTS, EACH, REPEATS = 500, 5, 7
 GOAL_MS = 300.0
@@ -85,7 +85,7 @@ def fill(url: str) -> None:
     with psycopg.connect(url) as connection:
         for number in range(EACH):
             marks = {id: "✓" if k % EACH <= number else ("✗", 0.01, SLIP) for k, id in enumerate(ids)}
-            told = report(marks)
+            told = report_of_marks(marks)
             values = {
                 "n": number,
                 "students": STUDENTS,

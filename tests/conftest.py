@@ -1,48 +1,57 @@
-"""Shared fixtures: a sandbox behind real walls, and one real server for the tests that talk HTTP."""
+"""Fixtures that every test may use: a sandbox, an embedded database, a real server, the kit, a JupyterHub."""
 
 import io
-import os
+import re
 import shutil
-import signal
-import subprocess
-import sys
 import time
-import urllib.request
 import zipfile
-from pathlib import Path
 
 import pytest
 
 from exercises.assignment import assignments
 from exercises.wheel import wheel
-from service.demo import free_port
 from service.sandbox.choose import choose
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.tier_b import tier_b
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres
 from service.store.rescue import LEASE_S
-from tests.hub import Hub
-from tests.stored import new_database
+from tests.support.database import new_database
+from tests.support.hub import Hub
+from tests.support.server import Server
 
-# Long files, most of which wait: begun first, so that the many short ones fill what is left where processes share the work.
-FIRST = (
-    "test_http",
-    "test_outage",
+# Files that take longest begin first, so that the short ones fill what is left where two processes share the files.
+LONGEST = (
     "test_attacks",
-    "test_workers",
+    "test_outage",
     "test_notebooks",
+    "test_workers",
     "test_chaos",
     "test_machines",
     "test_sandbox",
-    "test_autograder",
+    "test_grade",
+    "test_bundle",
 )
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    rank = {name: k for k, name in enumerate(FIRST)}
-    items.sort(key=lambda item: rank.get(item.path.stem, len(FIRST)))
+    rank = {name: k for k, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path.stem, len(LONGEST)))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Processes share whole files, and the families of attacks."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file, _, test = nodeid.partition("::")
+            family = re.match(r"test_attack\[\w+-([a-z]+)_", test)
+            return f"{file}::{family[1]}" if family else file
+
+    return ByFile(config, log)
 
 
 @pytest.fixture(scope="session")
@@ -71,43 +80,12 @@ def either_sandbox(request, sandbox):
     bare.close()
 
 
-class Server:
-    """``polhode serve`` as its own process on a free loopback port."""
-
-    def __init__(self, data: Path, *, port: int | None = None, **environment: str) -> None:
-        self.port = port or free_port()
-        self.url = f"http://127.0.0.1:{self.port}"
-        self.log = data.parent / f"serve-{self.port}.log"
-        with self.log.open("wb") as log:
-            self.process = subprocess.Popen(
-                [sys.executable, "-m", "service.cli", "serve", "--port", str(self.port)],
-                env=os.environ | {"POLHODE_DATA": str(data)} | environment,
-                stdout=log,
-                stderr=log,
-            )
-
-    def wait_ready(self, path: str = "/readyz") -> "Server":
-        deadline = time.monotonic() + 60
-        while time.monotonic() < deadline and self.process.poll() is None:
-            try:
-                urllib.request.urlopen(f"{self.url}{path}", timeout=5).close()
-                return self
-            except OSError:
-                time.sleep(0.1)
-        raise AssertionError(f"no server: {self.log.read_text()[-2000:]}")
-
-    def stop(self, how: signal.Signals = signal.SIGTERM) -> int:
-        if self.process.poll() is None:
-            self.process.send_signal(how)
-        return self.process.wait(30)
-
-
 @pytest.fixture(scope="session")
 def new_server():
     """Start servers on any data folder; all of them are stopped at the end."""
     servers = []
 
-    def start(data: Path, path: str = "/readyz", port: int | None = None, **environment: str) -> Server:
+    def start(data, path="/readyz", port=None, **environment):
         servers.append(Server(data, port=port, **environment))
         return servers[-1].wait_ready(path)
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.everywhere import fill
-from tests.stored import entered
+from tests.support.course_pages import fill
+from tests.support.database import entered
 
 WIDTHS = (1280, 360)
 

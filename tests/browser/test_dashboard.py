@@ -10,8 +10,9 @@ import zipfile
 import pytest
 
 from ecp.outcome import Diagnosis
-from tests.classroom import SLIP, hand_in
-from tests.stored import entered, run, sql
+from tests.support.database import entered, run, sql
+from tests.support.reports import SLIP
+from tests.support.submissions import hand_in
 
 BASE = "/assignments/rigid-body"
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"

@@ -7,8 +7,8 @@ import urllib.request
 import pytest
 
 from service.web.templating import TURNING
-from tests.everywhere import BASE, fill
-from tests.stored import entered
+from tests.support.course_pages import BASE, fill
+from tests.support.database import entered
 
 RUNS = "window.pwned=1"
 TAGS = f'"><img src=x onerror={RUNS}><svg onload={RUNS}>'

@@ -4,7 +4,7 @@ import pytest
 
 from exercises.assignment import InvalidAssignment, NoAssignment, assignments, find
 from exercises.folders import add, folders, taken
-from tests.scaffolded import change, copied, known
+from tests.support.assignments import change, copied, known
 
 
 @pytest.mark.parametrize("named", ["the folder itself", "the folder it is in"])

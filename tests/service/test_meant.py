@@ -5,7 +5,7 @@ import pytest
 from exercises.assignment import InvalidAssignment, NoAssignment
 from service.cli import main
 from service.meant import meant
-from tests.scaffolded import change, copied, known
+from tests.support.assignments import change, copied, known
 
 
 @pytest.fixture

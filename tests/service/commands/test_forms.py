@@ -14,7 +14,7 @@ import pytest
 from service.commands import forms
 from service.tellings import gradescope
 from service.tellings.files import GradedFile
-from tests.runner import commands
+from tests.support.workflow_log import commands
 
 FORGER = """
 import numpy as np

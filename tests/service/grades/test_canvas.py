@@ -7,8 +7,8 @@ import re
 import pytest
 
 from service.grades import canvas
-from tests.rows import CLASS, TITLE, row
 from tests.service.grades.test_own import golden
+from tests.support.grade_rows import CLASS, TITLE, row
 
 ROSTER = {
     "by_sis": {"00815": "Ada", "00816": "Ben"},

@@ -6,8 +6,8 @@ import io
 import pytest
 
 from service.grades import moodle
-from tests.rows import CLASS, TITLE, row
 from tests.service.grades.test_own import golden
+from tests.support.grade_rows import CLASS, TITLE, row
 
 USERS = {"Username": {"ada", "ben", "cho", "x"}, "Email address": {"ada@uni.example", "ben@uni.example"}}
 

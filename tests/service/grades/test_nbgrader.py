@@ -7,8 +7,8 @@ from datetime import datetime
 import pytest
 
 from service.grades import nbgrader
-from tests.rows import CLASS, row
 from tests.service.grades.test_own import golden
+from tests.support.grade_rows import CLASS, row
 
 
 def test_the_golden_file():

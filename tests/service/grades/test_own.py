@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from service.grades import own, told
-from tests.rows import CHECKS, CLASS, row
+from tests.support.grade_rows import CHECKS, CLASS, row
 
 GOLDEN = Path(__file__).parent / "golden"
 

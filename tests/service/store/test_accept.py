@@ -10,7 +10,7 @@ import pytest
 from service.store import reading
 from service.store.accept import Accepted, KeyReused, Refused, accept
 from service.store.rescue import sweep
-from tests.stored import new, run, sql
+from tests.support.database import new, run, sql
 
 
 def test_a_submission_its_attempt_and_its_job_are_there_together(database_url):

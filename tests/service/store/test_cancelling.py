@@ -10,8 +10,9 @@ from service.store.accept import Refused, accept
 from service.store.cancelling import Over, cancel
 from service.store.queueing import grade_again, look
 from service.web import counters
-from tests.graded import claim, finish, graded, report, submitted
-from tests.stored import new, run, sql
+from tests.support.database import new, run, sql
+from tests.support.reports import report_of_verdicts
+from tests.support.submissions import claim, finish, graded, submitted
 
 
 def jobs(url):
@@ -86,7 +87,7 @@ def test_a_lost_run_that_comes_back_is_not_opened_again(database_url):
     sql(database_url, "UPDATE run SET ended_at = now(), ending = 'lost'")
     run(database_url, lambda d: cancel(d, attempt, "prof"))
     assert run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 9)) is False
-    assert not run(database_url, lambda d: runs.finish(d, claimed, report("+"), {}))
+    assert not run(database_url, lambda d: runs.finish(d, claimed, report_of_verdicts("+"), {}))
     assert sql(database_url, "SELECT ending FROM run") == [("superseded",)]
 
 
@@ -97,7 +98,7 @@ def test_cancelled_while_it_finishes_the_first_result_stays(database_url, repeti
     claimed = claim(database_url, attempt)
 
     async def both(database):
-        ending = runs.finish(database, claimed, report("+-"), {})
+        ending = runs.finish(database, claimed, report_of_verdicts("+-"), {})
         asked = cancel(database, attempt, "prof")
         order = (ending, asked) if repetition % 2 else (asked, ending)
         return await asyncio.wait_for(asyncio.gather(*order, return_exceptions=True), 10)

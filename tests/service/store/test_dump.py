@@ -11,8 +11,8 @@ from service.store.accept import accept
 from service.store.account import DatabaseUnavailable
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres, find_programs
-from tests.classroom import hand_in
-from tests.stored import new, run, sql
+from tests.support.database import new, run, sql
+from tests.support.submissions import hand_in
 
 
 def test_a_backup_under_load_restores_to_a_consistent_state(database_url, empty_url, tmp_path):

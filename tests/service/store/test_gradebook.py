@@ -6,8 +6,9 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from service.store import extending, gradebook, people, queueing
-from tests.classroom import SLIP, grade, hand_in
-from tests.stored import run, sql
+from tests.support.database import run, sql
+from tests.support.reports import SLIP
+from tests.support.submissions import grade, hand_in
 
 GOOD, BAD = {"2-energy": "✓", "2-momentum": "✓"}, {"2-energy": "✓", "2-momentum": ("✗", 1e-3)}
 NOW = datetime.now(UTC)

@@ -15,7 +15,7 @@ from service.store import migrate as migrating
 from service.store import reading
 from service.store.dump import check
 from service.store.migrate import driver_url, migrate
-from tests.stored import run, sql
+from tests.support.database import run, sql
 
 
 @pytest.fixture

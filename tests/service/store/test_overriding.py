@@ -6,8 +6,8 @@ import pytest
 
 from service.store import history, overriding, reading
 from service.store.overriding import NotGiven, give, withdraw
-from tests.graded import graded, submitted
-from tests.stored import run, sql
+from tests.support.database import run, sql
+from tests.support.submissions import graded, submitted
 
 
 @pytest.fixture

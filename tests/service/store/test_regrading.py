@@ -9,8 +9,8 @@ from service.store.accept import accept
 from service.store.cancelling import cancel
 from service.store.queueing import grade_again, look
 from service.store.regrading import BEST, EVERY, Decided, NothingToGrade, Unfinished
-from tests.graded import claim, finish, grade_open, graded, open_attempts, submitted
-from tests.stored import new, run, sql
+from tests.support.database import new, run, sql
+from tests.support.submissions import claim, finish, grade_open, graded, open_attempts, submitted
 
 
 def begin(url, which=BEST, check=None):

@@ -11,7 +11,7 @@ from ecp.report import Provenance, Report
 from service.store import reading, rescue, runs
 from service.store.accept import Refused, accept, add_attempt
 from service.store.queueing import grade_again, look
-from tests.stored import new, run, sql
+from tests.support.database import new, run, sql
 
 
 def report(seed=7):

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, StrictBool, ValidationError, 
 
 from service.tellings.classroom50 import About, document
 from service.tellings.detail import NoVerdict
-from tests.reports import example, graded, outcome, report
+from tests.support.reports import example, graded_file, outcome, report
 
 NAME = Annotated[str, Field(min_length=1)]
 POINTS = Annotated[int, Field(ge=0, strict=True)]
@@ -59,7 +59,7 @@ ABOUT = About(
 
 
 def test_a_report_is_a_result_that_both_validators_take(rigid_body):
-    told = document(graded(example()), rigid_body, ABOUT)
+    told = document(graded_file(example()), rigid_body, ABOUT)
     result = Result.model_validate_json(json.dumps(told))
     assert (result.score, result.max_score, result.datetime) == (1, 3, "2026-02-28T23:59:58Z")
     assert [(test.test_name, test.passed, test.score, test.max_score) for test in result.tests] == [
@@ -73,12 +73,12 @@ def test_a_report_is_a_result_that_both_validators_take(rigid_body):
 
 def test_a_regrade_moves_nothing_but_when_it_was_graded(rigid_body):
     again = dataclasses.replace(ABOUT, graded_at=datetime(2027, 1, 1, tzinfo=UTC))
-    one, two = (document(graded(example()), rigid_body, about) for about in (ABOUT, again))
+    one, two = (document(graded_file(example()), rigid_body, about) for about in (ABOUT, again))
     assert {key for key in one if one[key] != two[key]} == {"graded_at"}
 
 
 def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):
-    told = document(graded(None, refused="mine.py is not a text file (UTF-8)"), rigid_body, ABOUT)
+    told = document(graded_file(None, refused="mine.py is not a text file (UTF-8)"), rigid_body, ABOUT)
     result = Result.model_validate_json(json.dumps(told))
     assert (result.score, result.max_score) == (0, rigid_body.most_points())
     assert told["tests"][0]["output"] == "mine.py is not a text file (UTF-8)" and not result.tests[0].passed
@@ -87,13 +87,13 @@ def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):
 def test_no_checks_are_no_success(rigid_body):
     """Without tests, Classroom 50 says success."""
     for nothing in (report(), report([outcome("2-drawn", "unmeasured", counted=False)])):
-        result = Result.model_validate_json(json.dumps(document(graded(nothing), rigid_body, ABOUT)))
+        result = Result.model_validate_json(json.dumps(document(graded_file(nothing), rigid_body, ABOUT)))
         assert (result.score, result.max_score) == (0, 0) and [test.passed for test in result.tests] == [False]
 
 
 def test_a_fault_is_no_verdict(rigid_body):
     with pytest.raises(NoVerdict, match="disk full"):
-        document(graded(None, fault="disk full"), rigid_body, ABOUT)
+        document(graded_file(None, fault="disk full"), rigid_body, ABOUT)
 
 
 @pytest.mark.parametrize(
@@ -101,6 +101,6 @@ def test_a_fault_is_no_verdict(rigid_body):
     [{"score": 4}, {"score": 1.0}, {"datetime": "2026-03-01 00:00:00"}, {"submission": "main"}, {"more": 1}, {"owner": ""}],
 )
 def test_the_rules_bite(rigid_body, change):
-    told = document(graded(example()), rigid_body, ABOUT)
+    told = document(graded_file(example()), rigid_body, ABOUT)
     with pytest.raises(ValidationError):
         Result.model_validate_json(json.dumps(told | change))

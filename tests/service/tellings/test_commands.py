@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 
 from service.tellings.commands import Annotation, unheard
 from service.tellings.detail import one_line, shown
-from tests.reports import TEXTS
-from tests.runner import commands
+from tests.support.random_reports import TEXTS
+from tests.support.workflow_log import commands
 
 TOKEN = "f3a9c1"
 

@@ -2,7 +2,7 @@
 
 from ecp.outcome import Ending, SceneEnding
 from service.tellings.detail import detail, one_line, shown
-from tests.reports import TRACE, example, outcome, report
+from tests.support.reports import TRACEBACK, example, outcome, report
 
 
 def test_text_is_harmless_and_bounded():
@@ -23,7 +23,7 @@ def test_a_check_with_everything_that_helps():
 
 
 def test_only_what_was_not_measured_has_a_traceback_and_it_is_bounded():
-    long = SceneEnding("motion", Ending.RAISED, "E: x", "raises", "  x\n" * 5000 + TRACE)
+    long = SceneEnding("motion", Ending.RAISED, "E: x", "raises", "  x\n" * 5000 + TRACEBACK)
     unmeasured, failed = outcome("2-energy", "unmeasured", cause="E: x"), outcome("2-motion", "fail")
     told = report([unmeasured, failed], endings=[long])
     assert detail(unmeasured, told).endswith("ZeroDivisionError: division by zero") and len(detail(unmeasured, told)) < 2200

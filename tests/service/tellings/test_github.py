@@ -5,8 +5,9 @@ from markdown_it import MarkdownIt
 from ecp.outcome import Diagnosis
 from ecp.report import Picture
 from service.tellings.github import MOST, MOST_BYTES, annotations, summary
-from tests.reports import EVIL, example, graded, outcome, report
-from tests.runner import commands
+from tests.support.random_reports import HOSTILE
+from tests.support.reports import example, graded_file, outcome, report
+from tests.support.workflow_log import commands
 
 SOURCE = "def euler_eqs(t, w, I):\n    return w\n\ndef principal_moments(tensor):\n    return 0\n"
 TAGS = ("<h", "<tr>", "<td>", "<p>", "<pre>", "<details>", "</details>", "<img", "<a ", "<ul>", "<!--", "<em>", "<strong>")
@@ -23,7 +24,7 @@ def read(files, rigid_body):
 
 def test_checks_of_one_function_and_one_cause_are_one_annotation(rigid_body):
     lone, slips = failed("1-notebook"), [failed(id, SLIP) for id in ("2-energy", "2-momentum", "2-motion")]
-    told = read([graded(report([lone], slips, [outcome("4-rate")]), source=SOURCE)], rigid_body)
+    told = read([graded_file(report([lone], slips, [outcome("4-rate")]), source=SOURCE)], rigid_body)
     assert [about for about, _ in told] == [
         {"file": "samples/ann.py", "line": "1", "title": "exercise 2: euler_eqs (3 checks)"},
         {"file": "samples/ann.py", "line": "4", "title": "exercise 1: principal_moments"},
@@ -37,7 +38,7 @@ def test_checks_of_one_function_and_one_cause_are_one_annotation(rigid_body):
 
 def test_of_many_files_each_has_its_largest_first_and_the_rest_is_counted(rigid_body):
     two_kinds = report([failed("1-notebook")], [failed("2-energy", SLIP), failed("2-motion", SLIP)])
-    told = read([graded(two_kinds, f"{name}.py", source=SOURCE) for name in "abcdefgh"], rigid_body)
+    told = read([graded_file(two_kinds, f"{name}.py", source=SOURCE) for name in "abcdefgh"], rigid_body)
     assert len(told) == MOST
     assert [about["file"] for about, _ in told[:-1]] == [f"{name}.py" for name in "abcdefgha"]
     assert all("euler_eqs" in about["title"] for about, _ in told[:8])
@@ -45,12 +46,15 @@ def test_of_many_files_each_has_its_largest_first_and_the_rest_is_counted(rigid_
 
 
 def test_exactly_as_many_as_are_shown_are_told_all(rigid_body):
-    told = read([graded(report([failed("2-energy")]), f"{k}.py") for k in range(MOST)], rigid_body)
+    told = read([graded_file(report([failed("2-energy")]), f"{k}.py") for k in range(MOST)], rigid_body)
     assert [about["file"] for about, _ in told] == [f"{k}.py" for k in range(MOST)]
 
 
 def test_a_file_that_was_not_graded_has_one_too(rigid_body):
-    told = read([graded(None, refused="no text"), graded(None, "b.py", fault="disk full"), graded(report(), "c.py")], rigid_body)
+    told = read(
+        [graded_file(None, refused="no text"), graded_file(None, "b.py", fault="disk full"), graded_file(report(), "c.py")],
+        rigid_body,
+    )
     assert [(about["title"], data.split("\n")[0]) for about, data in told] == [
         ("no submission", "no text"),
         ("polhode failed: this is no verdict", "disk full"),
@@ -59,7 +63,7 @@ def test_a_file_that_was_not_graded_has_one_too(rigid_body):
 
 
 def test_what_passed_or_does_not_count_is_not_told(rigid_body):
-    assert read([graded(report([outcome("2-energy"), outcome("5-moves", "unmeasured", counted=False)]))], rigid_body) == []
+    assert read([graded_file(report([outcome("2-energy"), outcome("5-moves", "unmeasured", counted=False)]))], rigid_body) == []
 
 
 def rendered(files, rigid_body, **more):
@@ -69,10 +73,10 @@ def rendered(files, rigid_body, **more):
 def test_a_summary(rigid_body):
     drawn = report([outcome("2-energy")], figures=[Picture("omega", "1", "Angular velocity", "ω over time")])
     files = [
-        graded(drawn, "b.py"),
-        graded(example()),
-        graded(None, "c.py", refused="no text"),
-        graded(None, "d.py", fault="disk full"),
+        graded_file(drawn, "b.py"),
+        graded_file(example()),
+        graded_file(None, "c.py", refused="no text"),
+        graded_file(None, "d.py", fault="disk full"),
     ]
     page = rendered(files, rigid_body)
     assert "<p>4 files: 1 all ✓, 1 not all ✓, 1 no submission, 1 not graded</p>" in page
@@ -90,17 +94,17 @@ def test_a_summary(rigid_body):
 
 
 def test_nothing_breaks_out_of_a_summary(rigid_body):
-    plain = rendered([graded(report([failed("2-energy", label="x")]))], rigid_body)
-    for evil in EVIL:
+    plain = rendered([graded_file(report([failed("2-energy", label="x")]))], rigid_body)
+    for evil in HOSTILE:
         one = failed("2-energy", Diagnosis(f"a{evil}", evil, 1.0), label=f"x{evil}")
-        page = rendered([graded(report([one]), f"samples/{evil}/ann.py")], rigid_body)
+        page = rendered([graded_file(report([one]), f"samples/{evil}/ann.py")], rigid_body)
         for tag in TAGS:
             assert page.count(tag) == plain.count(tag), (evil, tag)
 
 
 def test_there_is_an_end_to_a_summary(rigid_body):
     many = report([failed(f"2-{k}", label="é" * 100) for k in range(300)])
-    files = [graded(many, f"samples/{k}/" + "`" * 150 + ".py") for k in range(3000)]
+    files = [graded_file(many, f"samples/{k}/" + "`" * 150 + ".py") for k in range(3000)]
     for most in (MOST_BYTES, 20_000, 3000):
         told = summary(files, rigid_body, most)
         assert most // 4 < len(told.encode()) <= most

@@ -5,19 +5,19 @@ import io
 
 from service.grades import canvas, nbgrader, own
 from service.tellings.grades import row, rows
-from tests.reports import example, graded, outcome, report
+from tests.support.reports import example, graded_file, outcome, report
 
 
 def test_a_graded_file(rigid_body):
-    told = row(graded(example()), rigid_body)
+    told = row(graded_file(example()), rigid_body)
     assert (told.student, told.status, told.points, told.score, told.counted) == ("ann", "graded", 1, 1, 3)
     assert (told.max_points, told.title, told.grader) == (36, rigid_body.title, "polhode 0.1.0, assignment version 1")
     assert told.checks == {"1-notebook": "pass", "2-pointwise": "fail", "2-energy": "error", "2-drawn": "unmeasured"}
 
 
 def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_body):
-    refused = row(graded(None, refused="no text"), rigid_body)
-    fault = row(graded(None, "b.py", fault="disk full"), rigid_body)
+    refused = row(graded_file(None, refused="no text"), rigid_body)
+    fault = row(graded_file(None, "b.py", fault="disk full"), rigid_body)
     assert (refused.status, refused.points, refused.counted) == ("refused", 0, None)
     assert (fault.status, fault.points, fault.score) == ("faulted", None, None)
     lines = list(csv.DictReader(io.StringIO(nbgrader.text([refused, fault]))))
@@ -26,9 +26,9 @@ def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_bo
 
 
 def test_files_of_one_name_are_no_one_student(rigid_body):
-    files = [graded(report([outcome("2-energy")]), name) for name in ("ann/mine.py", "ben/mine.ipynb", "cho.py")]
+    files = [graded_file(report([outcome("2-energy")]), name) for name in ("ann/mine.py", "ben/mine.ipynb", "cho.py")]
     assert [one.student for one in rows(files, rigid_body)] == ["ann/mine", "ben/mine", "cho"]
 
 
 def test_a_file_named_like_a_formula_is_none(rigid_body):
-    assert "\n'=1+1," in own.assignment(rows([graded(example(), "=1+1.py")], rigid_body), []).replace("\r", "")
+    assert "\n'=1+1," in own.assignment(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")

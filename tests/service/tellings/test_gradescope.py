@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from ecp.report import Picture
 from service.tellings.detail import NoVerdict
 from service.tellings.gradescope import MOST_PICTURES, VISIBILITIES, document
-from tests.reports import example, graded, outcome, report
+from tests.support.reports import example, graded_file, outcome, report
 
 Visibility = Literal["hidden", "after_due_date", "after_published", "visible"]
 Format = Literal["text", "html", "simple_format", "md", "ansi"]
@@ -52,7 +52,7 @@ def told(rigid_body, file, **more):
 
 
 def test_a_report(rigid_body):
-    results = told(rigid_body, graded(example(), seconds=1.23456))
+    results = told(rigid_body, graded_file(example(), seconds=1.23456))
     assert (results.score, results.execution_time, results.output) == (1, 1.235, "1 of 3 checks ✓ (public checks: 1 of 2)")
     assert [(t.number, t.name, t.score, t.max_score, t.status, t.visibility) for t in results.tests] == [
         ("1.1", "principal moments match the analytic box result", 1, 1, "passed", "visible"),
@@ -69,36 +69,36 @@ def test_a_report(rigid_body):
 
 @pytest.mark.parametrize("hidden", VISIBILITIES)
 def test_what_is_drawn_for_an_attempt_is_as_visible_as_one_asks_for(rigid_body, hidden):
-    tests = told(rigid_body, graded(example()), hidden=hidden).tests
+    tests = told(rigid_body, graded_file(example()), hidden=hidden).tests
     assert [test.visibility for test in tests] == ["visible", hidden, "visible", "visible"]
 
 
 def test_other_visibilities_there_are_none(rigid_body):
     assert set(VISIBILITIES) == set(TypeAdapter(Visibility).json_schema()["enum"])
     with pytest.raises(ValueError, match="after_lunch"):
-        document(graded(example()), rigid_body, hidden="after_lunch")
+        document(graded_file(example()), rigid_body, hidden="after_lunch")
 
 
 def test_points_of_the_assignment_are_shared_by_the_checks(rigid_body):
-    results = told(rigid_body, graded(example()), max_score=12.0)
+    results = told(rigid_body, graded_file(example()), max_score=12.0)
     assert results.score == 4.0 and [test.max_score for test in results.tests] == [4.0, 4.0, 4.0, None]
 
 
 def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):
-    results = told(rigid_body, graded(None, refused="mine.py holds no code\x00"))
+    results = told(rigid_body, graded_file(None, refused="mine.py holds no code\x00"))
     assert results.score == 0 and results.output == "mine.py holds no code\ufffd"
     assert [(test.status, test.score, test.max_score) for test in results.tests] == [("failed", 0, rigid_body.most_points())]
 
 
 def test_no_checks_are_no_success(rigid_body):
     for nothing in (report(), report([outcome("2-drawn", "unmeasured", counted=False)])):
-        results = told(rigid_body, graded(nothing), max_score=10.0)
+        results = told(rigid_body, graded_file(nothing), max_score=10.0)
         assert results.score == 0 and [test.status for test in results.tests if test.status] == ["failed"]
 
 
 def test_a_fault_is_no_verdict(rigid_body):
     with pytest.raises(NoVerdict, match="disk full"):
-        document(graded(None, fault="disk full"), rigid_body)
+        document(graded_file(None, fault="disk full"), rigid_body)
 
 
 class Images(html.parser.HTMLParser):
@@ -117,7 +117,7 @@ class Images(html.parser.HTMLParser):
 
 def figures(rigid_body, pictures, **drawn):
     one = report([outcome("2-energy")], figures=pictures, animations=[])
-    *_, test = told(rigid_body, graded(one, pictures=drawn)).tests
+    *_, test = told(rigid_body, graded_file(one, pictures=drawn)).tests
     page = Images()
     page.feed(test.output)
     return test, page
@@ -139,4 +139,4 @@ def test_there_is_an_end_to_pictures(rigid_body):
 
 
 def test_without_pictures_there_is_no_test_of_them(rigid_body):
-    assert len(told(rigid_body, graded(example())).tests) == 4
+    assert len(told(rigid_body, graded_file(example())).tests) == 4

@@ -10,12 +10,13 @@ from hypothesis import HealthCheck, given, settings
 
 from exercises.assignment import assignments
 from service.tellings import junit
-from tests.reports import example, graded, graded_files, outcome, report
+from tests.support.random_reports import graded_files
+from tests.support.reports import example, graded_file, outcome, report
 
 GOLDEN = Path(__file__).parent / "golden" / "junit.xml"
 RIGID = assignments()["rigid-body"]
-REFUSED = graded(None, "samples/ben.py", source="\x00", refused="ben.py is not a text file (UTF-8)")
-FAULT = graded(None, "samples/cho.ipynb", fault="the disk is full")
+REFUSED = graded_file(None, "samples/ben.py", source="\x00", refused="ben.py is not a text file (UTF-8)")
+FAULT = graded_file(None, "samples/cho.ipynb", fault="the disk is full")
 
 # Of each element: what may be in it, attributes it must have, and others it may. ``file`` and ``line`` of a case are not in the
 # schema; pytest has written them for years and readers take them.
@@ -54,7 +55,7 @@ def valid(text):
 
 
 def test_the_golden_file():
-    text = junit.text([graded(example(), seconds=1.5), REFUSED, FAULT], RIGID)
+    text = junit.text([graded_file(example(), seconds=1.5), REFUSED, FAULT], RIGID)
     assert text == GOLDEN.read_text()
     valid(text)
 
@@ -72,12 +73,12 @@ def test_whatever_is_in_a_report_the_document_is_valid_and_no_two_cases_are_one(
 
 def test_text_comes_back_as_it_was_but_for_what_is_no_character():
     evil = outcome("2-energy", "fail", "a < b & c", detail=']]> "\x00\x1b[31m\ufffe\ud800 </failure>')
-    (case,) = valid(junit.text([graded(report([evil]))], RIGID)).iter("testcase")
+    (case,) = valid(junit.text([graded_file(report([evil]))], RIGID)).iter("testcase")
     assert case.find("failure").text.startswith('✗  a < b & c   []]> "\ufffd\ufffd[31m\ufffd\ufffd </failure>]\n')
 
 
 def test_times_are_the_files_shared_out():
-    root = valid(junit.text([graded(example(), seconds=2.0), graded(example(), "b.py", seconds=0.4)], RIGID))
+    root = valid(junit.text([graded_file(example(), seconds=2.0), graded_file(example(), "b.py", seconds=0.4)], RIGID))
     assert (
         float(root.get("time"))
         == pytest.approx(2.4)
@@ -94,13 +95,13 @@ def test_a_file_that_was_not_graded_is_an_error_and_tells_whose():
 
 @pytest.mark.parametrize("nothing", [report(), report([]), report([outcome("5-moves", "unmeasured", counted=False)])])
 def test_nothing_checked_is_no_success(nothing):
-    root = valid(junit.text([graded(nothing)], RIGID))
+    root = valid(junit.text([graded_file(nothing)], RIGID))
     assert root.get("errors") == "1" and root.find(".//error").get("message") == "nothing that counts was checked"
 
 
 def test_a_case_stands_at_the_students_line():
     source = "import numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return w / 0\n"
-    root = valid(junit.text([graded(example(), source=source)], RIGID))
+    root = valid(junit.text([graded_file(example(), source=source)], RIGID))
     lines = {case.get("name").partition(":")[0]: case.get("line") for case in root.iter("testcase")}
     assert lines == {"1-notebook": None, "2-pointwise": "4", "2-energy": "3", "2-drawn": None}
     assert {case.get("file") for case in root.iter("testcase")} == {"samples/ann.py"}

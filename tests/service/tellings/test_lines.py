@@ -7,7 +7,7 @@ import pytest
 
 from ecp.outcome import Ending, SceneEnding
 from service.tellings.lines import Lines
-from tests.reports import graded, outcome, report
+from tests.support.reports import graded_file, outcome, report
 
 RAISED = "ZeroDivisionError: division by zero"
 ENERGY = outcome("2-energy", "unmeasured", cause=RAISED)
@@ -15,7 +15,7 @@ ENERGY = outcome("2-energy", "unmeasured", cause=RAISED)
 
 def line(rigid_body, source, file="mine.py", trace=None, one=ENERGY):
     endings = [SceneEnding("motion", Ending.RAISED, RAISED, "raises", trace)]
-    return Lines(graded(report([one], endings=endings), file, source=source), rigid_body).of(one)
+    return Lines(graded_file(report([one], endings=endings), file, source=source), rigid_body).of(one)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 
 from service import passwords
 from service.store import tokens
-from tests.screenless import Browser
-from tests.stored import entered, run, sql
+from tests.support.database import entered, run, sql
+from tests.support.http_client import Browser
 
 PASSWORD, ANOTHER = "correct horse battery", "staple, staple, staple"
 

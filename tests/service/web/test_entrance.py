@@ -9,8 +9,8 @@ import psycopg
 import pytest
 
 from service import passwords
-from tests.screenless import HIDDEN, Browser
-from tests.stored import entered, sql
+from tests.support.database import entered, sql
+from tests.support.http_client import HIDDEN, Browser
 
 PASSWORD = "correct horse battery"
 HTTPS = {"X_Forwarded_Proto": "https"}

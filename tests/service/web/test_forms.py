@@ -11,7 +11,7 @@ from psycopg import sql as part
 
 from service.store import people, tokens
 from service.web import forms
-from tests.stored import entered, new_database, run, sql
+from tests.support.database import entered, new_database, run, sql
 
 RULES, CLASS = "/assignments/rigid-body/rules", "/assignments/rigid-body/class"
 

@@ -1,0 +1,108 @@
+"""The docs are tested: every route, setting, check word, diagnosis code and word of the glossary is where a reader looks for it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from ecp import checks
+from exercises.specimens import specimens
+from service.settings import Settings
+from service.web import app, intake, problems
+
+ROOT = Path(__file__).parents[2]
+
+
+def doc(name):
+    return (ROOT / name).read_text()
+
+
+def sources(*folders):
+    return "\n".join(p.read_text() for f in folders for p in (ROOT / f).rglob("*.py") if "specimens" not in p.parts)
+
+
+def test_every_route_is_documented():
+    told = doc("docs/http.md")
+    paths = [r.path for router in (*app.ROUTERS, *app.PAGES) for r in router.routes]
+    assert len(paths) > 10
+    for path in paths:
+        assert f"`{path}`" in told or f" {path}`" in told or path == "/", path
+
+
+def test_every_problem_is_documented():
+    raised = set(re.findall(r"(?:Problem\(\s*\d+, |Refused\()\"([a-z-]+)\"", sources("service"))) | set(problems.BY_STATUS.values())
+    for kind in raised | set(problems.TITLES):
+        assert f"`{kind}`" in doc("docs/http.md"), kind
+    assert intake.MOST_BYTES == 256 * 1024 and "256 KiB" in doc("docs/http.md")
+
+
+def test_every_setting_is_documented():
+    for name in Settings.model_fields:
+        assert f"`POLHODE_{name.upper()}`" in doc("docs/settings.md"), name
+    used = set(re.findall(r"POLHODE_[A-Z_]+", sources("service") + doc("Makefile") + doc("Dockerfile")))
+    assert used == {u for u in used if u in doc("docs/settings.md")}
+
+
+def test_every_check_word_is_documented():
+    words = [n for n in ("close", "within", "conserved", "below", "holds", "shows") if callable(getattr(checks, n))]
+    for word in words:
+        assert f"| `{word}` |" in doc("docs/checks.md")
+
+
+def documented_codes():
+    return set(re.findall(r"^\| `([a-z-]+)` \|", doc("docs/checks.md").split("## Diagnosis codes")[1], re.MULTILINE))
+
+
+def test_every_diagnosis_code_is_documented_and_every_documented_one_has_a_source(rigid_body):
+    documented = documented_codes()
+    code = sources("exercises", "service")
+    for name in documented:
+        assert f'"{name}"' in code, name
+    named = {code for s in specimens(rigid_body) for code in s.codes}
+    assert named <= documented
+    assert len(named) >= 30
+    of_the_guest = {"missing-function", "syntax-error", "raises", "timeout", "memory", "not-deterministic"}
+    assert documented == {*rigid_body.codes, *of_the_guest}
+
+
+GLOSSARY = [
+    "assignment",
+    "exercise",
+    "scene",
+    "observable",
+    "check",
+    "outcome",
+    "verdict",
+    "ending",
+    "margin",
+    "diagnosis",
+    "mistake",
+    "specimen",
+    "submission",
+    "attempt",
+    "report",
+    "fault",
+]
+
+
+@pytest.mark.parametrize("word", [*GLOSSARY, "guest / host"])
+def test_the_glossary_is_whole(word):
+    assert re.search(rf"^\| {re.escape(word)} \| .{{5,}} \|$", doc("README.md"), re.MULTILINE)
+
+
+def test_links_and_rooms_of_the_readme_exist():
+    for target in re.findall(r"\]\((?!http)([^)]+)\)", doc("README.md")):
+        assert (ROOT / target).exists(), target
+    for room in re.findall(r"^\| `([a-z/]+)/` \|", doc("README.md"), re.MULTILINE):
+        assert (ROOT / room).is_dir(), room
+
+
+def test_nothing_names_a_package_registry_and_no_page_names_another_host():
+    for name in ("requirements.lock", "requirements-test.lock"):
+        assert "://" not in doc(name)
+    for page in [*(ROOT / "service/web/templates").iterdir(), *(ROOT / "service/web/static").iterdir()]:
+        assert "://" not in page.read_text(), page
+
+
+def test_the_changelog_has_an_entry_for_what_is_coming():
+    assert "## Unreleased" in doc("CHANGELOG.md")

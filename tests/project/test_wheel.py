@@ -1,0 +1,81 @@
+"""polhode as a wheel: what ``pip install .`` makes of a checkout, and the one that is made of what runs."""
+
+import io
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from service.gradescope.bundle import bundle
+from service.gradescope.own_wheel import own_wheel
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel by hatchling, unpacked."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder]
+    subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
+    [built] = folder.glob("*.whl")
+    with zipfile.ZipFile(built) as archive:
+        archive.extractall(folder / "unpacked")
+    return folder / "unpacked"
+
+
+def polhode(wheel, *arguments, cwd):
+    """Only the wheel's own modules, not the checkout's."""
+    environment = os.environ | {"PYTHONPATH": str(wheel)}
+    command = [sys.executable, "-m", "service.cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+
+
+def contents(folder):
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts}
+
+
+def read(archive):
+    with zipfile.ZipFile(io.BytesIO(archive)) as opened:
+        return {name: opened.read(name) for name in opened.namelist()}
+
+
+def test_it_holds_what_runs_and_no_specimen(wheel, rigid_body):
+    found = contents(wheel)
+    assert {"exercises/rigid_body/notebook.ipynb", "ecp/__init__.py", "service/gradescope/setup.sh"} <= found.keys()
+    assert found["service/gradescope/requirements.lock"] == (ROOT / "requirements.lock").read_bytes()
+    solutions = {p.read_bytes() for p in (rigid_body.folder / "specimens").iterdir() if p.is_file()}
+    assert len(solutions) > 100 and not solutions & set(found.values())
+
+
+def test_the_one_made_of_what_runs_is_the_same(wheel):
+    name, content = own_wheel()
+    ours, built = read(content), contents(wheel)
+    assert name.startswith("polhode-") and ours.keys() == {n for n in built if "/specimens/" not in n}
+    different = {n.rpartition("/")[2] for n in ours if ours[n] != built[n]}
+    assert different <= {"WHEEL", "RECORD", "METADATA"}
+
+
+def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_path):
+    told = polhode(wheel, "grade", rigid_body.folder / "specimens/right_terms.py", "--exercise", "2", cwd=tmp_path)
+    assert told.returncode == 0 and "5 of 5 checks ✓" in told.stdout, told.stderr
+    told = polhode(wheel, "export", "gradescope", "--exercise", "2", "--out", "autograder.zip", cwd=tmp_path)
+    assert told.returncode == 0 and "with 5 points" in told.stdout, told.stderr
+    assert (tmp_path / "autograder.zip").read_bytes() == bundle(rigid_body, ["2"])
+
+
+def test_an_assignment_from_outside_comes_along_without_its_specimens(rigid_body, tmp_path):
+    shutil.copytree(rigid_body.folder, tmp_path / "spinning_top")
+    (tmp_path / "spinning_top" / ".git").mkdir()
+    for private in (".env", ".git/config", "solution.ipynb"):
+        (tmp_path / "spinning_top" / private).write_text("mine")
+    files = read(bundle(replace(rigid_body, slug="spinning-top", folder=tmp_path / "spinning_top"), None))
+    inside = read(files["polhode-0.1.0-py3-none-any.whl"])
+    assert b" --assignment spinning-top 2>&1" in files["run_autograder"]
+    theirs = {n.removeprefix("exercises/spinning_top/") for n in inside if n.startswith("exercises/spinning_top/")}
+    assert theirs == {n.removeprefix("exercises/rigid_body/") for n in inside if n.startswith("exercises/rigid_body/")}

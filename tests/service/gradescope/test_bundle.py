@@ -1,0 +1,107 @@
+"""The zip's own scripts, run as Gradescope runs them, as far as can be without it: in a root of their own, where ours is not to be
+seen and no network is. setup.sh finds everything of the lock installed already, so it downloads nothing.
+"""
+
+import json
+import shutil
+import zipfile
+
+import pytest
+
+from exercises.assignment import assignments
+from service.gradescope import harness
+from service.gradescope.bundle import bundle
+from tests.support.containers import Container
+
+
+class Gradescope:
+    """What its harness does: unpacks the zip, builds the image once; for each submission runs run_autograder, takes the results."""
+
+    def __init__(self, home):
+        self.home = home
+        for name in ("source", "submission", "results"):
+            (home / name).mkdir(parents=True)
+        (home / "autograder.zip").write_bytes(bundle(assignments()["rigid-body"], ["2"]))
+        with zipfile.ZipFile(home / "autograder.zip") as archive:
+            for about in archive.infolist():
+                archive.extract(about, home / "source")
+                (home / "source" / about.filename).chmod(about.external_attr >> 16)
+        shutil.copy(home / "source/run_autograder", home)
+        self.container = Container(home, "/autograder/polhode")
+        self.built = self.container.run("bash", "/autograder/source/setup.sh")
+
+    def grade(self, files, before="", **environment):
+        """(exit code, all that was printed, results or None) of a submission of ``files``, name and bytes."""
+        for name in ("submission", "results"):
+            shutil.rmtree(self.home / name)
+            (self.home / name).mkdir()
+        for name, content in files.items():
+            file = self.home / "submission" / name
+            file.parent.mkdir(exist_ok=True)
+            file.write_bytes(content)
+        told = self.container.run("sh", "-c", f"{before} exec /autograder/run_autograder", **environment)
+        assert told.stderr == ""
+        results = self.home / "results/results.json"
+        return told.returncode, told.stdout, json.loads(results.read_text()) if results.exists() else None
+
+
+@pytest.fixture(scope="module")
+def gradescope(tmp_path_factory):
+    made = Gradescope(tmp_path_factory.mktemp("gradescope") / "autograder")
+    assert made.built.returncode == 0 and "probe         failed" in made.built.stdout, made.built.stdout + made.built.stderr
+    return made
+
+
+@pytest.fixture
+def specimen(rigid_body):
+    return lambda name: (rigid_body.folder / "specimens" / name).read_bytes()
+
+
+def points(results):
+    return results["score"], sum(test.get("max_score", 0) for test in results["tests"])
+
+
+@pytest.mark.parametrize(("name", "expected"), [("right_notebook.ipynb", (5, 5)), ("wrong_zeros.py", (2, 5))])
+def test_a_submission_gets_its_points(gradescope, specimen, name, expected):
+    code, printed, results = gradescope.grade({name: specimen(name), ".ipynb_checkpoints/old.py": b"x = 1", "notes.txt": b"mine"})
+    assert (code, points(results)) == (0, expected), printed
+    assert f"== /autograder/submission/{name}" in printed
+
+
+def test_a_submission_that_looks_for_our_files_finds_none(gradescope):
+    walk = b"import os\nos.listdir('/autograder/source')\n"
+    code, printed, results = gradescope.grade({"mine.py": walk})
+    assert (code, points(results)) == (0, (0, 5)) and "PermissionError" in printed
+
+
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        ({"mine.txt": b"x"}, "no .py or .ipynb file"),
+        ({"a.py": b"x = 1", "sub/b.ipynb": b"{}"}, "2 that could be graded, a.py, sub/b.ipynb"),
+        ({"mine.py": b"\xff\xfe"}, "not a text file"),
+    ],
+)
+def test_what_is_no_submission_gets_a_sentence_for_the_student(gradescope, files, said):
+    code, printed, results = gradescope.grade(files)
+    assert (code, points(results)) == (0, (0, 5)) and said in results["output"], printed
+
+
+@pytest.mark.parametrize(
+    ("before", "environment", "reason"),
+    [
+        ("", {"POLHODE_MIN_TIER": "A"}, "there are no namespaces here"),
+        ("ulimit -f 0;", {}, "File too large"),
+        ("ulimit -v 200000;", {}, "rror"),
+    ],
+    ids=["no walls", "no room on the disk", "no memory"],
+)
+def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(gradescope, specimen, before, environment, reason):
+    code, printed, results = gradescope.grade({"mine.py": specimen("right_terms.py")}, before, **environment)
+    assert (code, results) == (2, None)
+    assert reason in printed and "was not graded (exit code " in printed.splitlines()[-1]
+
+
+def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(tmp_path, monkeypatch):
+    monkeypatch.setattr(harness, "HOME", tmp_path)
+    assert harness.main(["--assignment", "rigid-body"]) == 2 and not (tmp_path / "results").exists()

@@ -1,0 +1,63 @@
+"""Speed against accuracy of a submission, played behind the wall when somebody asks."""
+
+import json
+
+import pytest
+
+from service.charts import draw_work_precision, load_work_precision
+from service.grading.submission import Submission
+from service.grading.sweep import NotSwept, sweep
+
+RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
+
+
+@pytest.fixture(scope="module")
+def swept(rigid_body, sandbox):
+    return sweep(Submission(RIGHT), rigid_body, sandbox)
+
+
+def test_errors_and_calls_are_those_of_the_reference(swept):
+    known = {(p["method"], p["setting"]): p for p in load_work_precision()["points"] if p["scene"] == swept.scene}
+    assert len(swept.points) == 18
+    for point in swept.points:
+        other = known[point.method, point.rtol]
+        assert 0.7 < point.calls / other["calls"] < 1.4
+        error = max(other["error_w"], other["error_R"])
+        assert (point.error is not None and 0.2 < point.error / error < 5) or max(point.error, error) < 1e-12
+    assert "DOP853 at rtol 1e-11 reaches" in swept.line and "cheapest to 1e-08" in swept.line
+
+
+def test_the_chart_shows_yours_over_the_others(swept):
+    chart = draw_work_precision(load_work_precision(), swept.scene, swept.points).decode()
+    assert "yours, DOP853" in chart and "yours" not in draw_work_precision(load_work_precision(), swept.scene).decode()
+
+
+def test_wrong_equations_reach_nothing(rigid_body, sandbox):
+    wrong = sweep(
+        Submission(RIGHT + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    return -right(t, w, I)\n"), rigid_body, sandbox
+    )
+    assert "nothing reaches 1e-08" in wrong.line
+
+
+@pytest.mark.parametrize(
+    ("source", "why"), [("x = 1", "not defined"), ("def euler_eqs(t, w, I):\n    return 1 / 0", "ZeroDivisionError")]
+)
+def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
+    with pytest.raises(NotSwept, match=why):
+        sweep(Submission(source), rigid_body, sandbox)
+
+
+def test_over_http(server):
+    from tests.service.web.test_routes import SLUG, call
+
+    body = json.dumps({"source": RIGHT, "exercises": ["2"]}).encode()
+    id = json.loads(call(server, SLUG, body, Content_Type="application/json", Prefer="wait=60")[2])["id"]
+    status, headers, content = call(server, f"/v1/submissions/{id}/sweep.json")
+    assert status == 200 and len(json.loads(content)["points"]) == 18
+    assert call(server, f"/v1/submissions/{id}/sweep.json", If_None_Match=headers["ETag"])[0] == 304
+    status, headers, content = call(server, f"/v1/submissions/{id}/sweep.svg")
+    assert status == 200 and headers["Content-Type"].startswith("image/svg+xml") and b"yours, RK45" in content
+    missing = json.dumps({"source": "x = 1"}).encode()
+    id = json.loads(call(server, SLUG, missing, Content_Type="application/json", Prefer="wait=60")[2])["id"]
+    status, _, content = call(server, f"/v1/submissions/{id}/sweep.svg")
+    assert status == 404 and "not defined" in json.loads(content)["detail"]

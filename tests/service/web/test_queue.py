@@ -1,0 +1,152 @@
+"""The live queue with a real worker: an endless loop is seen, cancelled, and its worker grades the next one at once."""
+
+import itertools
+import json
+import time
+import urllib.request
+
+import pytest
+
+from service.store import rescue
+from tests.support.database import run, sql
+from tests.support.visitor import Visitor, enter
+
+GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
+# It answers the questions one by one and goes round for ever in the first motion, whose budget is 12 s.
+LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n"
+LOADING = "while True:\n    pass\n" + GOOD
+
+
+@pytest.fixture(scope="module")
+def server(new_server, tmp_path_factory, url):
+    """It has one worker."""
+    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1", "POLHODE_IDENTITY": "token"}
+    started = new_server(tmp_path_factory.mktemp("queue") / "data", **own)
+    enter(url, prof="instructor", tutor="assistant", ann="student", ben="student")
+    yield started
+    started.stop()
+
+
+@pytest.fixture(scope="module")
+def people(server, url):
+    return {name: Visitor(server, url, name) for name in ("prof", "tutor", "ann", "ben")}
+
+
+def post(server, person, source):
+    """Submit as that person; the id."""
+    body = json.dumps({"source": source, "exercises": ["2"]}).encode()
+    headers = {"Content-Type": "application/json", "Authorization": f"Bearer {person.token}"}
+    with urllib.request.urlopen(
+        urllib.request.Request(f"{server.url}/v1/assignments/rigid-body/submissions", body, headers), timeout=30
+    ) as answer:
+        return json.load(answer)["id"]
+
+
+def wait_for(found, seconds=30.0):
+    until = time.monotonic() + seconds
+    while not (answer := found()):
+        assert time.monotonic() < until, "not in time"
+        time.sleep(0.05)
+    return answer
+
+
+def attempt_of(url, id):
+    return sql(url, "SELECT id FROM attempt WHERE submission_id = %s ORDER BY number DESC LIMIT 1", id)[0][0]
+
+
+def runs(url, id):
+    query = (
+        "SELECT 1 FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s AND ended_at IS NULL AND phase = 'playing'"
+    )
+    return sql(url, query, id)
+
+
+def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, people):
+    before = sql(url, "SELECT name, zygotes FROM worker")
+    loop = post(server, people["ann"], LOOP)
+    wait_for(lambda: runs(url, loop))
+    good = post(server, people["ben"], GOOD)
+    following = people["tutor"].follow("/queue/events")
+    page = wait_for(lambda: (p := people["tutor"].open("/queue")[1]).count("perhaps an endless loop") and p)
+    assert "⏱ 5 s in one scene" in page or "⏱ 6 s in one scene" in page
+    assert f"/submissions/{loop}" in page and f"/submissions/{good}" in page and "Waiting: 1" in page and "Running: 1" in page
+    assert 'data-live="/queue/events"' in page and "<noscript>" in page and before[0][0] in page
+    began = time.monotonic()
+    assert people["tutor"].send(f"/queue/{attempt_of(url, loop)}/cancel", "/queue") == (303, "/queue")
+    assert f"/submissions/{good}" in people["tutor"].open("/queue")[1]  # at once: no answer older than what was done
+    wait_for(lambda: sql(url, "SELECT 1 FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s", good))
+    taken = time.monotonic() - began
+    assert taken < 2.0, f"the worker was free after {taken:.1f} s"
+    wait_for(lambda: people["ben"].json(f"/v1/submissions/{good}")["status"] == "graded", 10)
+    told = people["ann"].json(f"/v1/submissions/{loop}")
+    assert (told["status"], told["fault"], told["cancelled_by"], told["report"]) == ("faulted", "cancelled by tutor", "tutor", None)
+    assert "Stopped by tutor. This costs nothing" in people["ann"].open(f"/submissions/{loop}")[1]
+    assert sql(url, "SELECT name, zygotes FROM worker") == before, "the same worker with the same warm guest"
+    endings = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s"
+    assert sql(url, endings, loop) == [("cancelled",)] and sql(url, endings, good) == [("finished",)]
+    sql(url, "UPDATE attempt SET requested_at = requested_at - interval '1 minute'")
+    assert run(url, rescue.rescue) == run(url, rescue.sweep) == []
+    assert sql(url, "SELECT count(*) FROM attempt WHERE submission_id = %s", loop) == [(1,)]
+    time.sleep(1.5)
+    following.close()
+    times, ids = zip(*following.events, strict=True)
+    assert len(ids) > 4 and all(a != b for a, b in itertools.pairwise(ids))
+    assert all(b - a > 0.7 for a, b in itertools.pairwise(times)), "at most one a second"
+    page = people["prof"].open("/queue")[1]
+    assert "cancelled by tutor" in page and "Nothing runs" in page
+    assert "cancel" in people["prof"].open("/audit?subject=ann")[1] and "Nothing." in people["prof"].open("/audit?subject=zoe")[1]
+
+
+def test_a_loop_outside_of_every_function_and_what_waits_can_be_cancelled_and_tried_again(server, url, people):
+    loop = post(server, people["ann"], LOADING)
+    wait_for(lambda: sql(url, "SELECT 1 FROM run WHERE ended_at IS NULL"))
+    waiting = post(server, people["ann"], GOOD)
+    assert people["prof"].send(f"/queue/{attempt_of(url, waiting)}/cancel", "/queue")[0] == 303
+    began = time.monotonic()
+    assert people["prof"].send(f"/queue/{attempt_of(url, loop)}/cancel", "/queue")[0] == 303
+    assert people["prof"].send(f"/queue/{waiting}/retry", "/queue")[0] == 303
+    wait_for(lambda: people["ann"].json(f"/v1/submissions/{waiting}")["status"] == "graded")
+    assert time.monotonic() - began < 8.0  # far below the budget to load
+    again = people["prof"].send(f"/queue/{attempt_of(url, waiting)}/cancel", "/queue")
+    assert again == (409, "there is nothing to cancel: it has its result already")
+    assert people["prof"].send(f"/queue/{waiting}/retry", "/queue")[0] == 409
+    for path in ("/queue/x/cancel", f"/queue/{waiting}/cancel"):
+        assert people["prof"].send(path, "/queue")[0] == 404
+
+
+def test_events_are_told_once(server, people):
+    first = people["prof"].follow("/queue/events")
+    wait_for(lambda: first.events)
+    time.sleep(2.5)
+    assert len(first.events) == 1, "nothing changes"
+    again = people["prof"].follow("/queue/events", last=first.events[0][1])
+    time.sleep(2.5)
+    assert again.events == []
+    first.close()
+    again.close()
+
+
+def test_students_are_kept_out(server, url, people):
+    ann = people["ann"]
+    for path in ("/queue", "/queue/events", "/audit", "/assignments/rigid-body/regrades"):
+        status, page = ann.open(path)
+        assert status == 403 and "staff of the course" in page, path
+    sent = sql(url, "SELECT id FROM submission LIMIT 1")[0][0]
+    for path in (f"/queue/{attempt_of(url, sent)}/cancel", f"/queue/{sent}/retry", "/assignments/rigid-body/regrades"):
+        assert ann.send(path, "/")[0] == 403, path
+    assert people["prof"].send(f"/queue/{sent}/retry", "/audit")[0] == 403, "without the token of a form"
+
+
+def test_a_regrade_by_a_real_worker(server, url, people):
+    count = sql(url, "SELECT count(DISTINCT person_id) FROM submission JOIN attempt a ON a.submission_id = submission.id "
+                "JOIN result r ON r.attempt_id = a.id WHERE report IS NOT NULL")[0][0]  # fmt: skip
+    status, where = people["tutor"].send("/assignments/rigid-body/regrades", "/assignments/rigid-body/regrades", which="all")
+    assert status == 303 and where.startswith("/regrades/")
+    following = people["tutor"].follow(f"{where}/events")
+    page = wait_for(lambda: f"{count} of {count} graded" in (p := people["tutor"].open(where)[1]) and p)
+    assert f"0 gain, 0 lose, {count} keep their points" in page and "Checks that flip most" not in page
+    wait_for(lambda: len(following.events) >= 1)
+    following.close()
+    assert people["tutor"].send(f"{where}/apply", where)[0] == 403 and "An instructor applies it" in page
+    assert people["prof"].send(f"{where}/apply", where) == (303, where)
+    assert people["prof"].send(f"{where}/drop", "/assignments/rigid-body/regrades") == (409, "it was applied by prof already")

@@ -1,0 +1,75 @@
+"""Store submissions for tests with results as a worker writes them. Nothing is graded: the reports are built.
+
+``hand_in`` and ``grade`` take an open database, the others its address.
+"""
+
+import time
+import uuid
+
+from service.grading.submission import Submission
+from service.store import runs
+from service.store.accept import accept
+from service.store.records import New
+from tests.support.database import new, run, sql
+from tests.support.reports import report_of_marks, report_of_verdicts
+
+
+async def hand_in(
+    database, person, marks, *, days_ago=0.0, source="def euler_eqs(t, w, I):\n    return w\n", filename="a.py", **about
+):
+    """Store a submission of exercise 2, graded if ``marks`` is not None; return its id."""
+    arrived = time.monotonic() - 86400.0 * days_ago
+    new = New(uuid.uuid4(), "rigid-body", person, Submission(source, filename), ["2"], 7, arrived)
+    await accept(database, new)
+    if marks is not None:
+        await grade(database, new.id, marks, **about)
+    return new.id
+
+
+async def grade(database, submission, marks, **about):
+    """Give the last attempt of a submission a report of those marks."""
+    query = "SELECT id FROM attempt WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+    attempt = (await database.rows(query, {"id": submission}))[0].id
+    claimed = await runs.claim(database, attempt, uuid.uuid4(), "test worker")
+    assert await runs.finish(database, claimed, report_of_marks(marks, **about), {"arrays.npz": b"none"})
+
+
+def submitted(url, person="ann", **more):
+    """Store a submission that waits; return its id and its attempt's."""
+    one = new(person, **more)
+    run(url, lambda d: accept(d, one))
+    return one.id, sql(url, "SELECT id FROM attempt WHERE submission_id = %s", one.id)[0][0]
+
+
+def claim(url, attempt, worker="w1"):
+    """Begin a run of the attempt."""
+    return run(url, lambda d: runs.claim(d, attempt, uuid.uuid4(), worker))
+
+
+def finish(url, attempt, verdicts, version="1"):
+    """Give the attempt a report of those verdicts, such as "+-?"."""
+    sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %s", str(attempt))
+    claimed = claim(url, attempt)
+    return run(url, lambda d: runs.finish(d, claimed, report_of_verdicts(verdicts, version=version), {}))
+
+
+def graded(url, person, verdicts, version="1"):
+    """Store a submission with a report of those verdicts; return its id."""
+    id, attempt = submitted(url, person)
+    assert finish(url, attempt, verdicts, version)
+    return id
+
+
+def open_attempts(url):
+    """Return submission and attempt of each attempt without result, oldest first."""
+    query = (
+        "SELECT submission_id, id FROM attempt a WHERE NOT EXISTS (SELECT 1 FROM result WHERE attempt_id = a.id) ORDER BY number"
+    )
+    return sql(url, query)
+
+
+def grade_open(url, verdicts_by_submission, version="2"):
+    """Grade every open attempt of the submissions named."""
+    for submission, attempt in open_attempts(url):
+        if submission in verdicts_by_submission:
+            finish(url, attempt, verdicts_by_submission[submission], version)

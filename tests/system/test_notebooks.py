@@ -1,0 +1,254 @@
+"""Real notebooks, executed by nbclient against a running server: what a student types and what they see."""
+
+import ast
+import json
+import re
+import signal
+import threading
+import time
+import urllib.request
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from service.store import tokens
+from tests.support.database import run, sql
+from tests.support.http_client import Browser
+
+pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
+SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import FuncAnimation\nimport ecp\n"
+EULER = """\
+def euler_eqs(t, w, I):
+    return np.array([(I[1] - I[2]) * w[1] * w[2] / I[0], (I[2] - I[0]) * w[2] * w[0] / I[1], (I[0] - I[1]) * w[0] * w[1] / I[2]])
+"""
+HELPED = "def euler_eqs(t, w, I):\n    return np.array([rate(w, I, i) for i in range(N)])\n"
+HELPER = "def rate(w, I, i):\n    j, k = (i + 1) % N, (i + 2) % N\n    return (I[j] - I[k]) * w[j] * w[k] / I[i]\n"
+LINE = re.compile(r"[✓✗–]  \S.*   \[.*\]")
+
+
+@pytest.fixture
+def play(kit, tmp_path, monkeypatch):
+    """Execute cells in a fresh kernel that has the kit and nothing else of ours; the outputs of each cell."""
+    for name in ("HOME", "XDG_CONFIG_HOME", "IPYTHONDIR", "MPLCONFIGDIR"):
+        monkeypatch.setenv(name, str(tmp_path / name.lower()))
+    monkeypatch.setenv("PYTHONPATH", str(kit))
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")
+
+    def execute(*cells, allow_errors=False):
+        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+        resources = {"metadata": {"path": str(tmp_path)}}
+        NotebookClient(notebook, timeout=120, kernel_name="python3", allow_errors=allow_errors, resources=resources).execute()
+        return [cell.outputs for cell in notebook.cells]
+
+    return execute
+
+
+def connect(server):
+    return f'{SETUP}ecp.connect("{server.url}", assignment="rigid-body")'
+
+
+def shown(outputs, kind="text/plain"):
+    """What the cell's last expression shows."""
+    return next(o.data[kind] for o in reversed(outputs) if o.output_type == "execute_result")
+
+
+def said(outputs):
+    """What an error says, or what was printed."""
+    return "".join("\n".join(o.traceback) if o.output_type == "error" else o.get("text", "") for o in outputs)
+
+
+def line(outputs):
+    """The last state of the one line of progress."""
+    return [o.data["text/plain"] for o in outputs if o.output_type == "display_data"][-1]
+
+
+def fetch(server, path):
+    with urllib.request.urlopen(server.url + path, timeout=30) as answer:
+        return answer.read().decode()
+
+
+def test_local_and_remote_tell_the_same_lines(server, play):
+    *_, local, remote = play(connect(server), EULER, 'ecp.check("2")', 'ecp.submit(euler_eqs, exercises=["2"])')
+    lines = shown(remote).split("\n")
+    assert all(LINE.fullmatch(line) for line in lines) and len(lines) == 5
+    assert shown(local).split("\n") == lines[:3] and all(line.startswith("✓") for line in lines)
+    assert line(remote) == "submitted and graded: 5 of 5 checks ✓ (public checks: 3 of 3)"
+    html = shown(remote, "text/html")
+    assert html.count("data:image/png;base64,") == 2 and "This is what was graded (SHA-256 " in html
+    assert "def euler_eqs(t, w, I):" in html and f'href="{server.url}/submissions/' in html
+    assert "The server makes 2 more checks" in shown(local, "text/html")
+
+
+def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
+    *_, remote, told = play(
+        connect(server), EULER.replace("(I[2] - I[0])", "-(I[2] - I[0])"), "r = ecp.submit(euler_eqs); r", "print(r)"
+    )
+    assert "likely <b>sign-flipped</b>" in shown(remote, "text/html")
+    assert "sign-flipped" not in shown(remote) and "likely sign-flipped" in said(told)
+
+
+@pytest.mark.parametrize(
+    "cells",
+    [
+        ["%%time\n" + EULER],
+        ["N = 3\n" + HELPED, HELPER],
+        ["N = 3", HELPER.replace("- I[k]", "+ I[k]"), HELPED, "%%capture\n" + HELPER],
+        [EULER.replace("- I[2]", "+ I[2]"), EULER],
+        ["import functools", f"@functools.cache\ndef three():\n    return 3\n{HELPER}{HELPED}".replace("N", "three()")],
+    ],
+    ids=["%%time", "helper after it", "helper redefined", "redefined", "decorated"],
+)
+def test_what_is_defined_anywhere_in_the_notebook_goes_along(cells, server, play):
+    *_, remote = play(connect(server), *cells, 'report = ecp.submit(euler_eqs, exercises=["2"])\nreport')
+    assert all(line.startswith("✓") for line in shown(remote).split("\n"))
+
+
+def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play, tmp_path):
+    cells = [
+        connect(server),
+        "1 / 0",
+        EULER,
+        'ecp.check("2")',
+        "report = ecp.submit()\n[(e.scene, e.sentence) for e in report.endings if e.traceback]",
+        "report.passed, report.score",
+    ]
+    *_, endings, verdict = play(*cells, allow_errors=True)
+    assert shown(endings) == "[('cell 2', 'ZeroDivisionError: division by zero')]"
+    assert shown(verdict).startswith("(True, ")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(SETUP), nbformat.v4.new_code_cell(EULER)])
+    notebook.cells[0].outputs = [nbformat.v4.new_output("stream", text="x" * 400_000)]
+    nbformat.write(notebook, tmp_path / "mine.ipynb")
+    *_, remote = play(connect(server), 'ecp.submit(file="mine.ipynb", exercises=["2"])')
+    assert shown(remote).count("✓") == 5
+
+
+def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, play):
+    cells = ["data = open('/dev/null')", EULER + "    data", "def box_moments(m, a, b, c):\n    '''Moments.'''\n    ...\n"]
+    wrong = ["ecp.submit(np.cross)", "ecp.submit(euler_eqs, file='mine.py')"]
+    calls = ["ecp.submit(box_moments)", *wrong, "ecp.submit(euler_eqs, box_moments)"]
+    *_, nothing, other, both, remote = play(connect(server), *cells, *calls, allow_errors=True)
+    assert "cross has none of them written: nothing was submitted" in said(other) and "euler_eqs" in said(other)
+    assert said(both) == "Hand in either functions or a file: nothing was submitted."
+    assert said(nothing) == "Nothing is submitted: box_moments is still empty.\n"
+    html = shown(remote, "text/html")
+    assert "Not sent, still empty: box_moments." in html and re.search(r"<p>data: ", html)
+
+
+def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
+    server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1")
+    submit = 'ecp.submit(euler_eqs, exercises=["2"])'
+    *_, found, _ = play(
+        connect(server), EULER.replace("- I[2]", "+ I[2]"), submit, EULER, submit, "ecp.attempts()", "len(ecp.attempts())"
+    )
+    newest, first = shown(found).split("\n")
+    flips = r"(5 checks ✗ → ✓|4 checks ✗ → ✓; 1 check – → ✓)"  # a wrong equation may keep the solver busy beyond its time
+    assert re.search(rf"  5 of 5  best, last  lines \+1 −1; {flips}$", newest) and "0 of 5" in first
+    page = fetch(server, "/assignments/rigid-body")
+    assert page.count('scope="row"') == 2 and re.search(flips, page) and "(best)" in page
+    server.stop()
+
+
+def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_path, play):
+    server, begun = new_server(tmp_path / "data", POLHODE_WORKERS="1"), threading.Event()
+
+    def kill_and_start_again():
+        while "running" not in fetch(server, "/") and not begun.wait(0.1):
+            continue
+        server.stop(signal.SIGKILL)
+        time.sleep(1.0)
+        new_server(tmp_path / "data", port=server.port, POLHODE_WORKERS="1")
+
+    harm = threading.Thread(target=kill_and_start_again)
+    harm.start()
+    *_, remote = play(connect(server), "import time", "time.sleep(1.5)\n" + EULER, 'ecp.submit(exercises=["2"])')
+    begun.set()
+    harm.join()
+    assert shown(remote).count("✓") == 5
+    assert fetch(server, "/").count('href="/submissions/') == 1, "one submission, however often it was asked for"
+
+
+def test_login_revoked_and_offline(new_server, tmp_path, play, database_url):
+    server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1", POLHODE_IDENTITY="token")
+
+    async def give(database):
+        async with database.begin() as connection:
+            return await tokens.give(connection, "ann", label="t", scopes=tokens.SCOPES, seconds=600.0)
+
+    course = run(database_url, give)
+
+    def confirm():
+        while not (waiting := sql(database_url, "SELECT user_code FROM login")):
+            time.sleep(0.1)
+        Browser(server).log_in(code=waiting[0][0], token=course)
+
+    student = threading.Thread(target=confirm)
+    student.start()
+    submit = 'ecp.submit(euler_eqs, exercises=["2"])'
+    cells = [
+        EULER,
+        submit,
+        "ecp.login()",
+        submit,
+        "ecp.login()",
+        "ecp.logout()",
+        submit,
+        'ecp.connect("http://polhode.invalid")',
+        submit,
+        'ecp.check("2")',
+    ]
+    outputs = play(connect(server), *cells, allow_errors=True)
+    student.join()
+    _, _, before, login, graded, again, _, after, _, offline, local = outputs
+    assert "does not know who you are" in said(before) and "run ecp.login()" in said(before)
+    assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5 and said(again) == "Logged in as ann.\n"
+    assert "does not know who you are" in said(after) and "Traceback" not in said(after)
+    assert "polhode.invalid" in said(offline) and "Traceback" not in said(offline) and shown(local).count("✓") == 3
+    kept = tmp_path / "xdg_config_home" / "polhode" / "tokens.json"
+    assert kept.stat().st_mode & 0o077 == 0 and json.loads(kept.read_text()) == {}
+    saved = json.dumps(outputs)
+    assert re.findall(".{0,80}polhode_.{0,80}", saved) == [], "no token in what is saved with the notebook"
+
+
+def solutions(rigid_body):
+    """Functions of right specimens by name, as source."""
+    found = {}
+    for name in ("right_all.py", "right_tumble_box_polys.py"):
+        source = (rigid_body.folder / "specimens" / name).read_text()
+        found |= {
+            node.name: ast.get_source_segment(source, node) for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)
+        }
+    return found
+
+
+@pytest.mark.parametrize("filled", [False, True], ids=["as downloaded", "with right functions"])
+def test_the_course_notebook_as_the_server_gives_it(filled, server, play, tmp_path, monkeypatch, rigid_body):
+    """Its %pip cell installs the kit from the server that runs; nothing of ours is there before."""
+    (tmp_path / "installed").mkdir()
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "installed"))
+    monkeypatch.setenv("PIP_TARGET", str(tmp_path / "installed"))
+    monkeypatch.setenv("PIP_NO_DEPS", "1")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    cells = [c for c in json.loads(fetch(server, "/v1/assignments/rigid-body/notebook.ipynb"))["cells"] if c["cell_type"] == "code"]
+    right = solutions(rigid_body) if filled else {}
+    sources = []
+    for cell in cells:
+        source = "".join(cell["source"])
+        name = re.match(r"def (\w+)", source)
+        sources.append(right.get(name[1], source) if name and "solution" in cell["metadata"].get("tags", []) else source)
+    outputs = dict(
+        zip(
+            [c["id"] for c in cells],
+            play(*["%matplotlib inline\n" + sources[1] if k == 1 else s for k, s in enumerate(sources)]),
+            strict=True,
+        )
+    )
+    assert server.url in sources[0] and server.url in sources[1]
+    if not filled:
+        assert "Nothing is submitted: " in said(outputs["submit"])
+        assert "[not measured: euler_eqs returned None: is a return statement missing?]" in shown(outputs["ex2-check"])
+        return
+    remote = shown(outputs["submit"]).split("\n")
+    local = [line for n in "123456" for line in shown(outputs[f"ex{n}-check"]).split("\n")]
+    assert all(line.startswith("✓") for line in remote), remote
+    assert [line for line in remote if line in local] == local and len(local) < len(remote)

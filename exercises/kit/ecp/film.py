@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from operator import length_hint
 from typing import Any
 
 import numpy as np
@@ -35,13 +36,16 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
         raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
     deadline = time.monotonic() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
+    listed = length_hint(getattr(anim, "_tee_from", ()))
     values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
     with _borrowed(figure) as canvas, _clearing() as cleared:
         canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
         anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
-        for number, frame in enumerate(anim.new_frame_seq()):
-            if number == FRAME_CAP:
+        sequence = anim.new_frame_seq()
+        known = max(listed, length_hint(sequence))  # 0 for a generator
+        for number, frame in enumerate(sequence):
+            if max(number + 1, known) > FRAME_CAP:
                 raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
             if time.monotonic() > deadline:
                 raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s were allowed")

@@ -104,6 +104,12 @@ def test_endless_animations_are_stopped():
     with pytest.raises(WrongAnswer, match="more than 600 frames") as caught:
         film.watch(anim, seconds=30.0)
     assert caught.value.code == "too-many-frames"
+    for many in (601, range(601), [*range(601)]):
+        anim, calls = _moving(many)
+        calls.clear()
+        with pytest.raises(WrongAnswer, match="more than 600 frames"):
+            film.watch(anim, seconds=30.0)
+        assert calls == [0], "a number of frames that is known beforehand costs no drawing"
     anim, _ = _moving(50)
     with pytest.raises(WrongAnswer, match="after 0 frames"):
         film.watch(anim, seconds=0.0)

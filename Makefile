@@ -9,7 +9,7 @@ TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),2) 
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all lint bench chaos image-test lock clean
+.PHONY: help env demo serve test test-all exhaustive sabotage lint bench chaos image-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -53,6 +53,15 @@ test: lint .venv/browser  ## lint, then the tests that fit in four minutes on tw
 
 test-all: lint .venv/browser  ## also the slow tests: every sample over HTTP, browsers, JupyterHub, several machines, wheels, outages
 	@$(TEST) -m "not exhaustive"
+
+exhaustive: test-all  ## also samples on four seeds, every mutant, sabotage, long chaos, the image, and each newer Python that is here
+	@$(TEST) -m exhaustive
+	@$(CLEAN_ENV) $(BIN)/polhode mutants
+	@$(MAKE) --no-print-directory sabotage
+	@$(MAKE) --no-print-directory chaos KILLS=1000
+	@$(MAKE) --no-print-directory image-test
+	@for python in python3.12 python3.13 python3.14; do if command -v $$python >/dev/null; then copy=$$(mktemp -d) \
+		&& git clone --quiet . $$copy && $(MAKE) -C $$copy --no-print-directory test PYTHON=$$python && rm -rf $$copy || exit 1; fi; done
 
 bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge, other autograders
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee

@@ -17,7 +17,6 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
 from service.sandbox.tier_b import tier_b
 from service.sandbox.walls import LAYERS
-from service.store.postgres import EmbeddedPostgres
 
 
 def test_the_strongest_tier_is_chosen(monkeypatch):
@@ -67,14 +66,6 @@ def no_bubblewrap(tmp_path):
     return {"PATH": str(tmp_path / "bin"), "PYTHONPATH": str(tmp_path)}
 
 
-@pytest.fixture(scope="module")
-def database(tmp_path_factory):
-    running = EmbeddedPostgres(tmp_path_factory.mktemp("database") / "data")
-    running.start()
-    yield running.url
-    running.stop()
-
-
 def test_grade_refuses_without_the_least_tier(no_bubblewrap, tmp_path):
     file = tmp_path / "x.py"
     file.write_text("def euler_eqs(t, w, I): return w")
@@ -84,25 +75,8 @@ def test_grade_refuses_without_the_least_tier(no_bubblewrap, tmp_path):
     assert told.returncode == 2 and "POLHODE_MIN_TIER is A" in told.stderr and not told.stdout
 
 
-def test_doctor_tells_the_tier_and_why_it_is_not_a_better_one(no_bubblewrap):
-    def doctor(**environment):
-        command = [sys.executable, "-m", "service.cli", "doctor"]
-        return subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, check=False)
-
-    told = doctor()
-    assert told.returncode == 0 and "tier          A:" in told.stdout and "failed at all of its 14 attempts" in told.stdout
-    told = doctor(**no_bubblewrap)
-    assert (
-        told.returncode == 0
-        and "namespaces    no: bubblewrap is not installed" in told.stdout
-        and "tier          B:" in told.stdout
-    )
-    told = doctor(**no_bubblewrap, POLHODE_MIN_TIER="A")
-    assert told.returncode == 2 and "tier          none" in told.stdout
-
-
-def test_a_server_without_walls_takes_no_submission_and_says_why(new_server, tmp_path, database, no_bubblewrap):
-    lonely = new_server(tmp_path / "data", "/livez", POLHODE_MIN_TIER="A", POLHODE_DATABASE_URL=database, **no_bubblewrap)
+def test_a_server_without_walls_takes_no_submission_and_says_why(new_server, tmp_path, database_url, no_bubblewrap):
+    lonely = new_server(tmp_path / "data", "/livez", POLHODE_MIN_TIER="A", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
     deadline = time.monotonic() + 20
     while "POLHODE_MIN_TIER is A" not in (answer := _call(f"{lonely.url}/readyz"))[1]["checks"]["walls"]:
         assert answer[0] == 503 and time.monotonic() < deadline, answer
@@ -113,8 +87,9 @@ def test_a_server_without_walls_takes_no_submission_and_says_why(new_server, tmp
     lonely.stop()
 
 
-def test_a_server_without_namespaces_grades_in_tier_b(new_server, tmp_path, database, no_bubblewrap):
-    plain = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database, **no_bubblewrap)
+@pytest.mark.slow  # what tier B lets through is tried without a server: test_sandbox.py, test_attacks.py
+def test_a_server_without_namespaces_grades_in_tier_b(new_server, tmp_path, database_url, no_bubblewrap):
+    plain = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
     assert _call(f"{plain.url}/readyz")[1]["checks"]["walls"].startswith("tier B")
     source = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"
     address = f"{plain.url}/v1/assignments/rigid-body/submissions"

@@ -16,12 +16,12 @@ import pytest
 
 from ecp.outcome import Ending
 from exercises.assignment import Blank
+from service.sandbox import conversation, zygote
 from service.sandbox.choose import choose
 from service.sandbox.job import Cell, Job, Played
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
 from service.sandbox.walls import Walls
-from service.sandbox.zygote import ANSWER_S
 
 PLAYS = """
 import numpy as np
@@ -29,6 +29,13 @@ import numpy as np
 def ask(student, inputs):
     return {"x": np.asarray(student["f"](*inputs["args"]), dtype=float)}
 """
+
+
+@pytest.fixture(autouse=True)
+def short_waits(monkeypatch):
+    """Let the host wait less long for a guest that does not come back."""
+    monkeypatch.setattr(conversation, "GRACE_S", 0.5)
+    monkeypatch.setattr(zygote, "ANSWER_S", 1.5)
 
 
 def job(source, *scenes, function="f"):
@@ -85,11 +92,10 @@ def test_arrays_come_back(either_sandbox):
     ],
 )
 def test_endings_and_the_next_submission_is_unharmed(either_sandbox, body, ending, code):
-    began = time.monotonic()
-    seen = either_sandbox.play(job(body))
+    budget_s = 0.3 if ending is Ending.TIMED_OUT else 5.0
+    seen = either_sandbox.play(job(body, scene("one", budget_s=budget_s)))
     assert (seen.endings["one"].ending, seen.endings["one"].code) == (ending, code)
     assert "one" not in seen.arrays
-    assert time.monotonic() - began < 12
     assert either_sandbox.play(job(GOOD)).finished("one")
 
 
@@ -281,10 +287,10 @@ def test_submissions_do_not_see_each_other(either_sandbox):
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_sandbox, how):
-    os.kill(_zygote(either_sandbox), how)
-    began = time.monotonic()
+    killed = _zygote(either_sandbox)
+    os.kill(killed, how)
     assert either_sandbox.play(job(GOOD)).finished("one")
-    assert time.monotonic() - began < ANSWER_S + 6
+    assert _zygote(either_sandbox) != killed
 
 
 def test_a_zygote_lost_in_the_middle_costs_nothing(either_sandbox):

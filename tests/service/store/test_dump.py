@@ -64,6 +64,7 @@ def test_the_check_finds_what_does_not_fit(database_url):
     assert {s.split()[0] for s in found} == {"reports", "attempts", "artefacts", "open"}
 
 
+@pytest.mark.slow
 def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     old = sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_dump"))
     if not old or old[0].parts[-3] >= "18":

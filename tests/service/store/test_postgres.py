@@ -74,9 +74,8 @@ def test_a_long_path_gets_its_socket_elsewhere(tmp_path):
     assert not socket_folder.exists()
 
 
-@pytest.mark.parametrize("name", ["a b", "c++", "a%20b", "x,y", "ü"])
-def test_any_folder_name_will_do(tmp_path, name):
-    database = EmbeddedPostgres(tmp_path / name)
+def test_any_folder_name_will_do(tmp_path):
+    database = EmbeddedPostgres(tmp_path / "a b, c++, a%20b, ü")
     database.start()
     assert query(database, "SELECT 1") == 1
     database.stop()
@@ -99,6 +98,7 @@ def test_programs_that_fail_are_told(tmp_path):
         EmbeddedPostgres(tmp_path / "data", programs=fake).start()
 
 
+@pytest.mark.slow
 def test_any_installed_server_will_do(tmp_path):
     found = sorted(Path("/usr/lib/postgresql").glob("*/bin/postgres"))
     if not found:

@@ -9,7 +9,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 import urllib.error
 import urllib.request
@@ -18,14 +17,11 @@ from pathlib import Path
 
 import psycopg
 import pytest
-import uvicorn
 
 from service.cli import main
-from service.demo import free_port
-from service.settings import Settings
-from service.web.app import create_app
 from tests.support.database import sql
 from tests.support.machines import children, command_of, started_with
+from tests.support.server import WebApplication
 from tests.support.submissions import claim, submitted
 
 TAKEOVER_S = 5.0
@@ -197,34 +193,22 @@ def events(url, id, **headers):
     return [dict(line.split(": ", 1) for line in block.split("\n") if not line.startswith(":")) for block in blocks]
 
 
-@pytest.fixture
-def other(url):
-    """Another server on the same database, without workers, in a thread of this process."""
-    app = create_app(Settings(database_url=url, workers=0))
-    server = uvicorn.Server(uvicorn.Config(app, port=free_port(), log_config=None, timeout_graceful_shutdown=2))
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    wait_for(lambda: server.started)
-    yield f"http://127.0.0.1:{server.config.port}"
-    server.should_exit = True
-    thread.join()
-
-
-def test_progress_reaches_every_server(front, url, other):
-    ids = [post(front.url, SLOW.format(0.4))["id"] for _ in range(4)]
-    told = events(other, ids[-1])
-    kinds = [e["event"] for e in told]
-    assert kinds[0] == "queued" and "running" in kinds and kinds[-1] == "graded"
-    data = [json.loads(e["data"]) for e in told]
-    places = [d["position"] for d in data if d["status"] == "queued"]
-    assert places[0] in (1, 2) and places == sorted(places, reverse=True)
-    assert any(d["status"] == "running" and d["scenes"] for d in data) and data[-1]["score"] == data[-1]["max_score"] == 5
-    again = events(other, ids[-1], Last_Event_ID=told[-2]["id"])
-    assert [e["event"] for e in again] == ["graded"]
-    with pytest.raises(urllib.error.HTTPError) as error:
-        events(other, "nope")
-    with error.value:
-        assert error.value.code == 404
+def test_progress_reaches_every_server(front, url):
+    with WebApplication(url) as other:
+        ids = [post(front.url, SLOW.format(0.4))["id"] for _ in range(4)]
+        told = events(other.url, ids[-1])
+        kinds = [e["event"] for e in told]
+        assert kinds[0] == "queued" and "running" in kinds and kinds[-1] == "graded"
+        data = [json.loads(e["data"]) for e in told]
+        places = [d["position"] for d in data if d["status"] == "queued"]
+        assert places[0] in (1, 2) and places == sorted(places, reverse=True)
+        assert any(d["status"] == "running" and d["scenes"] for d in data) and data[-1]["score"] == data[-1]["max_score"] == 5
+        again = events(other.url, ids[-1], Last_Event_ID=told[-2]["id"])
+        assert [e["event"] for e in again] == ["graded"]
+        with pytest.raises(urllib.error.HTTPError) as error:
+            events(other.url, "nope")
+        with error.value:
+            assert error.value.code == 404
 
 
 def test_metrics(front, url):

@@ -13,7 +13,8 @@ from procrastinate.types import JSONValue
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from service.store.database import POOL_S, connect_options
+from service.settings import DATABASE_WAIT_S
+from service.store.database import connect_options
 
 QUEUE = "grade"
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
@@ -21,11 +22,11 @@ RECONNECT_S = 0.5  # the queue's pool's pause between attempts doubles: after a 
 STEP = 1000  # between kinds; within one, a person's n-th open attempt ranks n lower
 
 
-def new_app(url: str, name: str) -> App:
+def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
     """A Procrastinate application on the database; whoever takes jobs from it opens it."""
     return App(
         connector=PsycopgConnector(
-            conninfo=url, kwargs=connect_options(name), min_size=0, max_size=3, timeout=POOL_S, reconnect_timeout=RECONNECT_S
+            conninfo=url, kwargs=connect_options(name), min_size=0, max_size=3, timeout=wait_s, reconnect_timeout=RECONNECT_S
         )
     )
 

@@ -8,6 +8,8 @@ from urllib.parse import urlsplit
 from pydantic import AliasChoices, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+LEASE_S, DATABASE_WAIT_S = 2.0, 5.0
+
 
 class Settings(BaseSettings):
     """Everything an operator can set."""
@@ -22,6 +24,12 @@ class Settings(BaseSettings):
     )
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Submissions graded at the same time; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker gives what it is grading, before it is queued again.")
+    lease: float = Field(
+        LEASE_S, ge=0.4, le=60.0, description="Seconds without one of the four signs of life in a lease: a run is lost."
+    )
+    database_wait: float = Field(
+        DATABASE_WAIT_S, gt=0, le=60.0, description="Seconds a request or a worker waits for a connection to the database."
+    )
     postgres: Path | None = Field(None, description="Folder of PostgreSQL's programs, instead of the wheel's or the system's.")
     identity: Literal["local", "token"] = Field("local", description="Whether everybody is one local student, or brings a token.")
     person_header: str | None = Field(None, description="Header in which a proxy in front tells who submits.")

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from ecp.outcome import Ending, SceneEnding
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
-from service.sandbox.job import LOAD_BUDGET_S, Job
+from service.sandbox.job import Job
 from service.sandbox.seen import KEPT_OUTPUT, SENTENCES, Fault, Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
-LOAD_S = 2 * LOAD_BUDGET_S
+LOADING = 2  # the host waits for twice the budget that the guest has for loading
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
@@ -213,15 +213,16 @@ class _Patience:
 
     def __init__(self, job: Job) -> None:
         self._budgets = {s.name: s.budget_s for s in job.scenes}
+        self._load_s = LOADING * job.load_budget_s
         self._since = time.monotonic()
-        self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + LOAD_S
+        self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + self._load_s
         self._scene: str | None = None
 
     def left(self, scene: str | None) -> float:
         """Seconds left for ``scene`` (None: loading, or between scenes)."""
         if scene != self._scene:
             self._scene, self._since = scene, time.monotonic()
-        until = self._since + GRACE_S + self._budgets.get(scene or "", LOAD_S)
+        until = self._since + GRACE_S + self._budgets.get(scene or "", self._load_s)
         return max(0.0, min(until, self._last) - time.monotonic())
 
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,18 +40,21 @@ class Played:
 
 @dataclass(frozen=True)
 class Job:
-    """One submission's cells, the assignment's setup and plays as source text, and the scenes in order."""
+    """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
+
+    ``load_budget_s`` is the time for all cells together, before the first scene.
+    """
 
     setup: str
     plays: str
     cells: tuple[Cell, ...]
     functions: tuple[str, ...]
     scenes: tuple[Played, ...]
+    load_budget_s: float = LOAD_BUDGET_S
 
     def without(self, done: set[str]) -> "Job":
         """The same job with only the scenes that are not in ``done``."""
-        left = tuple(s for s in self.scenes if s.name not in done)
-        return Job(self.setup, self.plays, self.cells, self.functions, left)
+        return replace(self, scenes=tuple(s for s in self.scenes if s.name not in done))
 
     def encode(self) -> bytes:
         """The job as the guest reads it: a length and JSON. What may come back (``returns``) is the host's business and stays."""
@@ -65,7 +68,7 @@ class Job:
             "plays": self.plays,
             "cells": [[c.name, c.source] for c in self.cells],
             "functions": self.functions,
-            "load_budget_s": LOAD_BUDGET_S,
+            "load_budget_s": self.load_budget_s,
             "scenes": scenes,
         }
         text = json.dumps(document, default=_listed, allow_nan=False).encode()

@@ -14,10 +14,11 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.ext.asyncio import AsyncConnection, create_async_engine
 
+from service.settings import DATABASE_WAIT_S
 from service.store.migrate import driver_url
 
 T = TypeVar("T")
-CONNECT_S, POOL_S = 3, 5.0
+CONNECT_S = 3
 ANSWER_S = 25.0  # longer than a statement may take: a server that is frozen does not end it
 # What a server does with a client that is cut off or frozen: it gives up its locks within seconds.
 SERVER_SIDE = {
@@ -45,16 +46,19 @@ def connect_options(name: str) -> dict[str, Any]:
 
 
 class Database:
-    """The database behind ``url``; its tables must be up to date. ``connections`` is the most it opens at a time."""
+    """The database behind ``url``; its tables must be up to date.
 
-    def __init__(self, url: str, name: str, connections: int = 8) -> None:
+    ``connections`` is the most it opens at a time, ``wait_s`` how long a caller waits for one of them.
+    """
+
+    def __init__(self, url: str, name: str, connections: int = 8, wait_s: float = DATABASE_WAIT_S) -> None:
         self.url = url
         self.persons: dict[str, UUID] = {}  # ids known to be entered, by name
         self._engine = create_async_engine(
             driver_url(url),
             pool_size=1,
             max_overflow=connections - 1,
-            pool_timeout=POOL_S,
+            pool_timeout=wait_s,
             hide_parameters=True,  # an error that is logged must not hold a student's source
             connect_args=connect_options(name),
         )

@@ -9,42 +9,45 @@ from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.queue import send_attempt
+from service.settings import LEASE_S
 from service.store.database import Database
 
-LEASE_S = 2.0  # a run that has told nothing for so long is lost: its worker is dead, frozen or cut off
 SWEPT_AFTER_S = 5.0  # an open attempt older than this has a job, or gets one
 
 
-async def rescue(database: Database) -> list[UUID]:
-    """Queue attempts again whose runs are lost, and forget jobs of attempts that have their result; the attempts queued again."""
+async def rescue(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
+    """Queue attempts again whose runs are lost, and forget jobs of attempts that have their result; return those queued again.
+
+    A run that has given no sign of life for ``lease_s`` is lost: its worker is dead, frozen or cut off.
+    """
     again = []
     async with database.begin() as connection:
-        for job in (await connection.execute(_STALE, {"lease": LEASE_S})).all():
+        for job in (await connection.execute(_STALE, {"lease": lease_s})).all():
             if job.finished or job.task_name != "grade":
                 continue
             again.append(UUID(job.attempt))
-            await _lose_and_send(connection, again[-1], begun=True)
+            await _lose_and_send(connection, again[-1], lease_s, begun=True)
         alone = (await connection.execute(_ALONE)).scalar()
-        for row in (await connection.execute(_ORPHANS, {"lease": LEASE_S})).all() if alone else []:
+        for row in (await connection.execute(_ORPHANS, {"lease": lease_s})).all() if alone else []:
             again.append(row.attempt_id)
-            await _lose_and_send(connection, again[-1], begun=True)
+            await _lose_and_send(connection, again[-1], lease_s, begun=True)
     return again
 
 
-async def sweep(database: Database) -> list[UUID]:
+async def sweep(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
     """Queue attempts without result that have no job at all, and forget workers long gone; the attempts queued again."""
     async with database.begin() as connection:
         if not (await connection.execute(_ALONE)).scalar():
             return []
         found = [row.id for row in (await connection.execute(_JOBLESS, {"after": SWEPT_AFTER_S})).all()]
         for attempt in found:
-            await _lose_and_send(connection, attempt, begun=False)
+            await _lose_and_send(connection, attempt, lease_s, begun=False)
         await connection.execute(_FORGET_WORKERS)
     return found
 
 
-async def _lose_and_send(connection: AsyncConnection, attempt: UUID, *, begun: bool) -> None:
-    await connection.execute(_LOSE, {"attempt": attempt, "lease": LEASE_S})
+async def _lose_and_send(connection: AsyncConnection, attempt: UUID, lease_s: float, *, begun: bool) -> None:
+    await connection.execute(_LOSE, {"attempt": attempt, "lease": lease_s})
     await send_attempt(connection, attempt, begun=begun)
 
 

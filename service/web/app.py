@@ -3,6 +3,7 @@
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -100,7 +101,7 @@ def create_app(settings: Settings) -> FastAPI:
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     settings: Settings = app.state.settings
     assert settings.database_url is not None
-    app.state.database = database = Database(settings.database_url, "polhode web", connections=10)
+    app.state.database = database = Database(settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait)
     await register(database, found().sound.values())
     for broken in found().broken.values():
         log.error("%s", broken)
@@ -110,7 +111,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.crew = health.Crew(database)
     app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
     app.state.listener.start()
-    app.state.queue = Watch(app.state.listener, lambda: queueing.look(database), queue.shown)
+    app.state.queue = Watch(app.state.listener, lambda: queueing.look(database), partial(queue.shown, lease_s=settings.lease))
     try:
         yield
     finally:

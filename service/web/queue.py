@@ -9,6 +9,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from sqlalchemy import Row
 
+from service.settings import LEASE_S
 from service.store import cancelling
 from service.store.queueing import MOST_PLACES, Queue, grade_again
 from service.web.forms import Form
@@ -18,7 +19,7 @@ from service.web.templating import templates
 
 router = APIRouter()
 LONG_S = 5.0  # in one scene: most take a tenth of that
-SILENT_S, LEFT_S = 2.0, 5.0  # a run tells every half second that it is alive, a worker every three
+LEFT_S = 5.0  # a worker tells every three seconds that it is alive
 
 
 @router.get("/queue", response_class=HTMLResponse)
@@ -66,14 +67,14 @@ def identifier(told: str) -> UUID:
         raise Problem(404, "not-found", f"there is nothing by the id {told[:80]}") from None
 
 
-def shown(queue: Queue) -> dict[str, Any]:
+def shown(queue: Queue, lease_s: float = LEASE_S) -> dict[str, Any]:
     """The queue as the page shows it; times are rounded, so that it does not change all the time."""
     busy = {run.worker for run in queue.going}
     return {
         "total": queue.places[0].total if queue.places else 0,
         "kinds": [(kind.n, kind.kind) for kind in queue.waiting],
         "places": [row._asdict() for row in queue.places],
-        "going": [_going(run) for run in queue.going],
+        "going": [_going(run, lease_s) for run in queue.going],
         "workers": [w._asdict() | {"silent_s": _silence(w.silent_s, LEFT_S), "busy": w.name in busy} for w in queue.workers],
         "faults": [row._asdict() for row in queue.faults],
     }
@@ -93,10 +94,10 @@ def _silence(seconds: float, usual: float) -> str:
     return f"silent for {lasting(seconds)}" if seconds > usual else "alive"
 
 
-def _going(run: Row[Any]) -> dict[str, Any]:
+def _going(run: Row[Any], lease_s: float) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
     told = {"phase": phase, "running": lasting(run.running_s), "in_scene": lasting(run.scene_s), "stuck": ""}
-    told["silent"] = _silence(run.silent_s, SILENT_S)
+    told["silent"] = _silence(run.silent_s, lease_s)
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
         told["stuck"] = f"{lasting(run.scene_s)} {where}: perhaps an endless loop; its budget ends it"

@@ -1,7 +1,7 @@
 """One worker process: takes jobs from the queue, grades them with its own warm guest, and looks after work that others lost.
 
 Grading runs in one thread that lives as long as the process, as a guest dies with the thread that started it. The event loop
-beside it tells every half second that the run is alive.
+beside it tells, four times in a lease, that the run is alive.
 """
 
 import asyncio
@@ -30,7 +30,8 @@ from service.store.reading import keep
 from service.workers import hand
 
 log = logging.getLogger(__name__)
-BEAT_S, LOOK_S, SWEEP_EVERY, RETRY_WALLS_S = 0.5, 1.0, 30, 5.0
+BEATS, LOOKS, LONGEST_LOOK_S = 4, 2, 1.0  # in a lease
+ENROL_S, SWEEP_S, RETRY_WALLS_S = 3.0, 30.0, 5.0
 GIVE_BACK_S = 3.0
 PATIENCE_S = 3600.0  # a result in hand outlives an hour without database
 MOST_S = 900.0  # far beyond every budget of a submission: a worker that has not come back by then ends itself
@@ -42,7 +43,8 @@ class Slot:
     def __init__(self, settings: Settings, name: str) -> None:
         assert settings.database_url is not None
         self.name, self._settings, self._url = name, settings, settings.database_url
-        self._database = Database(self._url, f"polhode worker {name}", connections=3)
+        self._database = Database(self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait)
+        self._beat_s, self._look_s = settings.lease / BEATS, min(LONGEST_LOOK_S, settings.lease / LOOKS)
         self._thread = ThreadPoolExecutor(1)
         self._stopping = asyncio.Event()
         self._claimed: runs.Claim | None = None
@@ -98,7 +100,7 @@ class Slot:
         """Take jobs one at a time; begin anew when the database was out."""
         told = False  # of this outage
         while True:
-            app = new_app(self._url, f"polhode queue {self.name}")
+            app = new_app(self._url, f"polhode queue {self.name}", self._settings.database_wait)
             app.task(name="grade", queue=QUEUE)(self._grade)
             app.task(name="sweep", queue=QUEUE)(self._sweep)
             try:
@@ -159,22 +161,23 @@ class Slot:
 
     async def _beat(self, claimed: runs.Claim) -> None:
         while True:
-            await asyncio.sleep(BEAT_S)
+            await asyncio.sleep(self._beat_s)
             with _bearing_outages():
                 if not await runs.beat(self._database, claimed, *self._progress):
                     hand.stop_playing()
 
     async def _look_after(self) -> None:
         """Tell that this worker is there, and rescue what others lost."""
-        for round in range(1 << 62):
+        lease, enrol_every, sweep_every = self._settings.lease, round(ENROL_S / self._look_s), round(SWEEP_S / self._look_s)
+        for look in range(1 << 62):
             with _bearing_outages():
-                if round % 3 == 0:
+                if look % enrol_every == 0:
                     await self._enrol(self._walls, None)
-                if again := await rescue.rescue(self._database):
+                if again := await rescue.rescue(self._database, lease):
                     log.warning("queued again: %s", ", ".join(map(str, again)))
-                if round % SWEEP_EVERY == 0 and (found := await rescue.sweep(self._database)):
+                if look % sweep_every == 0 and (found := await rescue.sweep(self._database, lease)):
                     log.warning("without a job: %s", ", ".join(map(str, found)))
-            await asyncio.sleep(LOOK_S)
+            await asyncio.sleep(self._look_s)
 
     async def _enrol(self, walls: str | None, refusal: str | None) -> None:
         with _bearing_outages():

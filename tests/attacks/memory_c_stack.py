@@ -1,6 +1,6 @@
 """Overflows the C stack by a deeply nested representation."""
 
-# ends: fail
+# ends: fail slow
 import sys
 
 nested = []

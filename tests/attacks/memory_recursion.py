@@ -1,6 +1,6 @@
 """Recursion without a limit."""
 
-# ends: fail
+# ends: fail slow
 import sys
 
 sys.setrecursionlimit(10**9)

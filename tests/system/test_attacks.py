@@ -1,17 +1,24 @@
-"""Every file of tests/attacks in both tiers: what it must end as, and that it reached, left and disturbed nothing.
+"""Every file of tests/attacks: what it must end as, and that it reached, left and disturbed nothing.
+
+Each runs at one isolation level, in `make test-all` at both. Those that try to get out run at the weaker one, where nothing but the
+child's own layers stands, and those of a family together at the other; the rest take turns.
 
 A file's first comment says how it ends: ``pass`` (the attack fails and the right answer that we append is accepted), ``fail`` or
 ``any``; ``film`` where Exercise 6 is asked, ``slow`` where it runs out of time.
 """
 
+import fcntl
 import json
 import os
 import re
 import socket
 import subprocess
+import tempfile
 import threading
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
+from functools import partial
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +38,7 @@ from service.sandbox.walls import LAYERS
 
 HERE = Path(__file__).parents[1] / "attacks"
 ATTACKS = sorted(HERE.glob("*.py"))
+ISOLATION = ("fd", "kernel", "net", "process", "read", "signal", "write")  # families that try to get out
 CANARY = "CANARY-7f3a-swordfish"
 RIGHT = "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) / np.asarray(I)\n"
 PRELUDE = """
@@ -52,6 +60,10 @@ def raw(number, *arguments):
         raise OSError(_ctypes.get_errno(), _os.strerror(_ctypes.get_errno()))
     return answer
 """
+
+
+def family(file):
+    return file.stem.split("_")[0]
 
 
 @pytest.fixture(scope="module")
@@ -88,72 +100,130 @@ def traps(tmp_path_factory):
         del os.environ["POLHODE_CANARY"]
 
 
-@pytest.fixture(scope="module", params=["A", "B"])
-def walled(request, traps):
-    """A sandbox of each tier, started while the secret was in the environment; a neighbour plays good submissions all the time."""
-    walls = choose("A") if request.param == "A" else tier_b()
-    attacked, neighbour = Sandbox(walls), Sandbox(walls)
-    for sandbox in (attacked, neighbour):
-        sandbox.rehearse()
+@pytest.fixture(scope="module")
+def sandboxes(traps):
+    """Sandboxes by isolation level, started at first use, while the secret is in the environment."""
+    started = {}
+
+    def at(level):
+        if level not in started:
+            started[level] = Sandbox(choose("A") if level == "A" else tier_b())
+            started[level].rehearse()
+        return started[level]
+
+    neighbour = Sandbox(tier_b())  # nothing but the attacker's own sandbox protects it
+    neighbour.rehearse()
     before = _resident_mib()
-    yield attacked, neighbour, request.param
+    yield at, neighbour
     assert _resident_mib() - before < 64, "the host's memory grew"
-    attacked.close()
-    neighbour.close()
+    for sandbox in (neighbour, *started.values()):
+        sandbox.close()
 
 
-@pytest.fixture(autouse=True)
-def hurry(monkeypatch):
-    monkeypatch.setattr(job, "LOAD_BUDGET_S", 1.0)
-    monkeypatch.setattr(conversation, "LOAD_S", 3.0)
-    monkeypatch.setattr(conversation, "GRACE_S", 0.5)
+@pytest.fixture
+def traces_shared():
+    """What attacks leave behind is looked for in places that all processes share: no other one leaves any meanwhile."""
+    with _lock_of_traces(fcntl.LOCK_SH):
+        yield
+
+
+@pytest.fixture
+def traces_alone():
+    """This test leaves traces on purpose: no other process looks for any meanwhile."""
+    with _lock_of_traces(fcntl.LOCK_EX):
+        yield
 
 
 @pytest.fixture(scope="module")
-def rigid_body(rigid_body):
-    """With less time for what comes first, where attacks that never end are stopped."""
-    scenes = [replace(s, budget_s=1.0) if s.name == "probes" else s for s in rigid_body.scenes]
+def impatient(rigid_body):
+    """The assignment with little time for the first scene, where attacks that never end are stopped."""
+    scenes = [replace(s, budget_s=0.4) if s.name == "probes" else s for s in rigid_body.scenes]
     return replace(rigid_body, scenes=type(rigid_body.scenes)(scenes))
 
 
-@pytest.mark.parametrize("file", ATTACKS, ids=lambda f: f.stem)
-def test_attack(file, walled, traps, rigid_body):
-    sandbox, neighbour, tier = walled
-    prelude, listeners = traps
+@pytest.fixture
+def hurry(monkeypatch):
+    """Little time to load, and little more than that before the host stops a guest."""
+    monkeypatch.setattr("service.grading.grade.Job", partial(job.Job, load_budget_s=0.4))
+    monkeypatch.setattr(conversation, "GRACE_S", 0.3)
+
+
+def declared(file):
+    """How an attack ends, whether Exercise 6 is asked, and whether it runs out of time."""
+    ends = re.match(r'""".*"""\n+# ends: (pass|fail|any)( film)?( slow)?\n', file.read_text())
+    assert ends, f"the first comment of {file} says how it ends"
+    return ends[1], bool(ends[2]), bool(ends[3])
+
+
+def attacks():
+    """Every attack at both levels; ``make test`` has each at one of them."""
+    for _, files in groupby(ATTACKS, family):
+        for k, file in enumerate(files):
+            first = "B" if family(file) in ISOLATION else "AB"[k % 2]
+            for level in "AB":
+                marks = [] if level == first else [pytest.mark.slow]
+                yield pytest.param(level, file, id=f"{level}-{file.stem}", marks=marks)
+
+
+@pytest.mark.parametrize(("level", "file"), [*attacks()])
+def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, traces_shared):
+    at, neighbour = sandboxes
+    sandbox, (prelude, listeners) = at(level), traps
+    verdict, film, slow = declared(file)
+    if slow:
+        request.getfixturevalue("hurry")
     source = file.read_text()
-    ends = re.match(r'""".*"""\n+# ends: (pass|fail|any)( film)?( slow)?\n', source)
-    assert ends, "the first comment says how it ends"
-    needs_answer = ends[1] != "fail" and "def euler_eqs" not in source
+    needs_answer = verdict != "fail" and "def euler_eqs" not in source
     code = prelude + source + (RIGHT if needs_answer else "")
     before = _traces()
     with _beside(neighbour) as unharmed:
-        report = grade(Submission(code), rigid_body, sandbox, 3, ["6" if ends[2] else "2"]).report
+        graded = grade(Submission(code), impatient if slow else rigid_body, sandbox, 3, ["6" if film else "2"])
+        report = graded.report
         assert unharmed() and _plays(sandbox) and _plays(sandbox)
-    if not (file.stem == "read_metadata" and tier == "B" and not _other_user(sandbox)):  # what tier B hides from other users only
+    if not (file.stem == "read_metadata" and level == "B" and not _other_user(sandbox)):  # hidden from other users only
         assert "ESCAPED" not in report.stdout, report.stdout
     assert CANARY not in json.dumps(document(report)) and CANARY not in report.text()
-    if ends[1] == "pass":
+    if verdict == "pass":
         assert report.passed, report.text() + report.stdout[:2000]
-    elif ends[1] == "fail":
+    elif verdict == "fail":
         assert not report.passed, report.text()
     assert all(o.verdict in Verdict and o.line for o in report.outcomes())
     _untouched(listeners)
-    assert _traces() == before
+    assert not _traces() - before
+
+
+@pytest.mark.parametrize("of", ISOLATION)
+def test_what_a_family_tries_in_vain_at_the_weaker_level_is_in_vain_at_the_other(of, sandboxes, traps, rigid_body, traces_shared):
+    """All attacks of the family that fail without an end to the submission, one after the other in a single one."""
+    sandbox, (prelude, listeners) = sandboxes[0]("A"), traps
+    files = [file for file in ATTACKS if family(file) == of and declared(file)[0] == "pass"]
+    tried = [file.read_text() + f'\nprint("tried {file.stem}")\n' for file in files]
+    before = _traces()
+    report = grade(Submission("\n".join([prelude, *tried, RIGHT])), rigid_body, sandbox, 3, ["2"]).report
+    assert files and all(f"tried {file.stem}\n" in report.stdout for file in files), report.stdout
+    assert "ESCAPED" not in report.stdout, report.stdout
+    assert CANARY not in json.dumps(document(report))
+    assert report.passed and _plays(sandbox), report.text()
+    _untouched(listeners)
+    assert not _traces() - before
+
+
+SLOW = pytest.mark.slow  # the family's test at that level is red without the layer
 
 
 @pytest.mark.parametrize(
     ("tier", "missing", "attack"),
     [
         ("A", "namespaces", "read_metadata"),
-        ("A", "landlock", "read_system"),
-        ("A", "seccomp", "net_unix"),
-        ("A", "limits", "memory_shared_map"),
+        pytest.param("A", "landlock", "read_system", marks=SLOW),
+        pytest.param("A", "seccomp", "net_unix", marks=SLOW),
+        pytest.param("A", "limits", "memory_shared_map", marks=SLOW),
         ("B", "landlock", "read_system"),
         ("B", "seccomp", "net_tcp"),
         ("B", "limits", "memory_shared_map"),
     ],
 )
-def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body):
+def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body, traces_alone):
     """Without it, an attack that the others let through succeeds."""
     layers = [x for x in LAYERS if x != missing]
     walls = tier_a(find_bubblewrap(), layers) if tier == "A" and missing != "namespaces" else tier_b(layers)
@@ -170,7 +240,7 @@ def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body):
 
 
 def test_there_are_enough_attacks_and_each_says_what_it_tries():
-    assert len(ATTACKS) >= 102
+    assert len(ATTACKS) >= 141 and {family(file) for file in ATTACKS} >= set(ISOLATION)
     assert all(re.match(r'"""[A-Z].*\."""\n+# ends: ', f.read_text()) for f in ATTACKS)
 
 
@@ -233,10 +303,19 @@ def _resident_mib():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4 / 1024
 
 
+@contextmanager
+def _lock_of_traces(how):
+    with (Path(tempfile.gettempdir()) / f"polhode-tests-{os.getuid()}.lock").open("w") as lock:
+        fcntl.flock(lock, how)
+        yield
+
+
 def _traces():
     """Shared memory, queues, files in common folders: what a submission could have left behind."""
-    ipc = [Path(f"/proc/sysvipc/{kind}").read_text().splitlines()[1:] for kind in ("shm", "sem", "msg")]
-    ipc[0] = [line for line in ipc[0] if line.split()[3] != "56"]  # a PostgreSQL's, which come and go with servers of other tests
-    listed = subprocess.run(["ls", "-A", "/dev/shm", "/tmp", "/"], capture_output=True, text=True, check=False).stdout
-    left = [line for line in listed.splitlines() if re.search("left|evil|fill|polhode-left|daemon", line)]
-    return [len(lines) for lines in ipc], sorted(left)
+    found = set()
+    for kind in ("shm", "sem", "msg"):
+        fields = [line.split() for line in Path(f"/proc/sysvipc/{kind}").read_text().splitlines()[1:]]
+        found |= {(kind, key, id) for key, id, _, size, *_ in fields if (kind, size) != ("shm", "56")}  # a PostgreSQL's has 56
+    for folder in ("/dev/shm", "/tmp", "/"):
+        found |= {(folder, name) for name in os.listdir(folder) if re.search("left|evil|fill|daemon", name)}
+    return found

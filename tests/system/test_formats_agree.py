@@ -19,7 +19,6 @@ from tests.service.tellings.test_classroom50 import ABOUT, Result
 from tests.support.random_reports import graded_files
 from tests.support.workflow_log import commands
 
-MANY = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 RIGID = assignments()["rigid-body"]
 OF_STATE = {"timeout": "unmeasured", "error": "unmeasured"}
 
@@ -30,9 +29,7 @@ def verdicts(report, *, counted=None):
     return {id: verdict for id, verdict in kept.items() if counted is None or verdict != "skipped"}
 
 
-@MANY
-@given(graded_files())
-def test_text(file):
+def agrees_in_text(file):
     told, report = file.report.text(), file.report
     at = 0
     for outcome in report.outcomes():
@@ -42,9 +39,7 @@ def test_text(file):
     assert summary.startswith(f"{report.score} of {report.max_score} checks ✓")
 
 
-@MANY
-@given(graded_files())
-def test_junit(file):
+def agrees_in_junit(file):
     read = junitparser.JUnitXml.fromstring(junit.text([file], RIGID).encode())
     kinds = {junitparser.Failure: "fail", junitparser.Error: "unmeasured", junitparser.Skipped: "skipped"}
     found = {}
@@ -60,9 +55,7 @@ def test_junit(file):
     assert (read.failures + read.errors == 0) is file.passed
 
 
-@MANY
-@given(graded_files())
-def test_gradescope(file):
+def agrees_in_gradescope(file):
     for most in (None, 40.0):
         read = json.loads(json.dumps(gradescope.document(file, RIGID, max_score=most), allow_nan=False).encode("ascii"))
         tests = [test for test in read["tests"] if "id" in test.get("extra_data", {})]
@@ -77,9 +70,7 @@ def test_gradescope(file):
         assert any(test.get("status") == "failed" for test in read["tests"]) is not file.passed
 
 
-@MANY
-@given(graded_files())
-def test_classroom50(file):
+def agrees_in_classroom50(file):
     told = classroom50.document(file, RIGID, ABOUT)
     read = Result.model_validate_json(json.dumps(told).encode("ascii"))
     tests = [test for test in told["tests"] if "id" in test]
@@ -88,9 +79,7 @@ def test_classroom50(file):
     assert all(test.passed for test in read.tests) is file.passed
 
 
-@MANY
-@given(graded_files())
-def test_csv(file):
+def agrees_in_csv(file):
     told, report = row(file, RIGID), file.report
     ids = [outcome.id for outcome in report.outcomes()]
     (mine,) = read(own.assignment([told], ids).removeprefix("\ufeff"))
@@ -108,9 +97,7 @@ def read(text):
     return list(csv.DictReader(io.StringIO(text, newline="")))
 
 
-@MANY
-@given(graded_files())
-def test_github(file):
+def agrees_in_github(file):
     report, tokens = file.report, MarkdownIt("commonmark").enable("table").parse(github.summary([file], RIGID))
     assert [token.type for token in tokens if token.level == 0 and token.nesting >= 0] == [
         "heading_open", "paragraph_open", "table_open",
@@ -126,3 +113,14 @@ def test_github(file):
     assert sum(int(many[1]) if (many := re.search(r"\((\d+) checks\)$", about["title"])) else 1 for _, about, _ in found) == (
         len(failed) or not report.max_score
     )
+
+
+FORMS = (agrees_in_text, agrees_in_junit, agrees_in_gradescope, agrees_in_classroom50, agrees_in_csv, agrees_in_github)
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(graded_files())
+def test_all_forms_agree(file):
+    """Drawing a report takes longer than any form of it, so all forms share one."""
+    for agrees in FORMS:
+        agrees(file)

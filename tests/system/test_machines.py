@@ -20,6 +20,8 @@ from service.store.postgres import find_programs
 from tests.support.machines import NAMESPACES, Machine
 from tests.system.test_workers import SLOW, TAKEOVER_S, get, post, rows, wait_for
 
+pytestmark = pytest.mark.slow  # a cut link and a dead host look like a frozen and a killed worker, see test_workers.py
+
 
 def programs_with_tls():
     """A site's own PostgreSQL speaks TLS; the wheel's is built without. (folder, whether it does)"""

@@ -13,8 +13,10 @@ import pytest
 from nbclient import NotebookClient
 
 from service.store import tokens
+from service.store.postgres import running_url
 from tests.support.database import run, sql
 from tests.support.http_client import Browser
+from tests.support.server import WebApplication
 
 pytestmark = pytest.mark.filterwarnings("default")  # those of zmq and of event loops are not ours
 SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom matplotlib.animation import FuncAnimation\nimport ecp\n"
@@ -80,6 +82,7 @@ def test_local_and_remote_tell_the_same_lines(server, play):
     assert "The server makes 2 more checks" in shown(local, "text/html")
 
 
+@pytest.mark.slow
 def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
     *_, remote, told = play(
         connect(server), EULER.replace("(I[2] - I[0])", "-(I[2] - I[0])"), "r = ecp.submit(euler_eqs); r", "print(r)"
@@ -88,6 +91,7 @@ def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
     assert "sign-flipped" not in shown(remote) and "likely sign-flipped" in said(told)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cells",
     [
@@ -104,6 +108,7 @@ def test_what_is_defined_anywhere_in_the_notebook_goes_along(cells, server, play
     assert all(line.startswith("✓") for line in shown(remote).split("\n"))
 
 
+@pytest.mark.slow
 def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play, tmp_path):
     cells = [
         connect(server),
@@ -123,6 +128,7 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
     assert shown(remote).count("✓") == 5
 
 
+@pytest.mark.slow
 def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, play):
     cells = ["data = open('/dev/null')", EULER + "    data", "def box_moments(m, a, b, c):\n    '''Moments.'''\n    ...\n"]
     wrong = ["ecp.submit(np.cross)", "ecp.submit(euler_eqs, file='mine.py')"]
@@ -135,6 +141,7 @@ def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, p
     assert "Not sent, still empty: box_moments." in html and re.search(r"<p>data: ", html)
 
 
+@pytest.mark.slow
 def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1")
     submit = 'ecp.submit(euler_eqs, exercises=["2"])'
@@ -149,6 +156,7 @@ def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     server.stop()
 
 
+@pytest.mark.slow
 def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_path, play):
     server, begun = new_server(tmp_path / "data", POLHODE_WORKERS="1"), threading.Event()
 
@@ -168,8 +176,16 @@ def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_p
     assert fetch(server, "/").count('href="/submissions/') == 1, "one submission, however often it was asked for"
 
 
-def test_login_revoked_and_offline(new_server, tmp_path, play, database_url):
-    server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1", POLHODE_IDENTITY="token")
+@pytest.fixture
+def asking(server, monkeypatch):
+    """A server beside the one that grades, on its database, which asks who somebody is."""
+    monkeypatch.setattr("service.web.login.INTERVAL_S", 0.5)
+    with WebApplication(running_url(server.data), identity="token") as application:
+        yield application
+
+
+def test_login_revoked_and_offline(server, asking, tmp_path, play):
+    database_url = running_url(server.data)
 
     async def give(database):
         async with database.begin() as connection:
@@ -177,10 +193,15 @@ def test_login_revoked_and_offline(new_server, tmp_path, play, database_url):
 
     course = run(database_url, give)
 
+    def codes():
+        return {code for (code,) in sql(database_url, "SELECT user_code FROM login")}
+
+    before = codes()
+
     def confirm():
-        while not (waiting := sql(database_url, "SELECT user_code FROM login")):
+        while not (waiting := codes() - before):
             time.sleep(0.1)
-        Browser(server).log_in(code=waiting[0][0], token=course)
+        Browser(asking).log_in(code=waiting.pop(), token=course)
 
     student = threading.Thread(target=confirm)
     student.start()
@@ -197,10 +218,10 @@ def test_login_revoked_and_offline(new_server, tmp_path, play, database_url):
         submit,
         'ecp.check("2")',
     ]
-    outputs = play(connect(server), *cells, allow_errors=True)
+    outputs = play(connect(asking), *cells, allow_errors=True)
     student.join()
-    _, _, before, login, graded, again, _, after, _, offline, local = outputs
-    assert "does not know who you are" in said(before) and "run ecp.login()" in said(before)
+    _, _, unknown, login, graded, again, _, after, _, offline, local = outputs
+    assert "does not know who you are" in said(unknown) and "run ecp.login()" in said(unknown)
     assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5 and said(again) == "Logged in as ann.\n"
     assert "does not know who you are" in said(after) and "Traceback" not in said(after)
     assert "polhode.invalid" in said(offline) and "Traceback" not in said(offline) and shown(local).count("✓") == 3
@@ -221,30 +242,33 @@ def solutions(rigid_body):
     return found
 
 
-@pytest.mark.parametrize("filled", [False, True], ids=["as downloaded", "with right functions"])
-def test_the_course_notebook_as_the_server_gives_it(filled, server, play, tmp_path, monkeypatch, rigid_body):
-    """Its %pip cell installs the kit from the server that runs; nothing of ours is there before."""
+CELLS = ["as downloaded", "with right functions, what is checked", "with right functions"]
+
+
+@pytest.mark.parametrize("which", [pytest.param(c, marks=[] if "checked" in c else pytest.mark.slow) for c in CELLS])
+def test_the_course_notebook_as_the_server_gives_it(which, server, play, tmp_path, monkeypatch, rigid_body):
+    """Its %pip cell installs the kit from the server that runs; nothing of ours is there before.
+
+    What is checked are the cells of the student and of the checks; the others draw, which takes longer than all of these.
+    """
     (tmp_path / "installed").mkdir()
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "installed"))
     monkeypatch.setenv("PIP_TARGET", str(tmp_path / "installed"))
     monkeypatch.setenv("PIP_NO_DEPS", "1")
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     cells = [c for c in json.loads(fetch(server, "/v1/assignments/rigid-body/notebook.ipynb"))["cells"] if c["cell_type"] == "code"]
-    right = solutions(rigid_body) if filled else {}
+    if "checked" in which:
+        cells = [c for c in cells if c["metadata"].get("tags")]
+    right = {} if which == "as downloaded" else solutions(rigid_body)
     sources = []
     for cell in cells:
         source = "".join(cell["source"])
         name = re.match(r"def (\w+)", source)
         sources.append(right.get(name[1], source) if name and "solution" in cell["metadata"].get("tags", []) else source)
-    outputs = dict(
-        zip(
-            [c["id"] for c in cells],
-            play(*["%matplotlib inline\n" + sources[1] if k == 1 else s for k, s in enumerate(sources)]),
-            strict=True,
-        )
-    )
+    sources[1] = "%matplotlib inline\n" + sources[1]
+    outputs = dict(zip([c["id"] for c in cells], play(*sources), strict=True))
     assert server.url in sources[0] and server.url in sources[1]
-    if not filled:
+    if which == "as downloaded":
         assert "Nothing is submitted: " in said(outputs["submit"])
         assert "[not measured: euler_eqs returned None: is a return statement missing?]" in shown(outputs["ex2-check"])
         return

@@ -19,15 +19,15 @@ LOOPS = {
 
 
 @pytest.mark.parametrize("where", LOOPS)
-def test_stopped_within_a_second_and_the_next_is_graded_by_the_same_guest(sandbox, rigid_body, where):
+def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_guest(sandbox, rigid_body, where):
     sandbox.wait_ready()
-    before, timer = sandbox.zygotes, threading.Timer(1.0, sandbox.unwanted.set)
+    before, timer = sandbox.zygotes, threading.Timer(0.6, sandbox.unwanted.set)
     timer.start()
     began = time.monotonic()
     try:
         with pytest.raises(Stopped):
             grade(Submission(LOOPS[where]), rigid_body, sandbox, 7, ["2"])
-        assert 0.9 < time.monotonic() - began < 2.0
+        assert 0.5 < time.monotonic() - began < 5.0  # each of its budgets is 10 s or more
         with pytest.raises(Stopped):
             grade(Submission(GOOD), rigid_body, sandbox, 7, ["2"])
     finally:

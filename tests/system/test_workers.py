@@ -1,22 +1,31 @@
-"""Workers as real processes: one that dies, freezes or is stopped loses nothing; what it had is begun elsewhere within 5 s."""
+"""Workers as real processes: one that dies, freezes or is stopped loses nothing; what it had is begun elsewhere.
+
+A lease is shorter here than a server's, whose own is tested in tests/service/test_settings.py and test_machines.py.
+"""
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import psycopg
 import pytest
 
+from service.cli import main
+from tests.support.database import sql
 from tests.support.machines import children, command_of, started_with
+from tests.support.server import WebApplication
+from tests.support.submissions import claim, submitted
 
 TAKEOVER_S = 5.0
+QUICK = {"POLHODE_LEASE": "0.6"}
 SLOW = "import time\ntime.sleep({})\ndef euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 
 
@@ -60,33 +69,51 @@ def running(database_url, id, but=()):
 @pytest.fixture(scope="module")
 def front(new_server, tmp_path_factory, url):
     """A server with two workers."""
-    started = new_server(
-        tmp_path_factory.mktemp("front") / "data", POLHODE_DATABASE_URL=url, POLHODE_WORKERS="2", POLHODE_DRAIN="2"
-    )
+    data = tmp_path_factory.mktemp("front") / "data"
+    started = new_server(data, POLHODE_DATABASE_URL=url, POLHODE_WORKERS="2", POLHODE_DRAIN="2", **QUICK)
     yield started
     started.stop()
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def run_of(url, id, worker, column):
+    """A column of that worker's run of a submission, or None before it begins."""
+    query = f"SELECT {column} FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s AND worker = %s"
+    return (rows(url, query, id, worker) or [(None,)])[0][0]
+
+
+def beaten(url, id, worker):
+    """Whether that worker has given a sign of life since it began."""
+    return run_of(url, id, worker, "beat_at > started_at + interval '0.1 s'")
+
+
+# That a killed worker's work is begun elsewhere is in the next test too.
+@pytest.mark.parametrize("how", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGSTOP])
 def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
-    id = post(front.url, SLOW.format(4))["id"]
+    id = post(front.url, SLOW.format(1))["id"]
     name, pid = wait_for(lambda: running(url, id))
-    time.sleep(0.7)
+    wait_for(lambda: beaten(url, id, name))
     began = time.monotonic()
     os.kill(pid, how)
-    wait_for(lambda: running(url, id, but=[name]))
-    assert time.monotonic() - began < TAKEOVER_S
-    document = wait_for(lambda: (d := get(front.url, id))["status"] == "graded" and d)
+    try:
+        wait_for(lambda: running(url, id, but=[name]))
+        assert time.monotonic() - began < TAKEOVER_S
+        document = wait_for(lambda: (d := get(front.url, id))["status"] == "graded" and d)
+    finally:
+        if how == signal.SIGSTOP:
+            os.kill(pid, signal.SIGCONT)
     if how == signal.SIGSTOP:
-        os.kill(pid, signal.SIGCONT)
-        ending = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s AND worker = %s"
-        assert wait_for(lambda: rows(url, ending, id, name) == [("superseded",)])  # late, and nothing changes
+        wait_for(lambda: run_of(url, id, name, "ending") == "superseded")  # late, and nothing changes
         assert get(front.url, id) == document
 
 
-def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(front, url):
-    id, seen = post(front.url, SLOW.format(3))["id"], []
-    for _ in range(3):
+@pytest.mark.parametrize("before", [2, pytest.param(0, marks=pytest.mark.slow)], ids=["two lost before", "none lost before"])
+def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(before, front, url, monkeypatch, capsys):
+    id, seen = post(front.url, SLOW.format(1))["id"], []
+    lost = "INSERT INTO run (id, attempt_id, worker, started_at, ended_at, phase, ending, note) "
+    lost += "SELECT gen_random_uuid(), id, 'x/1', now(), now(), 'playing', 'lost', 'x' FROM attempt WHERE submission_id = %s"
+    for _ in range(before):
+        rows(url, lost, id)
+    for _ in range(3 - before):
         name, pid = wait_for(lambda: running(url, id, but=seen))
         seen.append(name)
         os.kill(pid, signal.SIGKILL)
@@ -95,31 +122,65 @@ def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_
     began = time.monotonic()
     assert post(front.url, SLOW.format(0), Prefer="wait=30")["report"]["passed"]
     assert time.monotonic() - began < TAKEOVER_S
-    command = [sys.executable, "-m", "service.cli", "regrade", id]
-    told = subprocess.run(command, env=os.environ | {"POLHODE_DATABASE_URL": url}, capture_output=True, text=True, check=True)
-    assert told.stdout == "queued again: 1\n"
+    monkeypatch.setenv("POLHODE_DATABASE_URL", url)
+    assert main(["regrade", id]) == 0 and capsys.readouterr().out == "queued again: 1\n"
     assert wait_for(lambda: (d := get(front.url, id))["status"] == "graded" and d)["report"]["passed"]
 
 
-@pytest.mark.parametrize(("seconds", "ending"), [(0.5, "finished"), (5, "released")])
-def test_a_stopped_worker_finishes_or_gives_back(url, front, seconds, ending):
-    environment = os.environ | {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1", "POLHODE_DRAIN": "2"}
-    crew = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
+@pytest.fixture
+def crew(database_url):
+    """Two workers without a server, which give what they have 3 s when they are stopped; the processes are in ``workers``."""
+    environment = os.environ | QUICK | {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "2", "POLHODE_DRAIN": "3"}
+    process = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
     try:
-        (mine,) = wait_for(
-            lambda: [p for p in children(crew.pid) if rows(url, "SELECT 1 FROM worker WHERE name LIKE %s", f"%/{p}")]
-        )
-        ids = [post(front.url, SLOW.format(seconds))["id"] for _ in range(3)]
-        id = wait_for(lambda: next((i for i in ids if (r := running(url, i)) and r[1] == mine), None))
-        crew.terminate()
-        assert crew.wait(15) == 0
-        query = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s AND worker LIKE %s"
-        assert rows(url, query, id, f"%/{mine}") == [(ending,)]
-        for other in ids:
-            wait_for(lambda other=other: get(front.url, other)["status"] == "graded")
+        ready = "SELECT split_part(name, '/', 2)::int FROM worker WHERE walls IS NOT NULL"
+        process.workers = wait_for(lambda: len(found := rows(database_url, ready)) == 2 and [pid for (pid,) in found], 60)
+        yield process
     finally:
-        crew.kill()
-        crew.wait()
+        process.kill()
+        process.wait()
+
+
+def test_a_stopped_worker_finishes_or_gives_back(crew, database_url):
+    brief, long = (
+        submitted(database_url, person, source=SLOW.format(s), exercises=["2"])[0] for person, s in (("ann", 0.3), ("bob", 30))
+    )
+    names = [wait_for(lambda id=id: running(database_url, id))[0] for id in (brief, long)]
+    crew.terminate()
+    assert crew.wait(15) == 0
+    assert [run_of(database_url, *run, "ending") for run in zip((brief, long), names, strict=True)] == ["finished", "released"]
+    results = "SELECT submission_id, score = max_score FROM result JOIN attempt a ON a.id = attempt_id"
+    assert rows(database_url, results) == [(brief, True)]
+    jobs = "SELECT submission_id, status::text FROM procrastinate_jobs JOIN attempt a ON a.id::text = args->>'attempt'"
+    assert rows(database_url, jobs) == [(long, "todo")], "nothing is lost, and nothing graded twice"
+
+
+def test_workers_end_with_a_crew_that_is_killed_and_the_server_starts_another(front, url):
+    """The crew is the parent of the workers that are there."""
+    recent = "SELECT split_part(name, '/', 2)::int FROM worker WHERE seen_at > now() - interval '10 s'"
+    workers = wait_for(
+        lambda: len(found := [pid for (pid,) in rows(url, recent) if b"service.cli" in command_of(pid)]) == 2 and found
+    )
+    (crew,) = {int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1]) for pid in workers}
+    assert set(children(crew)) == set(workers) and crew != front.process.pid
+    os.kill(crew, signal.SIGKILL)
+    wait_for(lambda: not any(b"service.cli" in command_of(pid) for pid in workers))
+    assert post(front.url, SLOW.format(0), Prefer="wait=60")["report"]["passed"]
+
+
+@pytest.mark.slow  # the two halves are in make test: a worker gives back, and what is queued is graded
+def test_what_a_stopped_worker_gives_back_is_graded_by_another(crew, database_url):
+    id, _ = submitted(database_url, source=SLOW.format(4), exercises=["2"])
+    worker, _ = wait_for(lambda: running(database_url, id))
+    crew.terminate()
+    assert crew.wait(15) == 0 and run_of(database_url, id, worker, "ending") == "released"
+    environment = os.environ | {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "1"}
+    another = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
+    try:
+        assert wait_for(lambda: rows(database_url, "SELECT score = max_score FROM result"), 60) == [(True,)]
+    finally:
+        another.kill()
+        another.wait()
 
 
 def events(url, id, **headers):
@@ -132,23 +193,22 @@ def events(url, id, **headers):
     return [dict(line.split(": ", 1) for line in block.split("\n") if not line.startswith(":")) for block in blocks]
 
 
-def test_progress_reaches_every_server(front, url, new_server, tmp_path):
-    other = new_server(tmp_path / "data", POLHODE_DATABASE_URL=url, POLHODE_WORKERS="0")
-    ids = [post(front.url, SLOW.format(1.5))["id"] for _ in range(4)]
-    told = events(other.url, ids[-1])
-    kinds = [e["event"] for e in told]
-    assert kinds[0] == "queued" and "running" in kinds and kinds[-1] == "graded"
-    data = [json.loads(e["data"]) for e in told]
-    places = [d["position"] for d in data if d["status"] == "queued"]
-    assert places[0] in (1, 2) and places == sorted(places, reverse=True)
-    assert any(d["status"] == "running" and d["scenes"] for d in data) and data[-1]["score"] == data[-1]["max_score"] == 5
-    again = events(other.url, ids[-1], Last_Event_ID=told[-2]["id"])
-    assert [e["event"] for e in again] == ["graded"]
-    with pytest.raises(urllib.error.HTTPError) as error:
-        events(other.url, "nope")
-    with error.value:
-        assert error.value.code == 404
-    other.stop()
+def test_progress_reaches_every_server(front, url):
+    with WebApplication(url) as other:
+        ids = [post(front.url, SLOW.format(0.4))["id"] for _ in range(4)]
+        told = events(other.url, ids[-1])
+        kinds = [e["event"] for e in told]
+        assert kinds[0] == "queued" and "running" in kinds and kinds[-1] == "graded"
+        data = [json.loads(e["data"]) for e in told]
+        places = [d["position"] for d in data if d["status"] == "queued"]
+        assert places[0] in (1, 2) and places == sorted(places, reverse=True)
+        assert any(d["status"] == "running" and d["scenes"] for d in data) and data[-1]["score"] == data[-1]["max_score"] == 5
+        again = events(other.url, ids[-1], Last_Event_ID=told[-2]["id"])
+        assert [e["event"] for e in again] == ["graded"]
+        with pytest.raises(urllib.error.HTTPError) as error:
+            events(other.url, "nope")
+        with error.value:
+            assert error.value.code == 404
 
 
 def test_metrics(front, url):
@@ -163,28 +223,29 @@ def test_metrics(front, url):
     assert not any("/v1/submissions/" in name and "{id}" not in name for name in told)  # templates, not addresses
 
 
-def test_the_queue_as_a_table(front, url):
-    ids = [post(front.url, SLOW.format(4))["id"] for _ in range(4)]
-    command = [sys.executable, "-m", "service.cli", "queue"]
-    told = subprocess.run(command, env=os.environ | {"POLHODE_DATABASE_URL": url}, capture_output=True, text=True, check=True)
-    assert "interactive waiting" in told.stdout and any(id in told.stdout for id in ids)
-    for id in ids:
-        wait_for(lambda id=id: get(front.url, id)["status"] == "graded")
+def test_the_queue_as_a_table(database_url, monkeypatch, capsys):
+    waits, (runs, attempt) = submitted(database_url, "ann")[0], submitted(database_url, "bob")
+    sql(database_url, "UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'attempt' = %s", str(attempt))
+    claim(database_url, attempt, "here/7")
+    monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
+    assert main(["queue"]) == 0
+    told = capsys.readouterr().out
+    assert "     1 interactive waiting" in told and re.search(f"^here/7 .*{runs}", told, re.M) and str(waits) not in told, told
 
 
-def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(new_server, tmp_path, url):
-    server = new_server(tmp_path / "data", "/livez", POLHODE_DATABASE_URL=url, POLHODE_WORKERS="0")
-    stopper = threading.Timer(1.5, server.process.terminate)
-    stopper.start()
+def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(new_server, tmp_path, database_url):
+    server = new_server(tmp_path / "data", "/livez", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="0")
     with ThreadPoolExecutor(2) as pool:
         waiting = pool.submit(post, server.url, SLOW.format(60), Prefer="wait=50")
-        id = wait_for(lambda: rows(url, "SELECT id::text FROM submission WHERE source LIKE %s", "%sleep(60)%"))[0][0]
+        id = wait_for(lambda: rows(database_url, "SELECT id::text FROM submission WHERE source LIKE %s", "%sleep(60)%"))[0][0]
         following = pool.submit(events, server.url, id)
+        time.sleep(0.5)  # so that it does follow: what is asked of a server that has stopped is refused
+        server.process.terminate()
         assert waiting.result()["id"] == id and following.result()[0]["event"] in ("queued", "running")
     assert server.process.wait(10) == 0 and "Traceback" not in server.log.read_text()
-    rows(url, "DELETE FROM procrastinate_jobs")
 
 
+@pytest.mark.slow  # chaos kills servers too; that workers end with their crew is in make test
 def test_a_crew_ends_with_a_server_that_is_killed_in_its_first_second(new_server, tmp_path):
     server = new_server(tmp_path / "data", "/livez")
     mine = f"POLHODE_DATA={tmp_path / 'data'}"

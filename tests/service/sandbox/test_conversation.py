@@ -1,6 +1,7 @@
 """Submissions that lie on the wire or strain the host: each gets a verdict, the next one its due, and nobody a fault."""
 
 import json
+from functools import partial
 
 import pytest
 
@@ -10,7 +11,7 @@ from ecp.outcome import Ending
 from service.grading import pictures
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox import job
+from service.sandbox.job import Job
 
 PRELUDE = """
 import json, os, struct, signal, time
@@ -116,7 +117,7 @@ def test_a_function_nobody_has_written_yet_is_not_attempted(rigid_body, sandbox)
 
 
 def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monkeypatch):
-    monkeypatch.setattr(job, "LOAD_BUDGET_S", 1.0)
+    monkeypatch.setattr("service.grading.grade.Job", partial(Job, load_budget_s=1.0))
     cells = [RIGHT, *["import time; time.sleep(0.4)"] * 6]
     notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
     submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")

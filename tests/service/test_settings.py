@@ -1,0 +1,20 @@
+"""What a server does with no setting, and values that are refused."""
+
+import pytest
+from pydantic import ValidationError
+
+from service.settings import Settings
+
+
+def test_a_run_is_lost_after_two_seconds_and_a_database_waited_for_five(monkeypatch):
+    for name in ("POLHODE_LEASE", "POLHODE_DATABASE_WAIT", "POLHODE_DRAIN"):
+        monkeypatch.delenv(name, raising=False)
+    settings = Settings()
+    assert (settings.lease, settings.database_wait, settings.drain) == (2.0, 5.0, 3.0)
+
+
+@pytest.mark.parametrize(("name", "value"), [("LEASE", "0.3"), ("LEASE", "61"), ("DATABASE_WAIT", "0"), ("DRAIN", "-1")])
+def test_times_out_of_range_are_refused(name, value, monkeypatch):
+    monkeypatch.setenv(f"POLHODE_{name}", value)
+    with pytest.raises(ValidationError):
+        Settings()

@@ -125,12 +125,18 @@ def empty_url(postgres):
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory, new_server):
+def real_server(tmp_path_factory, new_server):
+    """``polhode serve`` as its own process with workers and an embedded database; everybody is one local student."""
     data = tmp_path_factory.mktemp("data") / "polhode"
-    started = new_server(data)
+    started = new_server(data, POLHODE_LOG_LEVEL="debug")
     yield started
     started.stop()  # before its folder goes: with the number of its database in there it could not end that
     shutil.rmtree(data, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def server(real_server):
+    return real_server
 
 
 @pytest.fixture(scope="session")

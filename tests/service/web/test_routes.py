@@ -11,6 +11,8 @@ from xml.etree import ElementTree
 import pytest
 from PIL import Image
 
+from service.cli import main
+
 SLUG = "/v1/assignments/rigid-body/submissions"
 ZEROS = "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0]\n"
 
@@ -44,6 +46,11 @@ def form(filename, content, **fields):
 def stored(server):
     """How many submissions the page lists."""
     return call(server, "/")[2].decode().count('href="/submissions/')
+
+
+@pytest.fixture(scope="module")
+def server(real_server):
+    return real_server
 
 
 @pytest.fixture(scope="module")
@@ -281,15 +288,10 @@ def test_every_specimen_gets_its_expected_report_over_http(server, rigid_body):
         assert all(o["cause"] for o in outcomes if o["verdict"] == "unmeasured"), specimen.file.name
 
 
-def test_deadline_number_and_person(new_server, tmp_path, postgres, database_url):
+def test_deadline_number_and_person(new_app, database_url, monkeypatch):
     """Refusals a student meets; who submits is told by the header that was set, and by no other."""
-    import os
-    import subprocess
-    import sys
-
-    server = new_server(
-        tmp_path / "data", "/livez", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="0", POLHODE_PERSON_HEADER="Remote-User"
-    )
+    server = new_app(database_url=database_url, identity="local", person_header="Remote-User")
+    monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
 
     def told(**headers):
         status, _, answer = post(server, {"source": ZEROS}, **headers)
@@ -297,8 +299,7 @@ def test_deadline_number_and_person(new_server, tmp_path, postgres, database_url
         return status, document.get("type", "").removeprefix("urn:polhode:problem:") or document["status"]
 
     def assign(*rules):
-        command = [sys.executable, "-m", "service.cli", "assign", "rigid-body", *rules]
-        subprocess.run(command, env=os.environ | {"POLHODE_DATABASE_URL": database_url}, check=True)
+        assert main(["assign", "rigid-body", *rules]) == 0
 
     assert told() == told(Remote_User="") == told(X_Remote_User="ann") == (401, "nobody")
     assert told(Remote_User="ann") == (202, "queued")
@@ -308,7 +309,6 @@ def test_deadline_number_and_person(new_server, tmp_path, postgres, database_url
     assert told(Remote_User="cleo") == (403, "deadline-over")
     seen = [call(server, "/", Remote_User=name)[2].decode().count('href="/submissions/') for name in ("ann", "ben", "cleo")]
     assert seen == [1, 1, 0] and call(server, "/")[0] == 401
-    server.stop()
 
 
 def test_log_lines_are_json_with_ids_and_hold_no_source_and_no_header(new_server, tmp_path, database_url):

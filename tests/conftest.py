@@ -16,7 +16,7 @@ from service.sandbox.tier_b import tier_b
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres
 from service.store.rescue import LEASE_S
-from tests.support.database import new_database
+from tests.support.database import new_database, sql
 from tests.support.hub import Hub
 from tests.support.server import Server
 
@@ -100,6 +100,9 @@ def postgres(tmp_path_factory):
     running = EmbeddedPostgres(tmp_path_factory.mktemp("postgres") / "data")
     running.start()
     up_for_a_lease = time.monotonic() + LEASE_S + 0.1  # before, nothing is lost: a lease begins anew with the database
+    for setting in ("fsync", "full_page_writes", "synchronous_commit"):  # what is lost with the machine is lost with the test
+        sql(running.url, f"ALTER SYSTEM SET {setting} = off")
+    sql(running.url, "SELECT pg_reload_conf()")
     migrate(running.url)
     time.sleep(max(0.0, up_for_a_lease - time.monotonic()))
     yield running

@@ -135,8 +135,10 @@ def test_a_browser_is_told_of_an_outage_as_a_page(new_app, postgres):
     token, server = entered(url, "boss", "instructor"), new_app(database_url=url)
     name = part.Identifier(url.partition("?")[0].rpartition("/")[2])
     with psycopg.connect(postgres.url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
-        connection.execute(part.SQL("DROP DATABASE {} WITH (FORCE)").format(name))
-    for path in ("/", "/people", CLASS, "/queue", "/account", "/audit", "/grades.csv", "/assignments/rigid-body/regrades"):
+        connection.execute(part.SQL("ALTER DATABASE {} ALLOW_CONNECTIONS false").format(name))
+        connection.execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s", [name.as_string()[1:-1]])
+    paths = ("/", "/people", CLASS, "/queue", "/account", "/audit", "/grades.csv", "/assignments/rigid-body/regrades")
+    for path in paths:
         status, headers, page = ask(server, token, path)
         assert (status, headers.get_content_type(), headers["retry-after"]) == (503, "text/html", "5"), path
         assert "the database does not answer" in page

@@ -3,6 +3,7 @@
 import logging
 import sys
 from contextvars import ContextVar
+from typing import TextIO
 
 from pythonjsonlogger.core import RESERVED_ATTRS
 from pythonjsonlogger.json import JsonFormatter
@@ -13,9 +14,16 @@ attempt_id: ContextVar[str | None] = ContextVar("attempt_id", default=None)
 
 def install(level: str) -> None:
     """Log from ``level`` on; a library's routine words only from warnings on."""
-    handler = logging.StreamHandler(sys.stderr)
+    logging.basicConfig(level=level.upper(), handlers=[handler(sys.stderr)], force=True)
+    for library in ("procrastinate", "alembic", "psycopg.pool", "uvicorn.access", "asyncio"):
+        logging.getLogger(library).setLevel(max(logging.WARNING, logging.root.level))
+
+
+def handler(stream: TextIO) -> logging.Handler:
+    """Return what writes log lines as JSON objects to the stream."""
+    lines = logging.StreamHandler(stream)
     fields = ["levelname", "name", "message"]
-    handler.setFormatter(
+    lines.setFormatter(
         JsonFormatter(
             fields,
             timestamp=True,
@@ -23,10 +31,8 @@ def install(level: str) -> None:
             rename_fields={"levelname": "level", "name": "logger"},
         )
     )
-    handler.addFilter(_with_ids)
-    logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
-    for library in ("procrastinate", "alembic", "psycopg.pool", "uvicorn.access", "asyncio"):
-        logging.getLogger(library).setLevel(max(logging.WARNING, logging.root.level))
+    lines.addFilter(_with_ids)
+    return lines
 
 
 def _with_ids(record: logging.LogRecord) -> bool:

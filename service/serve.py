@@ -26,12 +26,10 @@ def serve(settings: Settings) -> int:
     signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
         oidc.provider(settings)  # to fail before a database is started
-        door = _open_door(settings)
+        door = open_door(settings)
         keeper = Keeper(settings)
         keeper.begin()
-        app = create_app(settings.model_copy(update={"database_url": keeper.url}))
-        config = uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S)
-        server = _Server(config)
+        server = http_server(settings.model_copy(update={"database_url": keeper.url}))
         server.run(sockets=[door])
         return 0 if server.started else 2
     except (oidc.NotInstalled, DatabaseUnavailable, OperationalError, OSError) as error:
@@ -44,6 +42,11 @@ def serve(settings: Settings) -> int:
             keeper.stop()
 
 
+def http_server(settings: Settings) -> uvicorn.Server:
+    """Return the HTTP server of the application, which runs on a socket of ``open_door``; ``settings.database_url`` is set."""
+    return _Server(uvicorn.Config(create_app(settings), log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S))
+
+
 class _Server(uvicorn.Server):
     """Lets those who wait have their last look before it closes their connections."""
 
@@ -54,7 +57,8 @@ class _Server(uvicorn.Server):
         super().handle_exit(sig, frame)
 
 
-def _open_door(settings: Settings) -> socket.socket:
+def open_door(settings: Settings) -> socket.socket:
+    """Return a socket that listens where the settings say; OSError with the address where that fails."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
         door = socket.create_server((settings.host, settings.port), family=family)

@@ -16,7 +16,7 @@ from service.sandbox.tier_b import tier_b
 from service.store.migrate import migrate
 from service.store.postgres import EmbeddedPostgres
 from service.store.rescue import LEASE_S
-from tests.support.database import new_database
+from tests.support.database import new_database, sql
 from tests.support.hub import Hub
 from tests.support.server import Server
 
@@ -100,6 +100,9 @@ def postgres(tmp_path_factory):
     running = EmbeddedPostgres(tmp_path_factory.mktemp("postgres") / "data")
     running.start()
     up_for_a_lease = time.monotonic() + LEASE_S + 0.1  # before, nothing is lost: a lease begins anew with the database
+    for setting in ("fsync", "full_page_writes", "synchronous_commit"):  # what is lost with the machine is lost with the test
+        sql(running.url, f"ALTER SYSTEM SET {setting} = off")
+    sql(running.url, "SELECT pg_reload_conf()")
     migrate(running.url)
     time.sleep(max(0.0, up_for_a_lease - time.monotonic()))
     yield running
@@ -125,12 +128,18 @@ def empty_url(postgres):
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory, new_server):
+def real_server(tmp_path_factory, new_server):
+    """``polhode serve`` as its own process with workers and an embedded database; everybody is one local student."""
     data = tmp_path_factory.mktemp("data") / "polhode"
-    started = new_server(data)
+    started = new_server(data, POLHODE_LOG_LEVEL="debug")
     yield started
     started.stop()  # before its folder goes: with the number of its database in there it could not end that
     shutil.rmtree(data, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def server(real_server):
+    return real_server
 
 
 @pytest.fixture(scope="session")

@@ -27,8 +27,12 @@ class Archive:
 
     def end(self) -> bytes:
         """The same, with the table of contents; nothing can be added any more."""
-        self._zip.close()
+        self.close()
         return self.take()
+
+    def close(self) -> None:
+        """Add no more, also where nobody takes the rest."""
+        self._zip.close()
 
 
 class _Sent(io.RawIOBase):

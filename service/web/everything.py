@@ -3,7 +3,7 @@
 import asyncio
 import json
 from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from datetime import UTC, datetime
 from typing import Any
 
@@ -31,22 +31,23 @@ OURS = ("report.json", "report.txt")
 
 async def everything(database: Database, slug: str, files: Mapping[str, str], people: Sequence[Found[Any]]) -> AsyncIterator[bytes]:
     """The zip's bytes: ``files``, the roster, what was given instead, the audit trail, then every submission and a list of them."""
-    archive, top, now = Archive(), safe(slug), datetime.now(UTC)
-    given = await overrides(database, slug)
-    lists = {**files, "roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(GIVEN, given)}
-    for name, content in lists.items():
-        archive.add(f"{top}/{name}", content, now)
-    number = 0
-    async for entries in trail(database):
-        number += 1
-        archive.add(f"{top}/audit/{number:04}.csv", _lines(AUDIT, entries), now)
-        yield archive.take()
-    folders = Folders(top, [person.name for person in people])
-    async for batch in submissions(database, slug):
-        await asyncio.to_thread(folders.add, archive, batch)
-        yield archive.take()
-    archive.add(f"{top}/submissions.csv", BYTE_ORDER_MARK + table(INDEX, folders.index), now)
-    yield archive.end()
+    top, now = safe(slug), datetime.now(UTC)
+    with closing(Archive()) as archive:
+        given = await overrides(database, slug)
+        lists = {**files, "roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(GIVEN, given)}
+        for name, content in lists.items():
+            archive.add(f"{top}/{name}", content, now)
+        number = 0
+        async for entries in trail(database):
+            number += 1
+            archive.add(f"{top}/audit/{number:04}.csv", _lines(AUDIT, entries), now)
+            yield archive.take()
+        folders = Folders(top, [person.name for person in people])
+        async for batch in submissions(database, slug):
+            await asyncio.to_thread(folders.add, archive, batch)
+            yield archive.take()
+        archive.add(f"{top}/submissions.csv", BYTE_ORDER_MARK + table(INDEX, folders.index), now)
+        yield archive.end()
 
 
 class Folders:

@@ -55,6 +55,7 @@ async def _read(request: Request) -> FormData:
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be read: {error}") from error
     if not hmac.compare_digest(secret(form, FIELD).encode(), token(request).encode()):
+        await form.close()
         raise Problem(403, "not-allowed", STALE)
     return form
 
@@ -82,4 +83,6 @@ async def file(form: FormData, name: str) -> tuple[str, bytes]:
     given = form.get(name)
     if not isinstance(given, UploadFile) or not given.filename:
         raise Problem(422, "invalid-request", "choose a file first", f"/{name}")
-    return "".join(c for c in given.filename if c.isprintable())[:200] or "the file", await given.read()
+    content = await given.read()
+    await given.close()
+    return "".join(c for c in given.filename if c.isprintable())[:200] or "the file", content

@@ -67,12 +67,15 @@ async def _from_form(request: Request) -> Received:
         form = await request.form(max_files=1, max_fields=20)
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be read: {error}") from error
-    upload = form.get("file")
-    if not isinstance(upload, UploadFile):
-        raise Problem(422, "invalid-request", 'the form has no file in its field "file"', "/file")
-    name = _filename(upload.filename or "submission.py", "/file")
-    numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
-    return Received(_submission(await upload.read(), name), _exercises({"exercises": numbers or None}))
+    try:
+        upload = form.get("file")
+        if not isinstance(upload, UploadFile):
+            raise Problem(422, "invalid-request", 'the form has no file in its field "file"', "/file")
+        name = _filename(upload.filename or "submission.py", "/file")
+        numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
+        return Received(_submission(await upload.read(), name), _exercises({"exercises": numbers or None}))
+    finally:
+        await form.close()
 
 
 def _filename(given: object, pointer: str) -> str:

@@ -2,10 +2,12 @@
 
 import pytest
 
+from tests.support.app import App
+from tests.support.axe import wrong
 from tests.support.course_pages import fill
 from tests.support.database import entered
 
-WIDTHS = (1280, 360)
+pytestmark = pytest.mark.slow  # test_pages.py looks at three pages
 
 
 @pytest.fixture(scope="module")
@@ -14,27 +16,10 @@ def paths(url, sandbox):
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url, paths):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("accessible") / "data", "/livez", **own)
+def server(url, paths):
+    started = App(database_url=url)
     yield started
     started.stop()
-
-
-@pytest.fixture(scope="module")
-def axe():
-    return pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
-
-
-def wrong(page, axe):
-    """What is wrong with the page at each width, in words."""
-    for width in WIDTHS:
-        page.set_viewport_size({"width": width, "height": 800})
-        shown = page.evaluate("document.documentElement.scrollWidth")
-        if shown > width:
-            yield f"{page.url} is {shown} px wide at {width} px"
-        if found := axe.run(page).response["violations"]:
-            yield from (f"{page.url} at {width} px: {v['id']} {[n['html'][:200] for n in v['nodes'][:3]]}" for v in found)
 
 
 def log_in(page, server, token):
@@ -44,26 +29,26 @@ def log_in(page, server, token):
     page.locator("nav .me").wait_for()
 
 
-def test_axe_sees_what_is_wrong(page, server, axe):
+def test_axe_sees_what_is_wrong(page, server):
     page = page()
     page.goto(f"{server.url}/login")
     page.evaluate("document.querySelector('main').innerHTML = '<p class=\"wide-one\"><img src=\"data:,\">x</p><input>'")
     page.evaluate("document.querySelector('.wide-one').style.width = '2000px'")
-    told = " ".join(wrong(page, axe))
+    told = " ".join(wrong(page))
     assert "image-alt" in told and "label" in told and "px wide at 360 px" in told
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("name", ["prof", "tutor", "ben"])
-def test_every_page(page, server, url, paths, axe, scheme, name):
+def test_every_page(page, server, url, paths, scheme, name):
     page.allowed += ["status of 404", "status of 403"]
     page = page(color_scheme=scheme, reduced_motion="reduce")
     page.goto(f"{server.url}/login?next=/people")
-    found = [*wrong(page, axe)]
+    found = [*wrong(page)]
     log_in(page, server, entered(url, name, {"prof": "instructor", "tutor": "assistant", "ben": "student"}[name]))
     shown = {"prof": paths, "tutor": ("class", "regrade"), "ben": ("course", "given", "attempts", "account", "people")}[name]
     for what in shown:
         page.goto(server.url + paths[what])
         page.locator("button.keys").wait_for()
-        found += wrong(page, axe)
+        found += wrong(page)
     assert found == []

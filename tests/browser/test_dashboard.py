@@ -14,6 +14,7 @@ from tests.support.database import entered, run, sql
 from tests.support.reports import SLIP
 from tests.support.submissions import hand_in
 
+pytestmark = pytest.mark.slow  # test_pages.py has the way of each role in short
 BASE = "/assignments/rigid-body"
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 NOTHING = "def euler_eqs(t, w, I):\n    pass\n"

@@ -6,41 +6,12 @@ import urllib.request
 
 import pytest
 
-from service.web.templating import TURNING
+from tests.support.app import App
 from tests.support.course_pages import BASE, fill
 from tests.support.database import entered
+from tests.support.hostile import CORPUS, SHOWN, SOURCE, TAGS, TEXTS, inert
 
-RUNS = "window.pwned=1"
-TAGS = f'"><img src=x onerror={RUNS}><svg onload={RUNS}>'
-CORPUS = " ".join(
-    [
-        f"<script>{RUNS}</script>", f"</script><script>{RUNS}</script>", TAGS, f"javascript:{RUNS}", f"' onfocus={RUNS} x='",
-        f'<a href="javascript:{RUNS}">here</a>', "<base href=//127.0.0.2/>", "<meta http-equiv=refresh content=0;url=/pwned>",
-        "</title></textarea></option></select></td></table></pre>", "<style>*{display:none}</style>", "<!--", "]]>", "&lt;b&gt;",
-        "{{ 7 * 7 }}", "=cmd()", "\u202eright\u202c \u2066to\u2069 left\u200f", "zero\u200b\u2060width", "\x1b[31m", "שלום 1 2",
-    ]
-)  # fmt: skip
-SOURCE = f"""# {CORPUS!r}
-#  {CORPUS}
-def euler_eqs(t, w, I):
-    print({CORPUS!r})
-    raise type({TAGS!r}, (ValueError,), {{}})({CORPUS!r})
-
-
-def named(*args):
-    exec(compile("def inner(): raise ValueError({RUNS!r})\\ninner()", {TAGS!r}, "exec"))
-
-
-named.__name__ = named.__qualname__ = {TAGS!r}
-precession_rate = named
-"""
-TEXTS = {"name": f"ann {TAGS}", "full_name": f"Ann {TAGS} שרה", "filename": f"a{TAGS}\u202eyp.py", "words": CORPUS}
-SHOWN = {  # pages on which what is told must be seen as it is, with the beginning of it
-    "course": "a\"><img", "people": "Ann \"><img", "class": "Ann \"><img", "chosen": "Ann \"><img", "queue": "ann \"><img",
-    "audit": "<script>window", "passed": "</title></textarea>", "failed": "</title></textarea>", "given": "<base href=",
-    "changed": "<!--", "regrades": "<meta http-equiv", "applied": "<svg onload", "regrade": "ann \"><img", "waiting": "Ann \"><img",
-}  # fmt: skip
-ALIVE = "script:not([src^='/static/']), base, meta[http-equiv], main style, [onerror], [onload], [onfocus], a[href^='javascript']"
+pytestmark = pytest.mark.slow  # test_pages.py has the same texts on the pages that show most of them
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +20,8 @@ def paths(url, sandbox):
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url, paths):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("inert") / "data", "/livez", **own)
+def server(url, paths):
+    started = App(database_url=url)
     yield started
     started.stop()
 
@@ -73,14 +43,6 @@ def looking(page, server, url):
     page.allowed += ["status of 404", "status of 422", "status of 401", "status of 409"]
     yield opened
     assert page.told == []
-
-
-def inert(page):
-    """Assert that nothing ran and nothing of it became an element; what is shown."""
-    assert page.locator("header nav").is_visible() and page.evaluate("typeof window.pwned") == "undefined", page.url
-    assert page.locator(ALIVE).count() == 0, page.url
-    assert not set(TURNING) & set(page.content()), page.url
-    return page.locator("body").inner_text()
 
 
 def test_nothing_runs_on_any_page(looking, server, paths):

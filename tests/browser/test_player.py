@@ -5,6 +5,7 @@ import urllib.request
 
 import pytest
 
+pytestmark = pytest.mark.slow  # test_pages.py plays a motion
 SLUG = "/v1/assignments/rigid-body/submissions"
 REVERSED = "def euler_eqs(t, w, I):\n    return -np.cross(I * w, w) / I\n"
 PIXELS = "canvas => canvas.toDataURL()"

@@ -1,5 +1,6 @@
 """Build reports for tests without grading anything: from outcomes, from the marks of a class table, from a row of verdicts."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from ecp.judge import Verdict
@@ -40,7 +41,7 @@ def report_of_marks(marks, seed=7, **more):
         for e in ASSIGNMENT.exercises
     ]
     endings = [SLOW, SceneEnding("cell 1", Ending.RAISED, "ValueError: no", "raises", "Traceback …")]
-    provenance = Provenance(seed, PROVENANCE.versions, PROVENANCE.walls, PROVENANCE.phases_ms)
+    provenance = replace(PROVENANCE, seed=seed)
     return report(exercises=[e for e in exercises if e.outcomes], endings=endings, provenance=provenance, **more)
 
 

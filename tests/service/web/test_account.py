@@ -1,5 +1,6 @@
 """The page of one's own account, and the commands that put it right, against a real server."""
 
+import io
 import os
 import pty
 import re
@@ -9,18 +10,13 @@ import sys
 import pytest
 
 from service import passwords
+from service.cli import main
 from service.store import tokens
 from tests.support.database import entered, run, sql
 from tests.support.http_client import Browser
 
+pytestmark = pytest.mark.usefixtures("cheap_hashes")
 PASSWORD, ANOTHER = "correct horse battery", "staple, staple, staple"
-
-
-def polhode(url, *arguments, said=""):
-    command = [sys.executable, "-m", "service.cli", *arguments]
-    environment = os.environ | {"POLHODE_DATABASE_URL": url}
-    done = subprocess.run(command, env=environment, input=said, capture_output=True, text=True, timeout=60)
-    return done.returncode, done.stdout, done.stderr
 
 
 def test_it_tells_who_one_is(server, url):
@@ -116,15 +112,19 @@ def test_a_notebooks_token_changes_no_account(server, url):
     assert sql(url, "SELECT password FROM person WHERE name = 'lea'") == [(None,)]
 
 
-def test_passwords_by_the_command_line(server, url):
+def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
+    monkeypatch.setenv("POLHODE_DATABASE_URL", url)
+
+    def polhode(*arguments, said):
+        monkeypatch.setattr("sys.stdin", io.StringIO(said))
+        return main([*arguments]), *capsys.readouterr()
+
     browser = Browser(server).log_in(token=entered(url, "moe"))
-    assert polhode(url, "password", "moe", said=f"{PASSWORD}\n")[:2] == (
-        0,
-        "the password of moe is set; their browsers are logged out\n",
-    )
+    done = polhode("password", "moe", said=f"{PASSWORD}\n")
+    assert done == (0, "the password of moe is set; their browsers are logged out\n", "")
     assert browser.open("/v1/me")[0] == 401 and Browser(server).send("/login", name="moe", password=PASSWORD)[0] == 200
-    assert "10 to 200" in polhode(url, "password", "moe", said="short\n")[2]
-    assert polhode(url, "password", "nobody", said=PASSWORD) == (
+    assert "10 to 200" in polhode("password", "moe", said="short\n")[2]
+    assert polhode("password", "nobody", said=PASSWORD) == (
         1, "", "polhode: nobody is called nobody here: polhode roster and polhode token give enter people\n",
     )  # fmt: skip
     assert sql(url, "SELECT subject FROM audit WHERE action = 'set password' AND subject = 'moe'") == [("moe",)]

@@ -101,10 +101,8 @@ def sent(url):
 
 
 @pytest.fixture(scope="module")
-def asked(new_server, tmp_path_factory, url, sent):
+def asked(server, url, sent):
     """Ask as a person: status, headers, body."""
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    server = new_server(tmp_path_factory.mktemp("exports") / "data", "/livez", **own)
     given = {who: run(url, lambda d, who=who: token(d, who)) for who in ("prof", "tess", "ada")}
 
     def ask(path, who="tess", **headers):
@@ -116,8 +114,7 @@ def asked(new_server, tmp_path_factory, url, sent):
             with error:
                 return error.code, error.headers, error.read()
 
-    yield ask
-    server.stop()
+    return ask
 
 
 async def token(database, who):

@@ -79,8 +79,9 @@ def test_too_large_a_form_is_told_as_one(server, boss):
     assert status == 413 and f"a form has at most {forms.MOST_FORM} bytes" in page
 
 
-def test_the_largest_course_is_entered_at_once(server, url, boss):
+def test_the_largest_course_is_entered_at_once(new_app, database_url):
     """One by one, five thousand with tokens took longer than a transaction may: 503."""
+    server, boss = new_app(database_url=database_url), entered(database_url, "boss", "instructor")
     lines = "".join(f"p{k:04},student,Person {k},p{k}@uni.example,{k}\n" for k in range(5000))
     roster = (b"r.csv", f"name,role,full_name,email,student_id\n{lines}=1+2,,,,\n".encode())
     assert ask(server, boss, "/people", form(server, boss, {}, roster))[0] == 422  # one too many
@@ -89,9 +90,9 @@ def test_the_largest_course_is_entered_at_once(server, url, boss):
     assert status == 200, told
     given = dict(csv.reader(io.StringIO(told)))
     assert len(given) == 5001 and given["name"] == "token" and "'=1+2" in given and "=1+2" not in given
-    known = run(url, lambda database: tokens.find(database, given["p4999"]))
+    known = run(database_url, lambda database: tokens.find(database, given["p4999"]))
     assert known.person == "p4999" and known.over is None and known.scopes == set(tokens.SCOPES)
-    assert sql(url, "SELECT full_name, email, student_id FROM person WHERE name = 'p4999'") == [
+    assert sql(database_url, "SELECT full_name, email, student_id FROM person WHERE name = 'p4999'") == [
         ("Person 4999", "p4999@uni.example", "4999")
     ]
 
@@ -129,15 +130,15 @@ def test_a_browser_is_told_everything_as_a_page(server, boss):
     assert ask(server, boss, "/v1/nothing")[1].get_content_type() == "application/problem+json"
 
 
-def test_a_browser_is_told_of_an_outage_as_a_page(new_server, tmp_path, postgres):
+def test_a_browser_is_told_of_an_outage_as_a_page(new_app, postgres):
     url = new_database(postgres.url, "polhode")
-    token, own = entered(url, "boss", "instructor"), {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0"}
-    server = new_server(tmp_path / "data", "/livez", POLHODE_IDENTITY="token", **own)
+    token, server = entered(url, "boss", "instructor"), new_app(database_url=url)
     name = part.Identifier(url.partition("?")[0].rpartition("/")[2])
     with psycopg.connect(postgres.url.replace("/polhode?", "/postgres?"), autocommit=True) as connection:
-        connection.execute(part.SQL("DROP DATABASE {} WITH (FORCE)").format(name))
-    for path in ("/", "/people", CLASS, "/queue", "/account", "/audit", "/grades.csv", "/assignments/rigid-body/regrades"):
+        connection.execute(part.SQL("ALTER DATABASE {} ALLOW_CONNECTIONS false").format(name))
+        connection.execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s", [name.as_string()[1:-1]])
+    paths = ("/", "/people", CLASS, "/queue", "/account", "/audit", "/grades.csv", "/assignments/rigid-body/regrades")
+    for path in paths:
         status, headers, page = ask(server, token, path)
         assert (status, headers.get_content_type(), headers["retry-after"]) == (503, "text/html", "5"), path
         assert "the database does not answer" in page
-    server.stop()

@@ -12,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from service.cli import main
 from service.store import people, tokens
+from tests.support.app import App
 from tests.support.database import run, sql
 from tests.support.http_client import Browser
 from tests.support.hub import ADVISED
@@ -23,10 +25,9 @@ ZEROS = json.dumps({"source": "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url, hub):
-    """It wants a token from everybody, takes those of the hub, and grades nothing."""
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token", "POLHODE_HUB_API_URL": hub.api_url}
-    started = new_server(tmp_path_factory.mktemp("identity") / "data", "/livez", **own, POLHODE_ORIGINS="https://lite.example")
+def server(url, hub):
+    """It wants a token from everybody and takes those of the hub."""
+    started = App(database_url=url, POLHODE_HUB_API_URL=hub.api_url, origins="https://lite.example")
     yield started
     started.stop()
 
@@ -188,8 +189,8 @@ def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_othe
         assert "does not know who you are" in attempts(named) and hub.token_of("ann") not in attempts(named)
 
 
-def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_server, tmp_path, database_url):
-    server = new_server(tmp_path / "data", "/livez", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="0")
+def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_app, database_url):
+    server = new_app(database_url=database_url, identity="local")
     assert call(server, SLUG, ZEROS, Origin="https://evil.example")[0] == 403
     assert call(server, SLUG, ZEROS, Sec_Fetch_Site="cross-site")[0] == 403
     assert call(server, SLUG, ZEROS, Origin=server.url)[0] == call(server, SLUG, ZEROS)[0] == 202
@@ -200,15 +201,12 @@ def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_server, tm
         "scopes": ["login", "read", "submit"],
         "local": True,
     }
-    server.stop()
 
 
-def test_a_hub_that_is_away_is_no_fault_of_the_token(new_server, tmp_path, database_url):
-    own = {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "0", "JUPYTERHUB_API_URL": "http://127.0.0.1:9/hub/api"}
-    server = new_server(tmp_path / "data", "/livez", **own, POLHODE_IDENTITY="token")
+def test_a_hub_that_is_away_is_no_fault_of_the_token(new_app, database_url):
+    server = new_app(database_url=database_url, JUPYTERHUB_API_URL="http://127.0.0.1:9/hub/api")
     status, told, headers = call(server, SLUG, ZEROS, "0123456789abcdef")
     assert (status, told["type"].rpartition(":")[2]) == (503, "busy") and headers["retry-after"]
-    server.stop()
 
 
 def test_a_page_of_another_site_may_call_if_it_is_named(server, url):
@@ -224,11 +222,11 @@ def test_a_page_of_another_site_may_call_if_it_is_named(server, url):
     assert "access-control-allow-origin" not in call(server, "/v1/me", Origin="https://evil.example")[2]
 
 
-def test_roster_and_tokens_by_the_command_line(server, url, tmp_path):
+def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("POLHODE_DATABASE_URL", url)
+
     def polhode(*arguments):
-        command = [sys.executable, "-m", "service.cli", *map(str, arguments)]
-        done = subprocess.run(command, env=os.environ | {"POLHODE_DATABASE_URL": url}, capture_output=True, text=True, timeout=60)
-        return done.returncode, done.stdout, done.stderr
+        return main([*map(str, arguments)]), *capsys.readouterr()
 
     roster, made = tmp_path / "roster.csv", tmp_path / "tokens.csv"
     roster.write_text("name,role\nGül,student\nProf. Hu,instructor\n")

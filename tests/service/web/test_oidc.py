@@ -1,13 +1,11 @@
 """Signing in at a real OpenID provider on loopback, and at one that cheats."""
 
-import os
-import subprocess
-import sys
 import urllib.parse
 import urllib.request
 
 import pytest
 
+from service.cli import main
 from tests.support.database import entered, sql
 from tests.support.http_client import Browser
 from tests.support.oidc import PUBLIC, Provider
@@ -26,24 +24,19 @@ def honest(provider):
     provider.tamper("")
 
 
-def settings(url, provider):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token", "POLHODE_OIDC_ISSUER": provider.url}
-    return own | {"POLHODE_OIDC_CLIENT_ID": "polhode", "POLHODE_OIDC_CLIENT_SECRET": "s3cret", "POLHODE_OIDC_NAME": "Uni Ω"}
+def settings(url, provider, **changed):
+    own = {"database_url": url, "oidc_issuer": provider.url, "oidc_client_id": "polhode", "oidc_client_secret": "s3cret"}
+    return own | {"oidc_name": "Uni Ω"} | changed
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url, provider):
-    started = new_server(tmp_path_factory.mktemp("oidc") / "data", "/livez", **settings(url, provider))
-    yield started
-    started.stop()
+def server(new_app, url, provider):
+    return new_app(**settings(url, provider))
 
 
 @pytest.fixture(scope="module")
-def by_mail(new_server, tmp_path_factory, url, provider):
-    own = settings(url, provider) | {"POLHODE_OIDC_CLAIM": "email"}
-    started = new_server(tmp_path_factory.mktemp("mail") / "data", "/livez", **own)
-    yield started
-    started.stop()
+def by_mail(new_app, url, provider):
+    return new_app(**settings(url, provider, oidc_claim="email"))
 
 
 def sign_in(browser, subject, path="/oidc/login?next=/account"):
@@ -94,7 +87,7 @@ def test_a_name_of_the_roster_is_claimed_with_its_role(server, url, provider):
     assert sql(url, "SELECT action FROM audit WHERE who = 'prof'") == [("connect sign-in",)]
 
 
-def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, provider):
+def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, provider, monkeypatch, capsys):
     entered(url, "ben", password="correct horse battery")
     provider.user("s-5", preferred_username="ben")
     status, page = sign_in(Browser(server), "s-5")
@@ -106,11 +99,8 @@ def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, prov
     status, page = sign_in(owner, "s-5", "/oidc/login?next=%2Faccount%3Fdone%3Dconnected")
     assert status == 200 and "is connected" in page and provider.url in page
     assert ">ben</dd>" in sign_in(Browser(server), "s-5")[1]
-    done = subprocess.run(
-        [sys.executable, "-m", "service.cli", "unlink", "ben"], env=os.environ | {"POLHODE_DATABASE_URL": url},
-        capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout) == (0, "ben is connected to no account any more\n")
+    monkeypatch.setenv("POLHODE_DATABASE_URL", url)
+    assert (main(["unlink", "ben"]), capsys.readouterr().out) == (0, "ben is connected to no account any more\n")
     assert owner.open("/v1/me")[0] == 401 and sign_in(Browser(server), "s-5")[0] == 403
 
 
@@ -135,22 +125,19 @@ def test_what_it_did_sign_is_taken_also_when_signed_by_these_tests(server, provi
     assert sign_in(Browser(server), "s-6")[0] == 200
 
 
-def test_a_public_client_needs_no_secret(new_server, tmp_path, database_url, provider):
-    own = settings(database_url, provider) | {"POLHODE_OIDC_CLIENT_ID": PUBLIC, "POLHODE_OIDC_CLIENT_SECRET": ""}
-    server = new_server(tmp_path / "data", "/livez", **own)
+def test_a_public_client_needs_no_secret(new_app, url, provider):
+    server = new_app(**settings(url, provider, oidc_client_id=PUBLIC, oidc_client_secret=None))
     provider.user("s-13", preferred_username="ina")
     assert ">ina</dd>" in sign_in(Browser(server), "s-13")[1]
-    server.stop()
 
 
-def test_a_provider_that_offers_tokens_without_signature_is_not_taken_at_its_word(new_server, tmp_path, database_url, provider):
+def test_a_provider_that_offers_tokens_without_signature_is_not_taken_at_its_word(new_app, url, provider):
     provider.tamper("offers none")
-    server = new_server(tmp_path / "data", "/livez", **settings(database_url, provider))
+    server = new_app(**settings(url, provider))
     provider.user("s-7", preferred_username="dag")
     Browser(server).open("/oidc/login")  # it learns what is offered
     provider.tamper("unsigned")
     assert sign_in(Browser(server), "s-7")[0] == 403
-    server.stop()
 
 
 class Stopping(Browser):
@@ -234,14 +221,13 @@ def test_nobody_is_led_elsewhere_after_signing_in(server, provider):
 
 
 @pytest.mark.parametrize("how", ["broken", "other issuer"])
-def test_a_provider_that_is_not_what_it_should_be_gives_a_sentence(new_server, tmp_path, database_url, provider, how):
-    server = new_server(tmp_path / "data", "/livez", **settings(database_url, provider))
+def test_a_provider_that_is_not_what_it_should_be_gives_a_sentence(new_app, url, provider, how):
+    server = new_app(**settings(url, provider))
     provider.tamper(how)
     status, page = Browser(server).open("/oidc/login")
     assert status == 503 and "the provider" in page
     provider.tamper("")
     assert "Authorize Client" in Browser(server).open("/oidc/login")[1], "it is asked again"
-    server.stop()
 
 
 @pytest.fixture
@@ -252,41 +238,38 @@ def away():
     started.stop()
 
 
-def test_a_provider_that_is_away_keeps_nobody_else_out(new_server, tmp_path, database_url, away):
-    server, other = (new_server(tmp_path / name, "/livez", **settings(database_url, away)) for name in "ab")
+def test_a_provider_that_is_away_keeps_nobody_else_out(new_app, url, away):
+    server, other = new_app(**settings(url, away)), new_app(**settings(url, away))
     browser = Stopping(server)
     back = browser.way_back("s-1")
     away.stop()
     for status, page in (browser.open(back), Browser(other).open("/oidc/login")):
         assert status == 503 and "the provider does not answer" in page and "log in another way" in page
-    entered(database_url, "ida", password="correct horse battery")
+    entered(url, "ida", password="correct horse battery")
     assert Browser(other).log_in(name="ida", password="correct horse battery").open("/v1/me")[0] == 200
-    server.stop()
-    other.stop()
 
 
-def test_a_server_without_provider_has_no_such_page(new_server, tmp_path, database_url):
-    own = {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    server = new_server(tmp_path / "data", "/livez", **own)
+def test_a_server_without_provider_has_no_such_page(new_app, url):
+    server = new_app(database_url=url)
     assert [Browser(server).open(path)[0] for path in ("/oidc/login", "/oidc/callback")] == [404, 404]
-    server.stop()
 
 
-def test_settings_that_cannot_work_are_told_at_the_start(tmp_path, database_url, provider):
-    def started(**changed):
-        given = {name: value for name, value in (settings(database_url, provider) | changed).items() if value is not None}
-        command = [sys.executable, "-m", "service.cli", "serve", "--port", "0"]
-        environment = os.environ | {"POLHODE_DATA": str(tmp_path / "data")} | given
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
-        return done.returncode, done.stderr
-
-    for changed, why in (
-        ({"POLHODE_OIDC_CLIENT_ID": None}, "POLHODE_OIDC_ISSUER needs POLHODE_OIDC_CLIENT_ID"),
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ({"POLHODE_OIDC_CLIENT_ID": ""}, "POLHODE_OIDC_ISSUER needs POLHODE_OIDC_CLIENT_ID"),
         ({"POLHODE_IDENTITY": "local"}, "POLHODE_OIDC_ISSUER needs POLHODE_IDENTITY=token"),
         ({"POLHODE_OIDC_ISSUER": "http://uni.example"}, "an issuer is https://"),
-    ):
-        code, told = started(**changed)
-        assert code == 2 and why in told and "s3cret" not in told, told
+    ],
+)
+def test_settings_that_cannot_work_are_reported_at_the_start(tmp_path, monkeypatch, capsys, changed, why):
+    own = {"POLHODE_IDENTITY": "token", "POLHODE_OIDC_ISSUER": "https://uni.example", "POLHODE_DATA": str(tmp_path / "data")}
+    own |= {"POLHODE_OIDC_CLIENT_ID": "polhode", "POLHODE_OIDC_CLIENT_SECRET": "s3cret"}
+    for name, value in (own | changed).items():
+        monkeypatch.setenv(name, value)
+    assert main(["serve", "--port", "0"]) == 2
+    told = capsys.readouterr().err
+    assert why in told and "s3cret" not in told and not (tmp_path / "data").exists()
 
 
 def test_packages_that_are_missing_are_named(monkeypatch):

@@ -13,16 +13,8 @@ REGRADES = "/assignments/rigid-body/regrades"
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "0", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("regrades") / "data", "/livez", **own)
-    enter(url, prof="instructor", prof2="instructor", tutor="assistant", ann="student", ben="student")
-    yield started
-    started.stop()
-
-
-@pytest.fixture(scope="module")
 def people(server, url):
+    enter(url, prof="instructor", prof2="instructor", tutor="assistant", ann="student", ben="student")
     return {name: Visitor(server, url, name) for name in ("prof", "prof2", "tutor", "ann", "ben")}
 
 

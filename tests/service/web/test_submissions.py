@@ -21,6 +21,7 @@ from service.store import people, tokens
 from service.web.difference import MOST_WORK, TooLong, difference
 from service.web.source import MOST_LINES, cells
 from tests.support.database import run, sql
+from tests.support.submissions import grade_really
 
 SLUG = "/v1/assignments/rigid-body/submissions"
 RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
@@ -29,11 +30,20 @@ MOST_BYTES = 10 * 1024
 
 
 @pytest.fixture(scope="module")
-def server(new_server, tmp_path_factory, url):
-    own = {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1", "POLHODE_IDENTITY": "token"}
-    started = new_server(tmp_path_factory.mktemp("page") / "data", **own)
-    yield started
-    started.stop()
+def send(server, url, sandbox):
+    """Submit with a token and grade that as a worker does; the submission as the server returns it."""
+
+    def sent(token, source, filename="mine.py", exercises=("2",)):
+        body = {"source": source, "filename": filename, "exercises": list(exercises)}
+        status, _, told = call(server, SLUG, token, json.dumps(body).encode(), Content_Type="application/json")
+        assert status == 202, told
+        id = json.loads(told)["id"]
+        run(url, lambda database: grade_really(database, id, sandbox, {"grade": 1000.0, "pack": 10.0}))
+        status, _, told = call(server, f"/v1/submissions/{id}", token)
+        assert status == 200, told
+        return json.loads(told)
+
+    return sent
 
 
 @pytest.fixture(scope="module")
@@ -69,14 +79,6 @@ def call(server, path, token, body=None, **headers):
             return error.code, error.headers, error.read().decode()
 
 
-def send(server, token, source, filename="mine.py", exercises=("2",)):
-    body = {"source": source, "filename": filename, "exercises": list(exercises)}
-    headers = {"Content_Type": "application/json", "Prefer": "wait=60"}
-    status, _, told = call(server, SLUG, token, json.dumps(body).encode(), **headers)
-    assert status == 200, told
-    return json.loads(told)
-
-
 def page(server, token, sent):
     status, headers, told = call(server, f"/submissions/{sent['id']}", token)
     assert status == 200 and "default-src 'self'" in headers["content-security-policy"]
@@ -95,10 +97,10 @@ def marked(told):
     return [(kind, id, int(line), re.findall(r'href="#(ending-\d+)">◀ ([^<]*)<', rest)) for kind, id, line, rest in found]
 
 
-def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann):
+def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann, send):
     source = "A = '\x0c'  # a form feed begins no line\n\n\ndef deeper(w):\n    return w['no']\n\n\n"
     source += "def euler_eqs(t, w, I):\n    return deeper(w)\n"
-    told = page(server, ann, send(server, ann, source))
+    told = page(server, ann, send(ann, source))
     (deep, way) = marked(told)
     assert deep[:3] == ("failing", "line-1-5", 5) and way[:3] == ("on-the-way", "line-1-9", 9)
     ((ending, words),) = deep[3]
@@ -106,10 +108,8 @@ def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann):
     assert '<a href="#line-1-5">submission.py, line 5</a>' in told and way[3][0][1].startswith("on the way there: IndexError")
 
 
-def test_in_a_notebook_the_line_of_the_right_cell_is_marked(server, ann):
-    sent = send(
-        server, ann, notebook("a = 1\nb = 2", "def euler_eqs(t, w, I):\n    return w / a.b", "def (:\n    pass"), "mine.ipynb"
-    )
+def test_in_a_notebook_the_line_of_the_right_cell_is_marked(server, ann, send):
+    sent = send(ann, notebook("a = 1\nb = 2", "def euler_eqs(t, w, I):\n    return w / a.b", "def (:\n    pass"), "mine.ipynb")
     told = page(server, ann, sent)
     assert "<h3>cell 1</h3>" in told and "3 cells" in told
     ((_, second, _, raised), (_, third, _, syntax)) = marked(told)
@@ -139,8 +139,8 @@ def test_a_long_source_is_shown_in_part_and_its_marked_line_always():
     assert cell.lines[-1].number == 8000 and cell.lines[-1].marks and cell.left_out == 1000
 
 
-def test_the_exact_motion_and_the_students_own(server, ann, rigid_body):
-    right, wrong = (send(server, ann, source, exercises=("2", "5", "6")) for source in (RIGHT, REVERSED))
+def test_the_exact_motion_and_the_students_own(server, ann, rigid_body, send):
+    right, wrong = (send(ann, source, exercises=("2", "5", "6")) for source in (RIGHT, REVERSED))
     for name, scene in (("torque-free", "torque-free"), ("tumble", "spin-mid"), ("precession", "precession")):
         told = {}
         for sent in (right, wrong):
@@ -240,8 +240,8 @@ def test_no_motion_is_larger_than_ten_kib(rigid_body):
             assert len(json.dumps(longest, ensure_ascii=False, separators=(",", ":")).encode()) <= MOST_BYTES
 
 
-def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(server, ann, url):
-    sent = send(server, ann, RIGHT + "# no report")
+def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(server, ann, url, send):
+    sent = send(ann, RIGHT + "# no report")
     of = "attempt_id = (SELECT id FROM attempt WHERE submission_id = %s)"
     sql(url, "ALTER TABLE result DISABLE TRIGGER USER")
     sql(url, f"UPDATE result SET report = report - 'provenance' WHERE {of}", sent["id"])
@@ -251,8 +251,8 @@ def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(ser
         assert status == 500 and "the failure is ours" in told
 
 
-def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, rigid_body):
-    sent = send(server, ann, RIGHT + "# forged", exercises=("6",))
+def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, rigid_body, send):
+    sent = send(ann, RIGHT + "# forged", exercises=("6",))
     attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]
     path = f"/submissions/{sent['id']}/motions/precession.json"
 
@@ -279,10 +279,10 @@ def test_a_motion_needs_a_scene_that_brings_an_attitude(rigid_body):
         replace(rigid_body, exercises=(wrong,))
 
 
-def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof):
+def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof, send):
     ben = token(url, "ben")
-    first = send(server, ben, RIGHT)
-    second = send(server, ben, RIGHT.replace("return ", "# now with a sign\n    return -") + "print('<b>')\n")
+    first = send(ben, RIGHT)
+    second = send(ben, RIGHT.replace("return ", "# now with a sign\n    return -") + "print('<b>')\n")
     told = page(server, ben, second)
     rows = re.findall(r"<tr( class=\"current\")?>\s*<th scope=\"row\"><a href=\"/submissions/([0-9a-f-]+)\"", told)
     assert [(bool(current), id) for current, id in rows] == [(True, second["id"]), (False, first["id"])]
@@ -335,15 +335,15 @@ def test_no_two_sources_take_long_to_compare():
     assert 2 <= refused < len(pairs) and MOST_WORK <= 1e8
 
 
-def test_two_sources_too_unlike_are_said_to_be(server, url):
+def test_two_sources_too_unlike_are_said_to_be(server, url, send):
     dan = token(url, "dan")
     for sign in "ab":
-        sent = send(server, dan, "\n".join(f"# {sign}{k}" for k in range(2500)) + "\n" + RIGHT)
+        sent = send(dan, "\n".join(f"# {sign}{k}" for k in range(2500)) + "\n" + RIGHT)
     assert "too much to be compared" in call(server, f"/submissions/{sent['id']}/diff", dan)[2]
 
 
-def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, prof, url):
-    sent = send(server, ann, REVERSED)
+def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, prof, url, send):
+    sent = send(ann, REVERSED)
     sql(url, "UPDATE person SET full_name = 'Ann Müller' WHERE name = 'ann'")
     mine, theirs, assistants = page(server, ann, sent), page(server, prof, sent), page(server, token(url, "tina"), sent)
     seed = str(sent["report"]["provenance"]["seed"])
@@ -382,8 +382,8 @@ WITH s AS (
 """
 
 
-def test_what_somebody_stopped_is_not_called_our_failure(server, ann, url):
-    sent = send(server, ann, RIGHT + "# stopped")
+def test_what_somebody_stopped_is_not_called_our_failure(server, ann, url, send):
+    sent = send(ann, RIGHT + "# stopped")
     ours, stopped = ({"id": sql(url, COPIED, sent["id"], "told here", by)[0][0]} for by in (None, "prof"))
     told = page(server, ann, ours)
     assert "polhode failed while grading this" in told and "told here" in told and "! our failure" in told
@@ -407,15 +407,13 @@ class Tags(html.parser.HTMLParser):
         self.addresses += [value for name, value in attrs if name in ("href", "src", "data-live", "data-motion", "action")]
 
 
-def test_a_strangers_text_stays_text(server, url):
+def test_a_strangers_text_stays_text(server, url, send):
     eve = token(url, f"eve {NASTY}")
     source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\n"
     source += f"def euler_eqs(t, w, I):\n    raise ValueError({NASTY + BIDI!r})  # {NASTY}{BIDI}\n"
     script = type(f"{NASTY}", (), {}).__name__
-    send(
-        server, eve, f"E = type({script!r}, (Exception,), {{}})\n\ndef euler_eqs(t, w, I):\n    raise E({BIDI!r})\n", f"{NASTY}.py"
-    )
-    sent = send(server, eve, source, f"<script>{BIDI}'\"><b>.py")
+    send(eve, f"E = type({script!r}, (Exception,), {{}})\n\ndef euler_eqs(t, w, I):\n    raise E({BIDI!r})\n", f"{NASTY}.py")
+    sent = send(eve, source, f"<script>{BIDI}'\"><b>.py")
     for path in (f"/submissions/{sent['id']}", f"/submissions/{sent['id']}/diff"):
         status, _, told = call(server, path, eve)
         found = Tags(told)
@@ -427,8 +425,8 @@ def test_a_strangers_text_stays_text(server, url):
     assert Tags(page(server, eve, sent)).tags.count("img") == sum(len(sent["report"][kind]) for kind in ("figures", "animations"))
 
 
-def test_pictures_and_motions_of_one_attempt_come_from_the_same_arrays(server, ann, rigid_body, url):
-    sent = send(server, ann, RIGHT + "# same", exercises=("6",))
+def test_pictures_and_motions_of_one_attempt_come_from_the_same_arrays(server, ann, rigid_body, url, send):
+    sent = send(ann, RIGHT + "# same", exercises=("6",))
     attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]
     packed = sql(
         url, "SELECT content FROM artefact JOIN kept USING (sha256) WHERE attempt_id = %s AND name = 'arrays.npz'", attempt

@@ -7,15 +7,41 @@ import subprocess
 import sys
 import time
 import urllib.request
+from dataclasses import replace
+
+import pytest
+
+from exercises.specimens import specimens
+from service import demo
+from service.demo_class import enter_class
+from service.settings import Settings
+from tests.support.database import sql
 
 
-def demo(tmp_path, *arguments):
-    environment = os.environ | {"POLHODE_DATA": str(tmp_path / "demo"), "PYTHONUNBUFFERED": "1"}
-    return subprocess.Popen([sys.executable, "-m", "service.demo", *arguments], env=environment, stdout=subprocess.PIPE, text=True)
+def test_it_sends_specimens_prints_their_lines_and_names_those_with_another_report(server, monkeypatch, capsys):
+    wanted = {"right_terms.py", "wrong_zeros.py"}
+
+    def some(assignment):
+        right, wrong = (replace(s, ask=["2"], demo=True) for s in specimens(assignment) if s.file.name in wanted)
+        return [right, replace(wrong, verdicts=right.verdicts)]
+
+    monkeypatch.setattr(demo, "specimens", some)
+    assert demo._grade_all(server.url) == ["wrong_zeros.py"]
+    printed = capsys.readouterr().out
+    assert printed.count("rotational energy conserved (torque-free)   [") == 2 and f"[1/2] right_terms.py   {server.url}/" in printed
 
 
+def test_its_class_is_entered_once(database_url):
+    settings = Settings(database_url=database_url)
+    count = enter_class(settings, demo.SLUG)
+    assert count > 40 and enter_class(settings, demo.SLUG) == 0
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
+
+
+@pytest.mark.slow
 def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_path):
-    process = demo(tmp_path)
+    environment = os.environ | {"POLHODE_DATA": str(tmp_path / "demo"), "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen([sys.executable, "-m", "service.demo"], env=environment, stdout=subprocess.PIPE, text=True)
     try:
         told = ""
         while "Press Ctrl-C" not in told:

@@ -11,7 +11,6 @@ import pytest
 from service.written import write
 from tests.support.limits import largest_file
 
-
 COMMAND = [sys.executable, "-m", "service.cli"]
 
 
@@ -35,7 +34,9 @@ def test_grade_prints_lines_and_exits_0_when_all_pass(polhode, folder, tmp_path)
 
 
 def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(polhode, folder):
-    told = polhode("grade", folder / "right_terms.py", folder / "wrong_zeros.py", "--exercise", "2", "--jobs", "1", "--json", "--seed", "3")
+    told = polhode(
+        "grade", folder / "right_terms.py", folder / "wrong_zeros.py", "--exercise", "2", "--jobs", "1", "--json", "--seed", "3"
+    )
     document = json.loads(told.stdout)
     assert told.returncode == 1
     assert [r["report"]["passed"] for r in document["reports"]] == [True, False]
@@ -104,11 +105,15 @@ def test_a_full_disk_is_no_verdict(folder):
 
 @pytest.mark.parametrize(
     "arguments",
-    [("assignments",), ("grade", "nowhere.py"), pytest.param(("grade", "right_terms.py", "--exercise", "2"), marks=pytest.mark.slow)],
+    [
+        ("assignments",),
+        ("grade", "nowhere.py"),
+        pytest.param(("grade", "right_terms.py", "--exercise", "2"), marks=pytest.mark.slow),
+    ],
     ids=" ".join,
 )
 def test_a_full_disk_below_the_log_is_no_verdict(folder, arguments):
-    """Standard error too: a traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
+    """A traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
     with open("/dev/full", "w") as full:
         assert subprocess.run([*COMMAND, *arguments], cwd=folder, stdout=full, stderr=full, check=False).returncode == 2
 

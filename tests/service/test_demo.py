@@ -28,7 +28,9 @@ def test_it_sends_specimens_prints_their_lines_and_names_those_with_another_repo
     monkeypatch.setattr(demo, "specimens", some)
     assert demo._grade_all(server.url) == ["wrong_zeros.py"]
     printed = capsys.readouterr().out
-    assert printed.count("rotational energy conserved (torque-free)   [") == 2 and f"[1/2] right_terms.py   {server.url}/" in printed
+    assert (
+        printed.count("rotational energy conserved (torque-free)   [") == 2 and f"[1/2] right_terms.py   {server.url}/" in printed
+    )
 
 
 def test_its_class_is_entered_once(database_url):

@@ -1,21 +1,15 @@
 """Fixtures of the command's tests: ``polhode`` in this process, with a guest that is warm."""
 
-import os
-
 import pytest
 
-from service import batch
-from service.sandbox.sandbox import Sandbox
 from tests.support import command_line
+from tests.support.guests import lend
 
 
 @pytest.fixture
 def warm_guest(sandbox, monkeypatch):
     """Let what is graded in this process run in the tests' own guest; the processes of ``--jobs 2`` start theirs as always."""
-    here = os.getpid()
-    monkeypatch.setattr(sandbox, "close", lambda: None)
-    monkeypatch.setattr(batch, "Sandbox", lambda walls: sandbox if os.getpid() == here else Sandbox(walls))
-    return sandbox
+    lend(sandbox, monkeypatch)
 
 
 @pytest.fixture

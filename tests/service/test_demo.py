@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from dataclasses import replace
@@ -16,6 +17,7 @@ from service import demo
 from service.demo_class import enter_class
 from service.settings import Settings
 from tests.support.database import sql
+from tests.support.fake_server import Scripted, says
 
 
 def test_it_sends_specimens_prints_their_lines_and_names_those_with_another_report(server, monkeypatch, capsys):
@@ -38,6 +40,25 @@ def test_its_class_is_entered_once(database_url):
     count = enter_class(settings, demo.SLUG)
     assert count > 40 and enter_class(settings, demo.SLUG) == 0
     assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
+
+
+def test_it_waits_for_a_server_too_busy_to_answer_in_time(monkeypatch, capsys):
+    """The first two questions stay without an answer until they are given up."""
+    monkeypatch.setattr(demo, "ANSWER_S", 0.1)
+    server, answered = Scripted(), threading.Event()
+    server.script += [
+        lambda handler: answered.wait(10),
+        lambda handler: answered.wait(10),
+        says(200, {"checks": {"database": "ok"}}),
+    ]
+    process = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    try:
+        assert demo._wait_ready(process, server.url)
+    finally:
+        answered.set()
+        server.stop()
+        process.communicate()
+    assert capsys.readouterr().out.endswith(" ..ready: {'database': 'ok'}\n")
 
 
 @pytest.mark.slow
@@ -64,3 +85,4 @@ def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_pa
     finally:
         process.terminate()  # it stops its server, however the test went
         process.wait(60)
+        process.stdout.close()

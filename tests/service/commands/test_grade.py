@@ -12,6 +12,7 @@ from service.written import write
 from tests.support.limits import largest_file
 
 COMMAND = [sys.executable, "-m", "service.cli"]
+BUFFERED = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}  # as where nobody set it
 
 
 @pytest.fixture
@@ -99,7 +100,7 @@ def test_a_full_disk_is_no_verdict(folder):
     """Neither where we print nor where we write."""
     with open("/dev/full", "w") as full:
         command = [*COMMAND, "grade", folder / "right_terms.py", "--exercise", "2"]
-        printed = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        printed = subprocess.run(command, env=BUFFERED, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert printed.returncode == 2 and "No space left on device" in printed.stderr
 
 
@@ -115,7 +116,8 @@ def test_a_full_disk_is_no_verdict(folder):
 def test_a_full_disk_below_the_log_is_no_verdict(folder, arguments):
     """A traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
     with open("/dev/full", "w") as full:
-        assert subprocess.run([*COMMAND, *arguments], cwd=folder, stdout=full, stderr=full, check=False).returncode == 2
+        told = subprocess.run([*COMMAND, *arguments], cwd=folder, env=BUFFERED, stdout=full, stderr=full, check=False)
+    assert told.returncode == 2
 
 
 def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path):

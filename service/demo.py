@@ -8,7 +8,6 @@ import socket
 import subprocess
 import sys
 import time
-import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -18,7 +17,7 @@ from exercises.specimens import Specimen, specimens
 from service.demo_class import STUDENTS, enter_class
 from service.settings import Settings
 
-START_S = 60.0
+START_S, ANSWER_S = 60.0, 5.0
 SLUG = "rigid-body"
 
 
@@ -100,10 +99,10 @@ def _wait_ready(server: subprocess.Popen[bytes], address: str) -> bool:
     print(f"starting a server at {address} ", end="", flush=True)
     while server.poll() is None and time.monotonic() < deadline:
         try:
-            with urllib.request.urlopen(f"{address}/readyz", timeout=5) as answer:
+            with urllib.request.urlopen(f"{address}/readyz", timeout=ANSWER_S) as answer:
                 print(f"ready: {json.load(answer)['checks']}", flush=True)
                 return True
-        except (urllib.error.URLError, ConnectionError):
+        except OSError:  # also a server too busy to answer in time
             print(".", end="", flush=True)
             time.sleep(0.25)
     print("\nthe server did not start", file=sys.stderr)

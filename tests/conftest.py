@@ -7,6 +7,7 @@ import time
 import zipfile
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from exercises.assignment import assignments
 from exercises.wheel import wheel
@@ -32,6 +33,15 @@ LONGEST = (
     "test_grade",
     "test_bundle",
 )
+
+
+# How many examples Hypothesis makes: some in ``make test``, more where the slow tests run too.
+for profile, examples in (("some", 25), ("many", 100)):
+    settings.register_profile(profile, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+def pytest_configure(config):
+    settings.load_profile("some" if "not slow" in config.option.markexpr else "many")
 
 
 @pytest.hookimpl(trylast=True)

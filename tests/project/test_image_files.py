@@ -16,6 +16,7 @@ import yaml
 from service.demo import free_port
 from service.settings import Settings
 from tests.image.__main__ import HARDENED, TIER_A
+from tests.support.fake_server import Scripted, says
 
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = re.sub(r"\\\n", "", (ROOT / "Dockerfile").read_text())
@@ -93,12 +94,31 @@ def test_both_stages_are_of_the_base_asked_for_and_the_last_is_nobody():
     assert DOCKERFILE.rstrip().endswith('CMD ["polhode", "serve"]')
 
 
-def test_the_healthcheck_tells_a_server_that_grades_from_none(server):
+def healthcheck(port):
+    """The exit code of the image's HEALTHCHECK for a server at that port."""
     command = json.loads(re.search(r"^HEALTHCHECK .* CMD (\[.*\])$", DOCKERFILE, re.MULTILINE)[1])
-    for port, code in ((server.port, 0), (free_port(), 1)):
-        environment = os.environ | {"POLHODE_PORT": str(port)}
-        told = subprocess.run([sys.executable, *command[1:]], env=environment, capture_output=True, check=False, timeout=30)
-        assert told.returncode == code, told.stderr
+    environment = os.environ | {"POLHODE_PORT": str(port)}
+    return subprocess.run([sys.executable, *command[1:]], env=environment, capture_output=True, check=False, timeout=30).returncode
+
+
+@pytest.mark.parametrize(("status", "code"), [(200, 0), (503, 1)])
+def test_the_healthcheck_asks_whether_a_server_is_ready(status, code):
+    server = Scripted()
+    server.script.append(says(status))
+    try:
+        assert healthcheck(server.port) == code
+    finally:
+        server.stop()
+    assert [(seen.method, seen.path) for seen in server.seen] == [("GET", "/readyz")]
+
+
+def test_the_healthcheck_tells_that_there_is_no_server():
+    assert healthcheck(free_port()) == 1
+
+
+@pytest.mark.slow
+def test_the_healthcheck_tells_a_server_that_grades(server):
+    assert healthcheck(server.port) == 0
 
 
 def test_compose_starts_a_server_and_two_workers_on_one_database_with_no_password_in_it():

@@ -2,13 +2,10 @@
 
 import csv
 import json
-import urllib.error
-import urllib.request
-
-import pytest
 
 from service import charts
 from service.cli import main
+from tests.support.asgi import visit
 
 
 def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
@@ -52,15 +49,12 @@ def test_exceptions_are_told_and_not_hidden():
     assert [p["method"] for p in charts.exceptions(document)] == ["cheap"]
 
 
-@pytest.mark.parametrize("path", ["work-precision/0", "work-precision/6", *(f"stability/{n}" for n in range(8))])
-def test_the_page_shows_every_chart(server, path):
-    with urllib.request.urlopen(f"{server.url}/reference/{path}.svg", timeout=30) as answer:
-        assert answer.headers["content-type"].startswith("image/svg") and b"<svg" in answer.read()
-
-
-def test_the_page_tells_when_and_with_what_it_was_measured(server):
-    with urllib.request.urlopen(f"{server.url}/reference", timeout=30) as answer:
-        page = answer.read().decode()
-    assert charts.load_work_precision()["measured_at"] in page and "numpy" in page and page.count("<figure>") == 15
-    with pytest.raises(urllib.error.HTTPError, match="404"):
-        urllib.request.urlopen(f"{server.url}/reference/stability/8.svg", timeout=30)
+def test_the_page_shows_every_chart_and_when_and_with_what_it_was_measured(database_url):
+    drawn = ["work-precision/0", "work-precision/6", *(f"stability/{n}" for n in range(8))]
+    page, none, *answers = visit(
+        database_url, *(f"/reference{path}" for path in ("", "/stability/8.svg", *(f"/{d}.svg" for d in drawn)))
+    )
+    assert charts.load_work_precision()["measured_at"] in page.text and "numpy" in page.text and page.text.count("<figure>") == 15
+    assert none.status_code == 404
+    for chart, answer in zip(drawn, answers, strict=True):
+        assert answer.headers["content-type"].startswith("image/svg") and "<svg" in answer.text, chart

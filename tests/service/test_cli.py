@@ -6,19 +6,14 @@ import sys
 
 import pytest
 
+from tests.support.command_line import polhode
 
-def polhode(*arguments, **environment):
-    command = [sys.executable, "-m", "service.cli", *arguments]
-    return subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, check=False)
-
-
+NOWHERE = {"POLHODE_DATA": "/tmp/polhode-nowhere"}
 WRONG = [
-    (["queue"], {"POLHODE_DATA": "/tmp/polhode-nowhere"}, "no database in /tmp/polhode-nowhere"),
-    (["db", "backup", "x.dump"], {"POLHODE_DATA": "/tmp/polhode-nowhere"}, "no database in /tmp/polhode-nowhere"),
-    (["worker"], {"POLHODE_DATA": "/tmp/polhode-nowhere"}, "POLHODE_DATABASE_URL is not set"),
+    (["queue"], NOWHERE, "no database in /tmp/polhode-nowhere"),
+    (["db", "backup", "x.dump"], NOWHERE, "no database in /tmp/polhode-nowhere"),
     (["serve"], {"POLHODE_PORT": "abc"}, "POLHODE_PORT: "),
     (["serve"], {"POLHODE_DATABASE_URL": "mysql://root:secret@host/db"}, "POLHODE_DATABASE_URL: "),
-    (["serve", "--host", "203.0.113.1"], {"POLHODE_DATA": "/tmp/polhode-nowhere"}, "203.0.113.1 port 8000"),
     (["queue"], {"POLHODE_DATABASE_URL": "postgresql://u:secret@127.0.0.1:1/db"}, "connection"),
     (["regrade"], {}, "which ones"),
     (["regrade", "--all", "--faults"], {}, "which ones"),
@@ -30,18 +25,40 @@ WRONG = [
     (["export", "gradescope", "--out", "x.zip", "--exercise", "9"], {}, "no exercise 9"),
     (["plan", "--students", "1000000000", "--minutes", "1", "--workers", "1"], {}, "at most"),
 ]
+# These open logs and handle signals first, which is for a process of their own.
+WRONG_FOR_LONG = [
+    (["worker"], NOWHERE, "POLHODE_DATABASE_URL is not set"),
+    (["serve", "--host", "203.0.113.1"], NOWHERE, "203.0.113.1 port 8000"),
+]
 
 
-@pytest.mark.parametrize(("arguments", "environment", "words"), WRONG, ids=[" ".join(w[0]) for w in WRONG])
-def test_what_is_wrong_is_told_in_a_sentence(arguments, environment, words):
-    told = polhode(*arguments, **environment)
-    assert told.returncode == 2 and words in told.stderr, told.stderr
-    assert "Traceback" not in told.stderr and "secret" not in told.stderr and not told.stdout
+def ids(cases):
+    return [" ".join(arguments) for arguments, _, _ in cases]
+
+
+def assert_one_sentence(ended, words):
+    assert ended.returncode == 2 and words in ended.stderr, ended.stderr
+    assert "Traceback" not in ended.stderr and "secret" not in ended.stderr and not ended.stdout
     assert not os.path.exists("/tmp/polhode-nowhere/postgres")
 
 
-def test_regrading_what_does_not_exist_and_rules_that_are_set(database_url):
-    told = polhode("regrade", "00000000-0000-0000-0000-000000000001", POLHODE_DATABASE_URL=database_url)
+@pytest.mark.parametrize(("arguments", "environment", "words"), WRONG, ids=ids(WRONG))
+def test_what_is_wrong_is_told_in_a_sentence(monkeypatch, arguments, environment, words):
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    assert_one_sentence(polhode(*arguments), words)
+
+
+@pytest.mark.parametrize(("arguments", "environment", "words"), WRONG_FOR_LONG, ids=ids(WRONG_FOR_LONG))
+def test_a_server_or_worker_that_cannot_start_says_why_in_a_sentence(arguments, environment, words):
+    command = [sys.executable, "-m", "service.cli", *arguments]
+    ended = subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, check=False)
+    assert_one_sentence(ended, words)
+
+
+def test_regrading_what_does_not_exist_and_rules_that_are_set(monkeypatch, database_url):
+    monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
+    told = polhode("regrade", "00000000-0000-0000-0000-000000000001")
     assert told.returncode == 2 and told.stdout == "queued again: 0\n" and "do not exist" in told.stderr
-    told = polhode("assign", "nope", POLHODE_DATABASE_URL=database_url)
+    told = polhode("assign", "nope")
     assert told.returncode == 2 and "no assignment nope" in told.stderr

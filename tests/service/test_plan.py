@@ -121,7 +121,7 @@ def test_no_order_changes_when_workers_begin():
     np.testing.assert_array_equal(np.sort(ranked), first_come)
 
 
-@pytest.mark.parametrize(("workers", "load"), [(1, 0.6), (4, 0.7)])
+@pytest.mark.parametrize(("workers", "load"), [pytest.param(1, 0.6, marks=pytest.mark.slow), (4, 0.7)])
 def test_mean_wait_is_erlangs(workers, load):
     """M/M/c: Erlang's C formula."""
     n, offered = 200_000, workers * load

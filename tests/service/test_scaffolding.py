@@ -1,6 +1,7 @@
 """polhode new-assignment: what it makes works at once, everywhere, and it makes all or nothing."""
 
 import ast
+import io
 import json
 import os
 import re
@@ -15,14 +16,49 @@ from pathlib import Path
 import nbformat
 import pytest
 
+from exercises import wheel
 from service.cli import _parse, main
 from service.scaffolding import TEMPLATE, CannotScaffold, scaffold
 from tests.project.test_docs import documented_codes
+from tests.support import command_line
+from tests.support.asgi import visit
 from tests.support.assignments import change, copied, known
 from tests.support.http_client import Browser
+from tests.support.limits import largest_file
 
 ROOT = Path(__file__).parents[2]
 TITLE = 'The "driven" pendulum: it\'s \\ {{SERVER}} <i>ω</i> \\u0041 $x_1$'
+
+
+@pytest.fixture
+def course(tmp_path):
+    """A folder with an assignment made by the command, which this process knows; ruff takes it for the repository's."""
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    with known(tmp_path / "exercises"):
+        made = command_line.polhode("new-assignment", "driven-pendulum", "--title", TITLE)
+    assert made.returncode == 0, made.stderr
+    folder = tmp_path / "exercises" / "driven_pendulum"
+    assert made.stdout == f"made {folder}\nnext: polhode verify {folder}\n"
+    with known(tmp_path / "exercises"):
+        yield tmp_path / "exercises"
+
+
+def test_it_is_verified_listed_and_graded(course, polhode):
+    told = polhode("verify", "driven-pendulum", "--jobs", "1", "--only", "right_*", "--only", "wrong_*")
+    assert told.returncode == 0 and told.stdout.endswith("driven-pendulum: 13 of 13 specimens as expected, 3 checks\n"), told
+    assert f"driven-pendulum  {TITLE}  (version 1)\n  1  The equation of motion: oscillator\n" in polhode("assignments").stdout
+    specimens = course / "driven_pendulum" / "specimens"
+    right, wrong = (polhode("grade", specimens / f"{name}.py") for name in ("right_terms", "wrong_zeros"))
+    assert (right.returncode, wrong.returncode) == (0, 1)
+    assert "3 of 3 checks ✓" in right.stdout and "likely returns-zero" in wrong.stdout
+
+
+def test_it_passes_the_repositorys_lint(course):
+    ours = f"src = ['{ROOT}', '{ROOT}/exercises/kit']"
+    for command in (["check"], ["format", "--check"]):
+        ruff = [Path(sys.executable).parent / "ruff", *command, "--no-cache", "--config", ours, course]
+        told = subprocess.run(ruff, cwd=course.parent, capture_output=True, text=True, check=False)
+        assert told.returncode == 0, told.stdout
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +82,8 @@ def inside(tree, *arguments):
     )
 
 
-def test_it_is_verified_listed_and_graded(tree):
+@pytest.mark.slow
+def test_in_the_repository_it_is_verified_listed_and_graded(tree):
     specimens = tree / "exercises" / "driven_pendulum" / "specimens"
     told = inside(tree, "-m", "service.cli", "verify", "driven-pendulum")
     assert told.returncode == 0 and told.stdout.endswith("driven-pendulum: 14 of 14 specimens as expected, 3 checks\n"), told
@@ -57,6 +94,7 @@ def test_it_is_verified_listed_and_graded(tree):
     assert "3 of 3 checks ✓" in right.stdout and "likely returns-zero" in wrong.stdout
 
 
+@pytest.mark.slow
 def test_it_passes_the_repositorys_lint_and_tests(tree):
     programs = Path(sys.executable).parent
     for command in (
@@ -75,7 +113,7 @@ def test_it_passes_the_repositorys_lint_and_tests(tree):
     broken = inside(tree, "-c", contracts)
     assert broken.returncode == 1 and "exercises.driven_pendulum is not allowed to import exercises.rigid_body" in broken.stdout
     change(tree / "exercises" / "driven_pendulum" / "truth.py", "\n\nimport exercises.rigid_body.scenes", "")
-    files = ("tests/exercises/test_assignment.py", "tests/exercises/test_notebook_form.py", "tests/test_docs.py")
+    files = ("tests/exercises/test_assignment.py", "tests/exercises/rigid_body/test_notebook.py", "tests/project/test_docs.py")
     tested = inside(tree, "-m", "pytest", "-p", "no:cacheprovider", *files)
     assert tested.returncode == 0, tested.stdout
 
@@ -92,27 +130,55 @@ print(repr(report))
 """
 
 
-def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(tree):
-    made = inside(tree, "-c", "from exercises.wheel import wheel; open('kit.zip', 'wb').write(wheel())")
-    assert made.returncode == 0, made.stderr
-    with zipfile.ZipFile(tree / "kit.zip") as archive:
-        archive.extractall(tree / "kit")
-    home = tree / "kit" / "ecp" / "assignments" / "driven_pendulum"
+@pytest.fixture
+def kits_home(course):
+    """The folder beside which a kit lies that was made while the assignment is known."""
+    caches = (wheel.build, wheel.wheel, wheel._content)
+    for cache in caches:
+        cache.cache_clear()
+    with zipfile.ZipFile(io.BytesIO(wheel.wheel())) as archive:
+        archive.extractall(course.parent / "kit")
+    for cache in caches:
+        cache.cache_clear()
+    return course.parent
+
+
+def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_home, polhode):
+    home = kits_home / "kit" / "ecp" / "assignments" / "driven_pendulum"
     assert {p.name for p in home.iterdir()} == {"__init__.py", "figures.py", "setting.py", "plays.py", "public.json", "truth.npz"}
-    file = tree / "exercises" / "driven_pendulum" / "specimens" / "wrong_half_damping.py"
+    file = course / "driven_pendulum" / "specimens" / "wrong_half_damping.py"
     command = [sys.executable, "-P", "-c", KERNEL, str(file)]
-    here = subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": ""})
+    here = subprocess.run(command, cwd=kits_home, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": ""})
     assert here.returncode == 0, here.stderr
-    served = inside(tree, "-m", "service.cli", "grade", file).stdout.splitlines()
+    served = polhode("grade", file).stdout.splitlines()
     lines = [line for line in here.stdout.splitlines() if line[:1] in "✓✗"]
     assert [line[0] for line in lines] == ["✓", "✗"] and set(lines) <= set(served)
 
 
-def test_a_server_serves_it_and_a_broken_one_costs_only_itself(tmp_path, new_server, postgres, database_url):
+@pytest.fixture
+def course_with_a_broken_one(tmp_path):
     scaffold("driven-pendulum", TITLE, tmp_path / "course")
-    broken = copied(tmp_path / "course", "broken_one")
-    (broken / "plays.py").unlink()
-    course = str(tmp_path / "course")
+    (copied(tmp_path / "course", "broken_one") / "plays.py").unlink()
+    return tmp_path / "course"
+
+
+def test_it_has_pages_and_a_broken_one_costs_only_itself(course_with_a_broken_one, database_url):
+    addresses = ("/v1/assignments", "/v1/assignments/driven-pendulum", "/readyz", "/", "/assignments/driven-pendulum")
+    refused = ("/v1/assignments/broken-one", "/assignments/broken-one", "/v1/assignments/broken-one/notebook.ipynb")
+    with known(course_with_a_broken_one):
+        everything, one, ready, *pages, api, page, notebook = visit(database_url, *addresses, *refused)
+    slugs = {assignment["slug"] for assignment in everything.json()}
+    assert slugs >= {"rigid-body", "driven-pendulum"} and "broken-one" not in slugs
+    checks = ["1-energy", "1-motion", "1-rates"]
+    assert one.json()["title"] == TITLE and [c["id"] for c in one.json()["exercises"][0]["checks"]] == checks
+    assert ready.json()["checks"]["assignments"] == "broken: broken-one"
+    assert all(p.status_code == 200 and "<i>ω" not in p.text and "&lt;i&gt;ω" in p.text for p in pages)
+    assert {p.status_code for p in (api, page, notebook)} == {503} and api.json()["type"].endswith(":assignment-broken")
+
+
+@pytest.mark.slow
+def test_a_server_serves_it_and_a_broken_one_costs_only_itself(tmp_path, course_with_a_broken_one, new_server, database_url):
+    course = str(course_with_a_broken_one)
     server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1", POLHODE_ASSIGNMENTS=course)
     browser = Browser(server)
 
@@ -260,11 +326,8 @@ def test_what_is_no_title(tmp_path, title):
 
 def test_a_failure_midway_leaves_nothing(tmp_path):
     """Here a disk on which no file of 3000 bytes has room."""
-    script = (
-        "import resource, sys\nfrom service.cli import main\nresource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))\n"
-        f"sys.exit(main(['new-assignment', 'mine', '--into', {str(tmp_path)!r}]))"
-    )
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    with largest_file(3000):
+        told = command_line.polhode("new-assignment", "mine", "--into", tmp_path)
     assert told.returncode == 2 and told.stderr.endswith("nothing was made\n") and not list(tmp_path.iterdir())
 
 

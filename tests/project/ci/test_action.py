@@ -81,7 +81,9 @@ def test_what_is_wrong_or_no_submission_fails_and_is_annotated(runner):
     assert "wrong_zeros.py" in runner.summary and "could not grade" not in runner.summary + told.stdout
 
 
-@pytest.mark.parametrize("inputs", [{"files": "right_terms.py", "exercises": "9"}, {"files": ""}])
+@pytest.mark.parametrize(
+    "inputs", [{"files": ""}, pytest.param({"files": "right_terms.py", "exercises": "9"}, marks=pytest.mark.slow)], ids=str
+)
 def test_what_we_cannot_grade_is_told_apart_from_what_is_wrong(runner, inputs):
     told, outputs = runner.run(**inputs)
     assert (told.returncode, outputs["status"]) == (2, "fault")

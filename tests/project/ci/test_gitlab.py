@@ -1,12 +1,14 @@
 """The job for GitLab: its own lines, one after the other in a shell as a runner has it."""
 
 import os
+import shlex
 import subprocess
 from xml.etree import ElementTree
 
 import pytest
 import yaml
 
+from service.cli import _parse
 from tests.support.checkout import ROOT, installed
 
 [(_, JOB)] = yaml.safe_load((ROOT / "docs/ci/gitlab-ci.yml").read_text()).items()
@@ -34,7 +36,15 @@ def project(tmp_path):
     return folder
 
 
-@pytest.mark.parametrize(("name", "code"), [("wrong_zeros.py", 1), (None, 2)])
+def test_what_is_kept_is_what_the_script_writes():
+    [line] = JOB["script"]
+    program, *arguments = shlex.split(line)
+    asked = _parse(arguments)
+    assert program == ".polhode/.venv/bin/polhode" and asked.command == "grade" and asked.files == ["submissions"]
+    assert str(asked.junit) == JOB["artifacts"]["reports"]["junit"] and [str(asked.out)] == JOB["artifacts"]["paths"]
+
+
+@pytest.mark.parametrize(("name", "code"), [pytest.param("wrong_zeros.py", 1, marks=pytest.mark.slow), (None, 2)])
 def test_exit_codes_and_what_is_kept(project, rigid_body, name, code):
     if name:
         (project / "submissions" / name).write_bytes((rigid_body.folder / "specimens" / name).read_bytes())

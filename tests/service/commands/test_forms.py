@@ -3,15 +3,14 @@
 import argparse
 import csv
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from service.commands import forms
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.seen import Fault
 from service.tellings import gradescope
 from service.tellings.files import GradedFile
 from tests.support.workflow_log import commands
@@ -27,22 +26,19 @@ def euler_eqs(t, w, I):
 """
 
 
-def polhode(*arguments, folder, **environment):
-    command = [sys.executable, "-m", "service.cli", *map(str, arguments)]
-    return subprocess.run(command, cwd=folder, env=os.environ | environment, capture_output=True, text=True, check=False)
-
-
 @pytest.fixture
-def folder(rigid_body, tmp_path):
+def folder(rigid_body, tmp_path, monkeypatch):
+    """The current folder, with three submissions."""
     for name in ("right_terms.py", "wrong_zeros.py"):
         (tmp_path / name).write_text((rigid_body.folder / "specimens" / name).read_text())
     (tmp_path / "forger.py").write_text(FORGER)
+    monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def test_one_grading_in_every_form_agrees(folder):
-    options = ("--exercise", "2", "--junit", "out/j.xml", "--csv", "out/g.csv", "--json")
-    told = polhode("grade", "right_terms.py", "wrong_zeros.py", *options, folder=folder)
+def test_one_grading_in_every_form_agrees(polhode, folder):
+    options = ("--exercise", "2", "--jobs", "1", "--junit", "out/j.xml", "--csv", "out/g.csv", "--json")
+    told = polhode("grade", "right_terms.py", "wrong_zeros.py", *options)
     reports = [r["report"] for r in json.loads(told.stdout)["reports"]]
     suites = ElementTree.parse(folder / "out" / "j.xml").getroot().findall("testsuite")
     lines = list(csv.DictReader((folder / "out" / "g.csv").read_text(encoding="utf-8-sig").splitlines()))
@@ -55,40 +51,42 @@ def test_one_grading_in_every_form_agrees(folder):
         }
 
 
-def test_points_are_out_of_the_exercises_asked_for_also_of_what_is_no_submission(folder):
+def test_points_are_out_of_the_exercises_asked_for_also_of_what_is_no_submission(polhode, folder):
     """Else all that was asked would be a seventh of the points, and a grade's most would change with a file that cannot be read."""
     (folder / "binary.py").write_bytes(b"\0")
-    options = ("--exercise", "2", "--csv", "g.csv")
-    polhode("grade", "right_terms.py", "binary.py", *options, folder=folder)
+    options = ("--exercise", "2", "--jobs", "1", "--csv", "g.csv")
+    polhode("grade", "right_terms.py", "binary.py", *options)
     lines = list(csv.DictReader((folder / "g.csv").read_text(encoding="utf-8-sig").splitlines()))
     assert [(line["points"], line["max_points"], float(line["percent"])) for line in lines] == [("5", "5", 100), ("0", "5", 0)]
-    polhode("grade", "binary.py", "--exercise", "2", "--gradescope", "r.json", folder=folder)
+    polhode("grade", "binary.py", "--exercise", "2", "--gradescope", "r.json")
     (test,) = json.loads((folder / "r.json").read_text())["tests"]
     assert (test["score"], test["max_score"]) == (0, 5)
 
 
-def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(folder):
-    told = polhode("grade", "wrong_zeros.py", "--exercise", "2", "--gradescope", "r.json", folder=folder)
+def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(polhode, folder):
+    told = polhode("grade", "wrong_zeros.py", "--exercise", "2", "--gradescope", "r.json")
     document = json.loads((folder / "r.json").read_text())
     assert told.returncode == 1 and document["score"] == 2
     assert document["tests"][-1]["output"].count('<img src="data:image/png;base64,') == 2
     assert {test["visibility"] for test in document["tests"]} == {"visible"}
     asked = ("--exercise", "2", "--gradescope", "r.json", "--hidden", "after_due_date")
-    assert polhode("grade", "wrong_zeros.py", *asked, folder=folder).returncode == 1
+    assert polhode("grade", "wrong_zeros.py", *asked).returncode == 1
     later = {t["name"]: t["visibility"] for t in json.loads((folder / "r.json").read_text())["tests"]}
     assert list(later.values()).count("after_due_date") == 2 and later["Figures"] == "visible"
     assert forms.VISIBILITIES == gradescope.VISIBILITIES
     (folder / "r.json").unlink()
-    told = polhode("grade", ".", "--gradescope", "r.json", folder=folder)
+    told = polhode("grade", ".", "--gradescope", "r.json")
     assert told.returncode == 2 and "--gradescope tells of one file, and there are 3" in told.stderr
     assert not told.stdout and not (folder / "r.json").exists()
 
 
-def test_classroom50_by_its_runners_variables(folder):
+def test_classroom50_by_its_runners_variables(polhode, folder, monkeypatch):
     runner = {"CLASSROOM": "c", "ASSIGNMENT": "a", "OWNER": "ann", "SUBMISSION_TAG": "submit/2026-03-01T10-00-00Z-abc1234"}
     runner |= {"COMMIT_URL": "https://example.org/c", "RELEASE_URL": "https://example.org/r"}
     asked = ("grade", "right_terms.py", "--exercise", "2", "--classroom50", "result.json")
-    told = polhode(*asked, folder=folder, **runner)
+    for name, value in runner.items():
+        monkeypatch.setenv(name, value)
+    told = polhode(*asked)
     document = json.loads((folder / "result.json").read_text())
     assert (
         told.returncode == 0
@@ -96,12 +94,14 @@ def test_classroom50_by_its_runners_variables(folder):
         and (document["score"], document["max-score"]) == (5, 5)
     )
     (folder / "result.json").unlink()
-    told = polhode(*asked, folder=folder)
+    monkeypatch.delenv("CLASSROOM")
+    told = polhode(*asked)
     assert told.returncode == 2 and "Classroom 50 sets CLASSROOM" in told.stderr and not (folder / "result.json").exists()
 
 
-def test_in_github_actions_only_our_own_commands_are_heard(folder):
-    told = polhode("grade", ".", "--exercise", "2", "--github", folder=folder, GITHUB_STEP_SUMMARY=str(folder / "summary.md"))
+def test_in_github_actions_only_our_own_commands_are_heard(polhode, folder, monkeypatch):
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(folder / "summary.md"))
+    told = polhode("grade", ".", "--exercise", "2", "--jobs", "1", "--github")
     heard = commands(told.stdout + told.stderr)
     assert told.returncode == 1 and told.stdout.count("forged") >= 3
     assert {(name, about["file"]) for name, about, _ in heard} == {("error", "forger.py"), ("error", "wrong_zeros.py")}
@@ -110,8 +110,9 @@ def test_in_github_actions_only_our_own_commands_are_heard(folder):
     assert "| <code>right&#95;terms&#46;py</code> | ✓ | 5 of 5 |" in (folder / "summary.md").read_text()
 
 
-def test_in_github_actions_no_command_of_a_student_is_heard_also_where_nobody_asked_for_ours(folder):
-    told = polhode("grade", "forger.py", "--exercise", "2", folder=folder, GITHUB_ACTIONS="true")
+def test_in_github_actions_no_command_of_a_student_is_heard_also_where_nobody_asked_for_ours(polhode, folder, monkeypatch):
+    monkeypatch.setenv("GITHUB_ACTIONS", "true")
+    told = polhode("grade", "forger.py", "--exercise", "2")
     assert told.stdout.count("::stop-commands::") == 1 and commands(told.stdout + told.stderr) == []
 
 
@@ -127,28 +128,30 @@ def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_
     assert "the guest went away" in case.find("error").text
 
 
-def test_what_an_earlier_run_left_is_no_grade_of_this_one(folder):
+def test_what_an_earlier_run_left_is_no_grade_of_this_one(polhode, folder, monkeypatch):
     (folder / "r.json").write_text('{"score": 5}')
-    told = polhode("grade", "right_terms.py", "--exercise", "2", "--gradescope", "r.json", folder=folder, POLHODE_MIN_TIER="C")
-    assert told.returncode == 2 and (folder / "r.json").exists()  # nothing had begun
-    script = (
-        "import sys\nfrom service.sandbox import sandbox\nfrom service.sandbox.seen import Fault\n"
-        "def lost(self, job, tell=None):\n    raise Fault('the guest went away')\n"
-        "sandbox.Sandbox.play, sandbox.Sandbox.rehearse = lost, lambda self: None\n"
-        "from service.cli import main\nsys.exit(main(['grade', 'right_terms.py', '--exercise', '2', '--gradescope', 'r.json']))"
-    )
-    told = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False)
+    asked = ("grade", "right_terms.py", "--exercise", "2", "--gradescope", "r.json")
+    with monkeypatch.context() as settings:
+        settings.setenv("POLHODE_MIN_TIER", "C")
+        assert polhode(*asked).returncode == 2 and (folder / "r.json").exists()  # nothing had begun
+
+    def lost(*arguments):
+        raise Fault("the guest went away")
+
+    monkeypatch.setattr(Sandbox, "play", lost)
+    told = polhode(*asked)
     assert told.returncode == 2 and "the guest went away" in told.stderr and not (folder / "r.json").exists()
 
 
-def test_points_in_gradescope_can_be_scaled(folder):
+def test_points_in_gradescope_can_be_scaled(polhode, folder):
     asked = ("--exercise", "2", "--gradescope", "r.json", "--max-score", "10")
-    assert polhode("grade", "wrong_zeros.py", *asked, folder=folder).returncode == 1
+    assert polhode("grade", "wrong_zeros.py", *asked).returncode == 1
     document = json.loads((folder / "r.json").read_text())
     assert document["score"] == 4 and sum(test.get("max_score", 0) for test in document["tests"]) == 10
-    assert polhode("grade", "wrong_zeros.py", *asked[:-1], "-1", folder=folder).returncode == 2
+    assert polhode("grade", "wrong_zeros.py", *asked[:-1], "-1").returncode == 2
 
 
-def test_a_summary_that_cannot_be_written_changes_no_verdict(folder):
-    told = polhode("grade", "right_terms.py", "--exercise", "2", "--github", folder=folder, GITHUB_STEP_SUMMARY="/dev/full")
+def test_a_summary_that_cannot_be_written_changes_no_verdict(polhode, folder, monkeypatch):
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", "/dev/full")
+    told = polhode("grade", "right_terms.py", "--exercise", "2", "--github")
     assert told.returncode == 0 and "no summary" in told.stderr

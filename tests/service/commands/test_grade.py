@@ -9,16 +9,10 @@ from pathlib import Path
 import pytest
 
 from service.written import write
+from tests.support.limits import largest_file
 
-
-def polhode(*arguments, **environment):
-    return subprocess.run(
-        [sys.executable, "-m", "service.cli", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        env=os.environ | environment,
-        check=False,
-    )
+COMMAND = [sys.executable, "-m", "service.cli"]
+BUFFERED = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}  # as where nobody set it
 
 
 @pytest.fixture
@@ -26,12 +20,12 @@ def folder(rigid_body):
     return rigid_body.folder / "specimens"
 
 
-def test_assignments():
+def test_assignments(polhode):
     told = polhode("assignments")
     assert told.returncode == 0 and "rigid-body  2.6 Rigid-Body Rotation" in told.stdout
 
 
-def test_grade_prints_lines_and_exits_0_when_all_pass(folder, tmp_path):
+def test_grade_prints_lines_and_exits_0_when_all_pass(polhode, folder, tmp_path):
     told = polhode("grade", folder / "right_all.py", "--exercise", "2", "--exercise", "6", "--out", tmp_path)
     assert told.returncode == 0, told.stderr
     assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "13 of 13 checks ✓" in told.stdout
@@ -40,8 +34,10 @@ def test_grade_prints_lines_and_exits_0_when_all_pass(folder, tmp_path):
     assert 'href="right_all/index.html"' in (tmp_path / "index.html").read_text()
 
 
-def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(folder):
-    told = polhode("grade", folder / "right_terms.py", folder / "wrong_zeros.py", "--exercise", "2", "--json", "--seed", "3")
+def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(polhode, folder):
+    told = polhode(
+        "grade", folder / "right_terms.py", folder / "wrong_zeros.py", "--exercise", "2", "--jobs", "1", "--json", "--seed", "3"
+    )
     document = json.loads(told.stdout)
     assert told.returncode == 1
     assert [r["report"]["passed"] for r in document["reports"]] == [True, False]
@@ -59,26 +55,26 @@ def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(folder):
         (["right_terms.py", "--out", "/dev/null/x"], "/dev/null/x"),
     ],
 )
-def test_grade_exits_2_when_it_cannot_grade(folder, arguments, why):
+def test_grade_exits_2_when_it_cannot_grade(polhode, folder, arguments, why):
     told = polhode("grade", folder / arguments[0], *arguments[1:])
     assert told.returncode == 2 and why in told.stderr and told.stdout == ""
 
 
-def test_one_unreadable_submission_does_not_cost_the_others_theirs(folder, tmp_path):
+def test_one_unreadable_submission_does_not_cost_the_others_theirs(polhode, folder, tmp_path):
     bad = tmp_path / "bad.py"
     bad.write_bytes(b"\xff\xfe")
-    told = polhode("grade", bad, folder / "right_terms.py", "--exercise", "2", "--json")
+    told = polhode("grade", bad, folder / "right_terms.py", "--exercise", "2", "--jobs", "1", "--json")
     reports = json.loads(told.stdout)["reports"]
     assert told.returncode == 1 and "not a text file" in told.stderr
     assert reports[0]["report"] is None and reports[1]["report"]["passed"]
 
 
-def test_reports_of_files_with_one_name_do_not_overwrite_each_other(folder, tmp_path):
+def test_reports_of_files_with_one_name_do_not_overwrite_each_other(polhode, folder, tmp_path):
     for student in ("alice", "bob"):
         (tmp_path / student).mkdir()
         (tmp_path / student / "ex.py").write_text((folder / "wrong_zeros.py").read_text())
     files = [tmp_path / s / "ex.py" for s in ("alice", "bob")]
-    assert polhode("grade", *files, "--exercise", "2", "--out", tmp_path / "out").returncode == 1
+    assert polhode("grade", *files, "--exercise", "2", "--jobs", "1", "--out", tmp_path / "out").returncode == 1
     assert len(list((tmp_path / "out").glob("*/report.json"))) == 2
 
 
@@ -90,7 +86,7 @@ def test_grade_needs_neither_web_nor_database(folder):
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, check=False).returncode == 0
 
 
-def test_many_files_are_graded_in_several_processes_and_told_in_order(folder, tmp_path):
+def test_many_files_are_graded_in_several_processes_and_told_in_order(polhode, folder, tmp_path):
     for number in range(5):
         (tmp_path / f"s{number}.py").write_text((folder / ("wrong_zeros.py" if number == 3 else "right_terms.py")).read_text())
     told = polhode("grade", tmp_path, "--exercise", "2", "--jobs", "2", "--seed", "7")
@@ -103,42 +99,45 @@ def test_many_files_are_graded_in_several_processes_and_told_in_order(folder, tm
 def test_a_full_disk_is_no_verdict(folder):
     """Neither where we print nor where we write."""
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-m", "service.cli", "grade", str(folder / "right_terms.py"), "--exercise", "2"]
-        printed = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        command = [*COMMAND, "grade", folder / "right_terms.py", "--exercise", "2"]
+        printed = subprocess.run(command, env=BUFFERED, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert printed.returncode == 2 and "No space left on device" in printed.stderr
 
 
-@pytest.mark.parametrize("file", ["right_terms.py", "nowhere.py"])
-def test_a_full_disk_below_the_log_is_no_verdict(folder, file):
-    """Standard error too: a traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("assignments",),
+        ("grade", "nowhere.py"),
+        pytest.param(("grade", "right_terms.py", "--exercise", "2"), marks=pytest.mark.slow),
+    ],
+    ids=" ".join,
+)
+def test_a_full_disk_below_the_log_is_no_verdict(folder, arguments):
+    """A traceback that cannot be printed would end with Python's own exit code, which is an answer of ours."""
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-m", "service.cli", "grade", str(folder / file), "--exercise", "2"]
-        assert subprocess.run(command, stdout=full, stderr=full, check=False).returncode == 2
+        told = subprocess.run([*COMMAND, *arguments], cwd=folder, env=BUFFERED, stdout=full, stderr=full, check=False)
+    assert told.returncode == 2
 
 
-def test_what_cannot_be_written_as_a_whole_is_not_written(folder, tmp_path):
-    script = (
-        "import resource, sys\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))\n"
-        f"from service.written import write\nfrom pathlib import Path\nwrite(Path({str(tmp_path / 'x')!r}), 'y' * 5000)"
-    )
+def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path):
     (tmp_path / "x").write_text("as it was")
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert "File too large" in told.stderr
+    with largest_file(3000), pytest.raises(OSError, match="File too large"):
+        write(tmp_path / "x", "y" * 5000)
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("x", "as it was")]
 
 
-def test_names_of_files_cost_nobody_a_report_and_are_no_lines_of_ours(folder, tmp_path):
+def test_names_of_files_cost_nobody_a_report_and_are_no_lines_of_ours(polhode, folder, tmp_path):
     """Of bytes that are no UTF-8, and of several lines, also where a file is refused; where nobody can print a ✓."""
     for name in (b"no\xff.py", b"a\n::error::b.py"):
         Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)).write_text((folder / "right_terms.py").read_text())
     Path(os.fsdecode(os.fsencode(tmp_path) + b"/x\n::error::c.py")).write_bytes(b"\0")
     written = [part for form in ("csv", "junit", "out") for part in (f"--{form}", tmp_path / "told" / form)]
-    told = polhode("grade", tmp_path, "--exercise", "2", *written, PYTHONIOENCODING="ascii")
+    told = polhode("grade", tmp_path, "--exercise", "2", "--jobs", "1", *written, encoding="ascii")
     assert told.returncode == 1 and "3 files: 2 all \\u2713, 1 no submission" in told.stdout, told.stderr
     assert not [line for line in f"{told.stdout}\n{told.stderr}".split("\n") if line.startswith("::")]
     assert len(list((tmp_path / "told" / "out").glob("*/report.json"))) == 2 and len(list((tmp_path / "told").iterdir())) == 3
-    told = polhode("grade", tmp_path, "--exercise", "2", "--json", PYTHONIOENCODING="ascii")
+    told = polhode("grade", tmp_path, "--exercise", "2", "--jobs", "1", "--json", encoding="ascii")
     assert [bool(r["report"]) for r in json.loads(told.stdout)["reports"]] == [True, True, False]
 
 
@@ -153,7 +152,8 @@ def test_what_is_no_file_is_written_to_and_not_replaced(tmp_path):
 
 
 def test_a_reader_that_goes_away_gets_no_verdict(folder):
-    command = [sys.executable, "-m", "service.cli", "grade", *map(str, folder.glob("right_*.py")), "--exercise", "2"]
+    files = [folder / "right_terms.py", folder / "right_all.py", folder / "wrong_zeros.py"]
+    command = [*COMMAND, "grade", *files, "--exercise", "2", "--jobs", "1"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
         running.stdout.readline()
         running.stdout.close()
@@ -162,7 +162,7 @@ def test_a_reader_that_goes_away_gets_no_verdict(folder):
 
 def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     files = [folder / "hostile_endless.py", folder / "hostile_memory.py", folder / "right_terms.py"]
-    command = [sys.executable, "-m", "service.cli", "grade", *map(str, files), "--exercise", "2", "--jobs", "2", "--json"]
+    command = [*COMMAND, "grade", *files, "--exercise", "2", "--jobs", "2", "--json"]
     running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 30
     while len(hands := children(running.pid)) < 2:
@@ -197,7 +197,7 @@ def _command(process):
 
 def test_an_interrupted_batch_leaves_no_process(folder):
     files = [folder / "hostile_endless.py", folder / "hostile_memory.py"]
-    command = [sys.executable, "-m", "service.cli", "grade", *map(str, files), "--exercise", "2", "--jobs", "2"]
+    command = [*COMMAND, "grade", *files, "--exercise", "2", "--jobs", "2"]
     heard = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}  # whoever runs us may ignore it
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **heard) as running:
         deadline = time.monotonic() + 30
@@ -214,15 +214,16 @@ def test_whatever_goes_wrong_before_a_command_is_no_verdict(tmp_path):
     for library in ("numpy", "pydantic"):
         (tmp_path / library).mkdir()
         (tmp_path / library / f"{library}.py").write_text(f"raise ImportError('no {library} here')")
-        told = polhode("grade", "x.py", PYTHONPATH=f"{tmp_path / library}:{os.environ.get('PYTHONPATH', '')}")
+        environment = os.environ | {"PYTHONPATH": f"{tmp_path / library}:{os.environ.get('PYTHONPATH', '')}"}
+        told = subprocess.run([*COMMAND, "grade", "x.py"], env=environment, capture_output=True, text=True, check=False)
         assert told.returncode == 2 and f"no {library} here" in told.stderr
 
 
-def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(folder):
+def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(polhode, folder):
     terminal, end = os.openpty()
-    command = [sys.executable, "-m", "service.cli", "grade", "right_terms.py", "wrong_zeros.py", "--exercise", "2"]
-    told = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=end, text=True, check=False)
-    os.close(end)
+    with open(end, "w") as stderr:
+        files = [folder / "right_terms.py", folder / "wrong_zeros.py"]
+        told = polhode("grade", *files, "--exercise", "2", "--jobs", "1", stderr=stderr)
     shown = os.read(terminal, 1 << 16).decode()
     os.close(terminal)
     assert "\r\x1b[K0 of 2 graded" in shown and "2 of 2 graded, 1 all ✓ so far" in shown and shown.endswith("\r\x1b[K")

@@ -13,7 +13,7 @@ HALF = RIGHT.replace("2 * gamma", "gamma")
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path, warm_guest):
     return copied(tmp_path)
 
 

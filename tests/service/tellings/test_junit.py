@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import junitparser
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 
 from exercises.assignment import assignments
 from service.tellings import junit
@@ -60,7 +60,6 @@ def test_the_golden_file():
     valid(text)
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(graded_files())
 def test_whatever_is_in_a_report_the_document_is_valid_and_no_two_cases_are_one(file):
     root = valid(junit.text([file, REFUSED], RIGID))

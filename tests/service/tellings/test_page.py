@@ -8,6 +8,7 @@ from service.batch import Ask, Wanted, grade_files
 from service.sandbox.choose import choose
 from service.tellings.files import GradedFile
 from service.written import Folder
+from tests.support.guests import lend
 
 EVIL = "<img src=x onerror=alert(1)>&amp;\"'`.py"
 VOID = {"meta", "img", "br", "hr"}
@@ -32,14 +33,16 @@ class Elements(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def written(rigid_body, tmp_path_factory):
+def written(rigid_body, sandbox, tmp_path_factory):
     """The folder of a batch: a right file, one whose name and prints are HTML, one that is no submission, one that we failed."""
     folder = tmp_path_factory.mktemp("batch")
     zeros = (rigid_body.folder / "specimens" / "wrong_zeros.py").read_text()
     (folder / EVIL).write_text(zeros + "\nprint('</pre><script>alert(2)</script>')\nraise ValueError('<i>slanted</i>')\n")
     (folder / "binary.py").write_bytes(b"\0")
     files = [rigid_body.folder / "specimens" / "right_terms.py", folder / EVIL, folder / "binary.py"]
-    graded = list(grade_files([Ask(f, ("2",)) for f in files], Wanted(rigid_body, 1, ("svg",)), choose(), jobs=1))
+    with pytest.MonkeyPatch.context() as patch:
+        lend(sandbox, patch)
+        graded = list(grade_files([Ask(f, ("2",)) for f in files], Wanted(rigid_body, 1, ("svg",)), choose(), jobs=1))
     graded.append(GradedFile(file=Path("lost.py"), fault="the guest went away"))
     out = Folder(folder / "out", [g.file for g in graded])
     for one in graded:

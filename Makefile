@@ -9,7 +9,7 @@ TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),2) 
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all lint bench chaos image-test lock clean
+.PHONY: help env demo serve test test-all lint bench chaos sabotage image-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -65,6 +65,9 @@ bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what wall
 
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
 	@$(CLEAN_ENV) $(BIN)/python -m tests.support.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
+
+sabotage: .venv/tests  ## break the product on purpose, a line at a time, in copies; the tests of make test must notice (JOBS=2)
+	@$(CLEAN_ENV) $(BIN)/python -m tests.sabotage --jobs $(or $(JOBS),2)
 
 image-test: .venv/tests  ## build the container image with podman, run it as docs/docker.md says, and a whole course by docker-compose.yml
 	@{ command -v podman && command -v mmdebstrap && command -v podman-compose; } >/dev/null || { echo "polhode: installing $(IMAGE_TOOLS)" \

@@ -28,6 +28,7 @@ ROOT = Path(__file__).parents[1]
 SELECTION = "not slow and not exhaustive"
 PYTEST = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-m", SELECTION]  # pyproject.toml has -q already
 IMPORTED = ("service", "exercises", "reference", "ecp", "tests.support.breakages")
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 LIMIT_S, WHOLE_LIMIT_S = 300.0, 1800.0
 CAUGHT, UNNAMED, ELSEWHERE = "caught", "not caught by the tests named", "caught by other tests"
 MISSED, ERROR = "NOT CAUGHT", "error"
@@ -253,6 +254,13 @@ def table(results: Sequence[Result]) -> str:
     return "\n".join("  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]]) for row in rows)
 
 
+def _interrupt(signum: int, frame: object) -> None:
+    """Raise KeyboardInterrupt once; what follows removes the copies, and a second signal must not stop that."""
+    for how in SIGNALS:
+        signal.signal(how, signal.SIG_IGN)
+    raise KeyboardInterrupt
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Try the breakages of these names, by default all of them."""
     parser = argparse.ArgumentParser(prog="python -m tests.sabotage", description=__doc__.partition("\n")[0])
@@ -268,7 +276,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.list:
         print("\n".join(f"{one.file}: {one.name}" for one in chosen))
         return 0
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that the copies are removed
+    for how in SIGNALS:  # set also where a shell has SIGINT ignored
+        signal.signal(how, _interrupt)
     try:
         results = sabotage(chosen, max(1, given.jobs), others=not given.named_only)
     except KeyboardInterrupt:

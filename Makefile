@@ -75,6 +75,9 @@ bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what wall
 chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
 	@$(CLEAN_ENV) $(BIN)/python -m tests.support.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
 
+sabotage: .venv/tests  ## break the product on purpose, a line at a time, in copies; the tests of make test must notice (JOBS=2)
+	@$(CLEAN_ENV) $(BIN)/python -m tests.sabotage --jobs $(or $(JOBS),2)
+
 image-test: .venv/tests  ## build the container image with podman, run it as docs/docker.md says, and a whole course by docker-compose.yml
 	@{ command -v podman && command -v mmdebstrap && command -v podman-compose; } >/dev/null || { echo "polhode: installing $(IMAGE_TOOLS)" \
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from service.cli import main
 from service.written import write
+from tests.support.assignments import copied, known
 from tests.support.limits import largest_file
 
 COMMAND = [sys.executable, "-m", "service.cli"]
@@ -228,3 +230,14 @@ def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(polhode, folder
     os.close(terminal)
     assert "\r\x1b[K0 of 2 graded" in shown and "2 of 2 graded, 1 all ✓ so far" in shown and shown.endswith("\r\x1b[K")
     assert "graded" not in told.stdout and told.returncode == 1
+
+
+def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
+    folder = copied(tmp_path, "pendulum")
+    with (folder / "setup.py").open("a") as setup:
+        setup.write("1 / 0\n")  # in the child, before it reads the submission
+    mine = folder / "specimens/right_terms.py"
+    with known(folder):
+        assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2
+    (told,) = json.loads(capsys.readouterr().out)["reports"]
+    assert told["report"] is None and "before it read the submission" in told["fault"] and "error" not in told

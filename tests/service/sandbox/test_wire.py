@@ -91,6 +91,24 @@ def test_arrays_of_a_scene_that_did_not_finish_are_dropped():
     assert "s" not in seen.arrays and seen.endings["s"].ending is Ending.TIMED_OUT
 
 
+def test_an_answer_is_taken_once_for_each_question():
+    asked = Job("", "", (), ("f",), (Played("s", "", "f", {}, {}, 1.0, None, drive=lambda ask: None),))
+    answer = struct.pack("<cI3d", b"R", 24, 1.0, 2.0, 3.0)
+    reader = Reader(asked, Seen())
+    reader.feed(START)
+    reader.open_questions = 1
+    reader.feed(answer)
+    assert [one.tolist() for one in reader.answers] == [[1.0, 2.0, 3.0]]
+    with pytest.raises(ProtocolError, match="nobody asked for"):
+        reader.feed(answer)
+
+
+def test_a_diagnosis_code_is_one_that_a_guest_may_name():
+    for code, kept in (("raises", "raises"), ("sign-flipped", None), ("<b>", None), (7, None)):
+        _, seen = read(START, event(event="scene", scene="s", ending="raised", sentence="no", code=code))
+        assert seen.endings["s"].code == kept
+
+
 def test_texts_are_bounded_and_harmless():
     wild = "a\x1b[31m\u202eb\ud800\u2066c\n\td\x00"
     shown = text(wild)

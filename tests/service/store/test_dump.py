@@ -1,12 +1,13 @@
 """Backup under load, restore into an empty database and across major versions, and a check that finds what is wrong."""
 
 import asyncio
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from sqlalchemy.exc import DBAPIError
 
-from service.store import dump
+from service.store import dump, extending, overriding, regrading, tokens
 from service.store.accept import accept
 from service.store.account import DatabaseUnavailable
 from service.store.migrate import migrate
@@ -32,6 +33,29 @@ def test_a_backup_under_load_restores_to_a_consistent_state(database_url, empty_
     assert 0 < kept <= all_ and sql(empty_url, "SELECT count(*) FROM procrastinate_jobs") == [(kept,)]
     assert not any(dump.check(empty_url).values())
     assert run(empty_url, lambda d: accept(d, new()))  # and it works on
+
+
+def test_a_backup_has_every_row_of_every_table(database_url, empty_url, tmp_path):
+    async def fill(database):
+        sent = await hand_in(database, "ann", {"2-energy": "✓", "2-momentum": "✗"})
+        await overriding.give(database, sent, "prof", check="2-energy", points=0, reason="copied")
+        await extending.extend(database, "rigid-body", "ann", datetime.now(UTC), reason="was ill", by="prof")
+        await regrading.begin(database, "rigid-body", sent, "prof", told="one submission")
+        async with database.begin() as connection:
+            await tokens.give(connection, "ann", label="test", scopes=["read"], seconds=1000.0)
+
+    run(database_url, fill)
+    dump.backup(database_url, find_programs(), tmp_path / "b.dump")
+    dump.restore(empty_url, find_programs(), tmp_path / "b.dump")
+    before, after = (rows_by_table(url) for url in (database_url, empty_url))
+    assert before == after
+    filled = {"submission", "result", "outcome", "artefact", "override", "extension", "regrade", "token", "audit", "secret"}
+    assert all(before[table] > 0 for table in filled)
+
+
+def rows_by_table(url):
+    names = [name for (name,) in sql(url, "SELECT tablename FROM pg_tables WHERE schemaname = 'public'")]
+    return {name: sql(url, f"SELECT count(*) FROM {name}")[0][0] for name in names}
 
 
 def test_restoring_over_something_needs_to_be_asked_for(database_url, tmp_path):

@@ -79,6 +79,23 @@ def test_every_page_declares_whom_it_is_for():
     assert not {path for _, path, least in GUARDED} & OPEN and len(GUARDED) >= 8
 
 
+def test_what_students_may_open_and_what_only_instructors_may_do():
+    """The rest is for all of the staff. Here it stands once more, so that no page changes its role by mistake."""
+    students = {path for _, path, least in GUARDED if least == "student"}
+    own = {
+        "/submissions/{id}",
+        "/submissions/{id}/diff",
+        "/submissions/{id}/motions/{name}.json",
+        "/v1/submissions/{id}/report.html",
+    }
+    account = {"/account", "/account/logout-everywhere", "/account/password", "/account/revoke"}
+    assert students == {"/", "/assignments/{slug}", *own, *account}
+    points = {"/submissions/{id}/overrides", "/submissions/{id}/overrides/{override}/withdraw", "/regrades/{id}/apply"}
+    terms = {"/assignments/{slug}/rules", "/assignments/{slug}/extensions"}
+    changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}
+    assert changes == {*points, *terms, "/people"}
+
+
 def test_every_form_is_checked():
     from service.web import forms
 

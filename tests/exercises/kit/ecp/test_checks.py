@@ -31,10 +31,10 @@ def test_close_reads_seen_and_truth_and_names_the_place():
 
 
 def test_values_that_are_not_finite_fail_whatever_the_word():
-    seen = [{"w": np.array([[1.0, NAN], [3.0, 4.0]])}]
     always = holds("id", "label", "scene", claim=lambda s: (True, "fine"), reason="why")
-    outcome = always.judge(seen, [])
-    assert outcome.verdict is Verdict.FAIL and "not finite" in outcome.detail
+    for value in (NAN, float("inf"), -float("inf")):
+        outcome = always.judge([{"w": np.array([[1.0, value], [3.0, 4.0]])}], [])
+        assert outcome.verdict is Verdict.FAIL and "not finite" in outcome.detail
 
 
 def test_conserved_below_holds():

@@ -73,9 +73,19 @@ def test_worst_value_and_margin_are_relative_to_what_is_allowed_there():
     assert judge.close([1.0], [1.0], 0.0, 0.0).margin is None
 
 
+def test_within_holds_everywhere_by_the_scale_of_each_place():
+    assert judge.within([1.0, 102.0], [1.0, 100.0], [1.0, 100.0], 0.02).verdict is Verdict.PASS
+    far = judge.within([1.0, 103.0], [1.0, 100.0], [1.0, 100.0], 0.02)
+    assert far.verdict is Verdict.FAIL and far.where == (1,) and far.margin == pytest.approx(2 / 3)
+    for got in ([1.0, NAN], [NAN, NAN], [1.0], [[1.0, 1.0]]):
+        assert judge.within(got, [1.0, 1.0], 1.0, 1e9).verdict is Verdict.FAIL
+    assert judge.within([1e-300], [0.0], 0.0, 1e9).verdict is Verdict.FAIL, "without a scale nothing may be off"
+
+
 def test_conserved():
     assert judge.conserved([2.0, 2.0 + 1e-6], 1e-6).verdict is Verdict.PASS
     assert judge.conserved([2.0, 2.0 + 4e-6], 1e-6).verdict is Verdict.FAIL
+    assert judge.conserved([2.0, 2.1, 2.0], 1e-6).verdict is Verdict.FAIL, "all the way"
     assert judge.conserved([0.0, 0.0], 1e-6).verdict is Verdict.PASS
     assert judge.conserved([0.0, 1e-30], 1e-6).verdict is Verdict.FAIL
     assert judge.conserved([1.0], 1e-6).verdict is Verdict.FAIL
@@ -84,7 +94,7 @@ def test_conserved():
 
 def test_below_positive_and_holds():
     assert judge.below([1.0, 2.0], 2.0).verdict is Verdict.PASS
-    assert judge.below([1.0, 2.1], 2.0).where == (1,)
+    assert judge.below([1.0, 2.1], 2.0).verdict is Verdict.FAIL and judge.below([1.0, 2.1], 2.0).where == (1,)
     assert judge.positive([1.0, 1e-300]).verdict is Verdict.PASS
     assert judge.positive([1.0, 0.0]).verdict is Verdict.FAIL
     assert judge.holds(np.bool_(True), "").verdict is Verdict.PASS

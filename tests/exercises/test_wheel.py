@@ -1,0 +1,29 @@
+"""What the students' kit holds of an assignment: its public side, and nothing that is drawn for an attempt or solves it."""
+
+import io
+import json
+import zipfile
+
+from exercises.wheel import wheel
+
+
+def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
+    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
+        home = "ecp/assignments/rigid_body/"
+        held = {name.removeprefix(home): archive.read(name) for name in archive.namelist() if name.startswith(home)}
+        names = archive.namelist()
+    public = {path.name for path in (rigid_body.folder / "public").glob("*.py")}
+    assert held.keys() == public | {"plays.py", "public.json", "truth.npz"}
+    assert not any("specimens" in name or name.endswith(("secret.py", "truth.py", "scenes.py")) for name in names)
+
+
+def test_no_scene_that_is_drawn_for_an_attempt_is_in_the_kit(rigid_body):
+    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
+        declared = json.loads(archive.read("ecp/assignments/rigid_body/public.json"))
+        with zipfile.ZipFile(io.BytesIO(archive.read("ecp/assignments/rigid_body/truth.npz"))) as exact:
+            solved = {name.partition("/")[0] for name in exact.namelist()}
+    fixed = {scene.name for scene in rigid_body.scenes if not callable(scene.inputs)}
+    before = {scene.after for scene in rigid_body.scenes if scene.name in fixed} - {None}
+    told = {scene["name"] for scene in declared["scenes"]}
+    assert solved and solved <= fixed, "only what everybody is asked has its exact answer"
+    assert told <= fixed | before and "drawn-long" not in told

@@ -1,0 +1,59 @@
+"""What a child has given up before it reads a submission: resources, open files, capabilities."""
+
+import json
+import resource
+import subprocess
+import sys
+
+from service.sandbox.job import Cell, Job, Played
+
+MIB = 1 << 20
+SCENE = Played("one", "ask", "f", {}, {}, 1.0, None)
+LIMITS = {
+    "RLIMIT_AS": 768 * MIB,
+    "RLIMIT_DATA": 512 * MIB,
+    "RLIMIT_STACK": 8 * MIB,
+    "RLIMIT_CPU": 200,
+    "RLIMIT_NOFILE": 32,
+    "RLIMIT_NPROC": 1,
+    "RLIMIT_FSIZE": 0,
+    "RLIMIT_CORE": 0,
+    "RLIMIT_MEMLOCK": 0,
+    "RLIMIT_MSGQUEUE": 0,
+}
+
+
+def printed(sandbox, source):
+    """Return the JSON that ``source`` prints as a submission that defines nothing."""
+    seen = sandbox.play(Job("", "", (Cell("submission.py", source),), ("f",), (SCENE,)))
+    return json.loads(seen.stdout)
+
+
+def test_every_resource_is_limited(either_sandbox):
+    numbers = {name: getattr(resource, name) for name in LIMITS}
+    source = f"import json, resource\nprint(json.dumps({{k: resource.getrlimit(n) for k, n in {numbers!r}.items()}}))"
+    found = printed(either_sandbox, source)
+    assert {name: soft for name, (soft, _) in found.items()} == LIMITS
+    assert all(hard == soft + (name == "RLIMIT_CPU") for name, (soft, hard) in found.items()), "a child cannot raise them again"
+
+
+def test_no_file_is_open_but_those_of_the_play(either_sandbox):
+    source = """
+import json, os
+def is_open(number):
+    try:
+        os.fstat(number)
+    except OSError:
+        return False
+    return True
+print(json.dumps([number for number in range(4096) if is_open(number)]))
+"""
+    assert printed(either_sandbox, source) == [0, 1, 2, 3, 4]
+
+
+def test_stepping_down_keeps_no_capability():
+    """Also where there is no other user to become."""
+    source = "from service.sandbox.guest.lockdown import step_down\nstep_down(None)\nprint(open('/proc/self/status').read())"
+    told = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True).stdout
+    held = dict(line.split(":\t") for line in told.splitlines() if line.startswith("Cap"))
+    assert {int(held[name], 16) for name in ("CapInh", "CapPrm", "CapEff", "CapAmb")} == {0}

@@ -24,7 +24,7 @@ def test_it_sends_specimens_prints_their_lines_and_names_those_with_another_repo
     wanted = {"right_terms.py", "wrong_zeros.py"}
 
     def some(assignment):
-        right, wrong = (replace(s, ask=["2"], demo=True) for s in specimens(assignment) if s.file.name in wanted)
+        right, wrong = (replace(s, demo=True) for s in specimens(assignment) if s.file.name in wanted)
         return [right, replace(wrong, verdicts=right.verdicts)]
 
     monkeypatch.setattr(demo, "specimens", some)

@@ -52,14 +52,14 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Processes share whole files, and the families of attacks."""
+    """Processes share whole files, the families of attacks, and the tests of physics as one: numba compiles for them only once."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file, _, test = nodeid.partition("::")
             family = re.match(r"test_attack\[\w+-([a-z]+)_", test)
-            return f"{file}::{family[1]}" if family else file
+            return f"{file}::{family[1]}" if family else "tests/reference" if file.startswith("tests/reference/") else file
 
     return ByFile(config, log)
 

@@ -27,6 +27,7 @@ LOADING = "while True:\n    pass\n" + GOOD
 def server(url):
     """An application that takes what is a second in one scene for an endless loop."""
     enter(url, prof="instructor", tutor="assistant", ann="student", ben="student")
+    assert queue.LONG_S == 5.0
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(queue, "LONG_S", 1.0)
         started = App(database_url=url)

@@ -258,7 +258,7 @@ def test_what_was_accepted_survives_a_kill_and_stopping_does_not_wait_for_what_r
     first = new_server(data, "/livez", POLHODE_WORKERS="0")
     ids = [json.loads(post(first, {"source": ZEROS, "exercises": ["2"]})[2])["id"] for _ in range(2)]
     first.stop(signal.SIGKILL)
-    second = new_server(data, "/livez", POLHODE_WORKERS="1")
+    second = new_server(data, "/livez", POLHODE_WORKERS="1", POLHODE_DRAIN="0.2")
     wait_graded(second, ids)
     running = json.loads(post(second, {"source": "import time\ntime.sleep(60)\n" + ZEROS})[2])["id"]
     while json.loads(call(second, f"/v1/submissions/{running}")[2])["status"] != "running":

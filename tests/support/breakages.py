@@ -30,14 +30,14 @@ REFERENCE = [
         "reference/exact.py",
         "np.pi * rest[1] + along.extra",
         "np.pi * rest[1] - along.extra",
-        ("tests/reference/test_exact.py",),
+        ("tests/reference/test_exact.py::test_against_sixty_digits_to_a_hundred_million_periods",),
     ),
     Breakage(
         "the exact motion ignores the octant of ω(0)",
         "reference/exact.py",
         "sign / moment, out=w[axis]",
         "1.0 / moment, out=w[axis]",
-        ("tests/reference/test_exact.py",),
+        ("tests/reference/test_exact.py::test_every_order_of_the_moments_and_every_octant",),
     ),
     Breakage(
         "the moments of a box take half edges for full ones",
@@ -197,7 +197,7 @@ KIT = [
         "exercises/kit/ecp/local.py",
         "[known.scenes[name].truth for name in check.scenes]",
         "[known.scenes[check.scenes[0]].truth for name in check.scenes]",
-        ("tests/exercises/kit/ecp/test_local.py",),
+        ("tests/exercises/kit/ecp/test_local.py::test_a_right_function_passes_in_a_kernel_too",),
     ),
     Breakage(
         "a report passes if nothing in it failed",
@@ -333,7 +333,7 @@ SANDBOX = [
         "service/sandbox/conversation.py",
         "lost = [s.name for s in self.job.scenes]\n",
         "lost = [s.name for s in self.job.scenes if s.name not in seen.endings]\n",
-        ("tests/service/sandbox/test_conversation.py",),
+        ("tests/service/sandbox/test_conversation.py::test_a_lie_on_the_wire_gets_its_verdict_and_the_next_is_unharmed",),
     ),
     Breakage(
         "a submission may print without end",
@@ -715,21 +715,21 @@ STORE = [
         "service/store/dump.py",
         '"--format=custom", "--no-owner"',
         '"--format=custom", "--no-owner", "--exclude-table-data=override"',
-        ("tests/service/store/test_dump.py",),
+        ("tests/service/store/test_dump.py::test_a_backup_has_every_row_of_every_table",),
     ),
     Breakage(
         "a restore overwrites what is there without being asked to",
         "service/store/dump.py",
         "if count and count[0] and not replace:",
         "if count is None and not replace:",
-        ("tests/service/store/test_dump.py",),
+        ("tests/service/store/test_dump.py::test_restoring_over_something_needs_to_be_asked_for",),
     ),
     Breakage(
         "half a backup is restored as if it were whole",
         "service/store/dump.py",
         "if told.returncode != 0:",
         "if told.returncode < 0:",
-        ("tests/service/store/test_dump.py",),
+        ("tests/service/store/test_dump.py::test_a_backup_that_breaks_off_destroys_nothing_and_nobody_else_can_read_it",),
     ),
     Breakage(
         "a migration drops results",
@@ -816,7 +816,7 @@ WEB = [
         "service/web/identity.py",
         "if not allowed:",
         "if not allowed and origin is None:",
-        ("tests/service/web/test_entrance.py",),
+        ("tests/service/web/test_identity.py::test_only_a_page_of_this_server_or_of_a_named_site_may_send",),
     ),
     Breakage(
         "the pages do not escape what they show",

@@ -78,6 +78,12 @@ def test_local_and_remote_lines_are_identical(kit, rigid_body, sandbox):
         assert here["lines"].split("\n") == [o.line for o in report.outcomes() if not o.hidden], file.name
 
 
+def test_a_right_function_passes_in_a_kernel_too(kit, rigid_body):
+    (told,) = checked(kit, rigid_body, (rigid_body.folder / "specimens" / "right_terms.py", ["5"]))
+    lines = told["lines"].split("\n")
+    assert len(lines) == 3 and all(line.startswith("✓") for line in lines), lines
+
+
 def test_the_text_tells_where_and_how_far_off_and_the_html_shows_figures(kit, rigid_body):
     (told,) = checked(kit, rigid_body, (rigid_body.folder / "specimens" / "wrong_zeros.py", ["2"]))
     assert "worst at ω₁, t = 8.093 s" in told["text"] and "worst at" not in told["lines"]

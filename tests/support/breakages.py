@@ -774,7 +774,7 @@ WEB = [
         "service/web/forms.py",
         'whose = f"session {session.id}"',
         'whose = "session"',
-        ("tests/service/web/test_entrance.py::test_forms_without_their_token_are_refused_also_before_login",),
+        ("tests/service/web/test_forms.py::test_the_token_of_a_form_is_of_one_session_person_or_visit",),
     ),
     Breakage(
         "a form's handler does not check it",
@@ -805,11 +805,11 @@ WEB = [
         ("tests/service/web/test_roles.py::test_every_page_declares_whom_it_is_for",),
     ),
     Breakage(
-        "a session goes on after logging out",
+        "a session goes on although it was ended or is over",
         "service/web/identity.py",
         "if known is None or known.over is not None:",
         "if known is None:",
-        ("tests/service/web/test_entrance.py::test_logging_out_holds_on_every_server",),
+        ("tests/service/web/test_account.py::test_logging_out_everywhere_ends_every_browser_and_no_token",),
     ),
     Breakage(
         "a page of another site may send forms",

@@ -27,6 +27,7 @@ from tests.support.breakages import BREAKAGES, Breakage
 ROOT = Path(__file__).parents[1]
 SELECTION = "not slow and not exhaustive"
 PYTEST = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-m", SELECTION]  # pyproject.toml has -q already
+SHARED = ("--numprocesses", "2", "--dist", "loadfile", "--no-loadscope-reorder")  # as make test does
 IMPORTED = ("service", "exercises", "reference", "ecp", "tests.support.breakages")
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 LIMIT_S, WHOLE_LIMIT_S = 300.0, 1800.0
@@ -173,7 +174,7 @@ def untouched(copy: Copy, tests: Sequence[str]) -> list[str]:
     unselected = [test for test in tests if not re.search(rf"^{re.escape(test)}(?:::|\[|$)", collected.output, re.MULTILINE)]
     if collected.code != 0 or unselected:
         return [f"make test does not select {test}" for test in unselected] or [collected.output]
-    run = copy.pytest(*tests, limit_s=WHOLE_LIMIT_S)
+    run = copy.pytest(*SHARED, *tests, limit_s=WHOLE_LIMIT_S)
     return [] if run.code == 0 else [f"without any breakage: {line}" for line in run.failed or [run.output[-2000:]]]
 
 
@@ -194,7 +195,7 @@ def attempt(copy: Copy, one: Breakage, *, others: bool = True) -> Result:
             return result(ERROR, f"pytest exited with {run.code} ({MEANING.get(run.code, 'unknown')})")
         if not others:
             return result(UNNAMED, "")
-        run = copy.pytest("--numprocesses", "2", "--dist", "loadfile", "--no-loadscope-reorder", limit_s=WHOLE_LIMIT_S)
+        run = copy.pytest(*SHARED, limit_s=WHOLE_LIMIT_S)
         if run.code == 1:
             return result(ELSEWHERE, ", ".join(run.failed[:3]))
         return result(MISSED, "") if run.code == 0 else result(ERROR, f"pytest over everything exited with {run.code}")

@@ -17,6 +17,7 @@ TIMES = "-np.cross(w, I * w) / I\n"
 UNSTEADY = {
     "noise": "def euler_eqs(t, w, I):\n    return (1 + 1e-15 * np.random.default_rng().random()) * " + TIMES,
     "a count": "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) % 2)) * " + TIMES,
+    "one call": "n = []\ndef euler_eqs(t, w, I):\n    n.append(1)\n    return (1 + 3e-16 * (len(n) == 40)) * " + TIMES,
     "the process": "import os\ns = 1 + 1e-20 * int.from_bytes(os.urandom(4))\ndef euler_eqs(t, w, I):\n    return s * " + TIMES,
     "the order": "m = [0.0]\ndef euler_eqs(t, w, I):\n    m[0], e = t, m[0] * 1e-16\n    return (1 + e) * " + TIMES,
 }
@@ -68,6 +69,16 @@ def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and
     report = grade(Submission(FORGED + "calls = []\n" + stops), rigid_body, sandbox, 5, ["2"]).report
     motion = next(o for o in report.outcomes() if o.id == "2-motion")
     assert motion.verdict is Verdict.UNMEASURED and "called by the host, ZeroDivisionError" in motion.detail
+
+
+def test_a_motion_is_not_believed_if_its_function_was_not_asked_again(rigid_body, sandbox):
+    """The second child, which has one scene only, ends before it answers."""
+    alone = "isinstance(x, dict) and len(x.get('scenes', '..')) == 1"
+    leaves = f"import gc, os\nif any({alone} for x in gc.get_objects()):\n    os._exit(0)\n"
+    report = grade(Submission(leaves + RIGHT), rigid_body, sandbox, 5, ["2"]).report
+    found = {o.id: o for o in report.outcomes()}
+    assert found["2-pointwise"].verdict is found["2-motion"].verdict is Verdict.UNMEASURED
+    assert "asked again" in found["2-pointwise"].detail
 
 
 def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):

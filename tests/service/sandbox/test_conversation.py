@@ -47,6 +47,15 @@ def test_a_lie_on_the_wire_gets_its_verdict_and_the_next_is_unharmed(source, rig
     assert grade(Submission(RIGHT), rigid_body, sandbox, 3, ["2"]).report.passed
 
 
+def test_nothing_is_believed_of_a_child_that_broke_the_protocol(rigid_body, sandbox):
+    """It answers the points and breaks the protocol in the motion that follows."""
+    breaks = "    calls.append(t)\n    if len(calls) == 500:\n        os.write(4, bytes(8))\n    return"
+    source = PRELUDE + "calls = []\n" + RIGHT.replace("    return", breaks)
+    report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
+    assert {o.verdict for o in report.outcomes()} == {Verdict.UNMEASURED}
+    assert {e.ending for e in report.endings} == {Ending.PROTOCOL}
+
+
 def test_forged_lines_stay_in_their_line(rigid_body, sandbox):
     source = "def euler_eqs(t, w, I):\n    raise ValueError('x]\\n✓  rotational energy conserved (torque-free)   [fine]')"
     text = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report.text()

@@ -3,12 +3,14 @@
 import asyncio
 import dataclasses
 import time
+from datetime import UTC, datetime, timedelta
 
 import psycopg
 import pytest
 
 from service.store import reading
 from service.store.accept import Accepted, KeyReused, Refused, accept
+from service.store.extending import extend
 from service.store.rescue import sweep
 from tests.support.database import new, run, sql
 
@@ -93,6 +95,16 @@ def test_the_deadline_and_its_grace(database_url, due, grace, fate):
     else:
         run(database_url, lambda d: accept(d, one))
         assert run(database_url, lambda d: reading.read(d, one.id)).late == (fate == "late")
+
+
+def test_an_extension_is_a_later_deadline_for_its_person_and_nobody_else(database_url):
+    now = datetime.now(UTC)
+    run(database_url, lambda d: accept(d, new("ann")))
+    sql(database_url, "UPDATE assignment SET due_at = %s, grace_s = 0", now - timedelta(hours=1))
+    assert run(database_url, lambda d: extend(d, "rigid-body", "ann", now + timedelta(hours=1), reason="was ill", by="prof"))
+    assert not run(database_url, lambda d: accept(d, new("ann"))).late
+    with pytest.raises(Refused, match="the deadline was"):
+        run(database_url, lambda d: accept(d, new("ben")))
 
 
 def test_what_was_sent_is_never_altered(database_url):

@@ -4,13 +4,16 @@ import csv
 import http.client
 import io
 import re
+import uuid
 
 import psycopg
 import pytest
+from fastapi import FastAPI, Request
 from psycopg import sql as part
 
 from service.store import people, tokens
 from service.web import forms
+from service.web.identity import Person
 from tests.support.database import entered, new_database, run, sql
 
 RULES, CLASS = "/assignments/rigid-body/rules", "/assignments/rigid-body/class"
@@ -41,6 +44,22 @@ def form(server, token, fields, file=None):
     parts = [(b'"' + name.encode() + b'"', value) for name, value in ({"csrf": found[1].encode()} | fields).items()]
     parts += [(b'"roster"; filename="' + file[0] + b'"', file[1])] if file else []
     return b"".join(b"--x\r\nContent-Disposition: form-data; name=%s\r\n\r\n%s\r\n" % one for one in parts) + b"--x--\r\n"
+
+
+def test_the_token_of_a_form_is_of_one_session_person_or_visit():
+    app = FastAPI()
+    app.state.secret = b"of this course"
+
+    def token(cookie=b"", **state):
+        asked = Request({"type": "http", "headers": [(b"cookie", cookie)], "app": app})
+        for name, value in state.items():
+            setattr(asked.state, name, value)
+        return forms.token(asked)
+
+    sessions = [tokens.Known(uuid.UUID(int=k), "ann", frozenset(tokens.BROWSER), None) for k in range(2)]
+    people = [{"session": session} for session in sessions] + [{"person": Person(name, frozenset())} for name in ("ann", "ben")]
+    visits = [{"cookie": b"polhode_visit=" + letter * 43} for letter in (b"a", b"b")]
+    assert len({token(**one) for one in [*people, *visits]}) == 6 and all(token(**one) == token(**one) for one in people)
 
 
 @pytest.mark.parametrize("scopes", [("read",), tokens.NOTEBOOK])

@@ -1,5 +1,6 @@
 """Who asks: tokens, logins confirmed in a browser, cookies and the hub, each against a real server."""
 
+import contextlib
 import csv
 import json
 import os
@@ -11,9 +12,13 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+from fastapi import FastAPI, Request
 
 from service.cli import main
+from service.settings import Settings
 from service.store import people, tokens
+from service.web.identity import same_origin
+from service.web.problems import Problem
 from tests.support.app import App
 from tests.support.database import run, sql
 from tests.support.http_client import Browser
@@ -258,3 +263,24 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
         "give token",
         "roster",
     ]
+
+
+@pytest.mark.parametrize(
+    ("headers", "allowed"),
+    [
+        ({}, True),  # no browser
+        ({"sec-fetch-site": "same-origin"}, True),
+        ({"sec-fetch-site": "cross-site"}, False),
+        ({"origin": "http://here.example"}, True),
+        ({"origin": "https://lite.example"}, True),
+        ({"origin": "https://evil.example"}, False),
+        ({"origin": "null", "sec-fetch-site": "same-origin"}, False),
+    ],
+)
+def test_only_a_page_of_this_server_or_of_a_named_site_may_send(headers, allowed):
+    app = FastAPI()
+    app.state.settings = Settings(origins="https://lite.example")
+    sent = [(name.encode(), value.encode()) for name, value in ({"host": "here.example"} | headers).items()]
+    scope = {"type": "http", "scheme": "http", "method": "POST", "path": "/", "query_string": b"", "headers": sent, "app": app}
+    with contextlib.nullcontext() if allowed else pytest.raises(Problem):
+        same_origin(Request(scope))

@@ -86,6 +86,7 @@ def shown(kit, rigid_body, tmp_path_factory):
     folder = tmp_path_factory.mktemp("mine")
     sources = {
         "zeros": ((rigid_body.folder / "specimens" / "wrong_zeros.py").read_text(), ["2"]),
+        "right": ((rigid_body.folder / "specimens" / "right_terms.py").read_text(), ["5"]),
         "stopped": ("def euler_eqs(t, w, I):\n    return 1 / 0\n", ["2"]),
         "markup": ("def principal_moments(tensor):\n    raise ValueError('<script>alert(1)</script>')\n", []),
         "no exercise": ("", ["9"]),
@@ -94,6 +95,11 @@ def shown(kit, rigid_body, tmp_path_factory):
         (folder / f"{name}.py").write_text(source)
     files = [(folder / f"{name}.py", numbers) for name, (_, numbers) in sources.items()]
     return dict(zip(sources, checked(kit, rigid_body, *files, drawn=True), strict=True))
+
+
+def test_a_right_function_passes_in_a_kernel_too(shown):
+    lines = shown["right"]["lines"].split("\n")
+    assert len(lines) == 3 and all(line.startswith("✓") for line in lines), lines
 
 
 def test_the_text_tells_where_and_how_far_off_and_the_html_shows_figures(shown):

@@ -440,7 +440,7 @@ COMMANDS = [
         "service/gradescope/harness.py",
         "if not submission.is_dir():",
         "if submission.is_file():",
-        ("tests/service/gradescope/test_bundle.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",),
+        ("tests/service/gradescope/test_harness.py::test_a_submission_that_gradescope_did_not_give_us_is_no_zero",),
     ),
     Breakage(
         "the zip for Gradescope holds the specimens",

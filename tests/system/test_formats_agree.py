@@ -6,7 +6,7 @@ import json
 import re
 
 import junitparser
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from markdown_it import MarkdownIt
 
 from ecp.judge import MARKS, Verdict
@@ -118,7 +118,6 @@ def agrees_in_github(file):
 FORMS = (agrees_in_text, agrees_in_junit, agrees_in_gradescope, agrees_in_classroom50, agrees_in_csv, agrees_in_github)
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(graded_files())
 def test_all_forms_agree(file):
     """Drawing a report takes longer than any form of it, so all forms share one."""

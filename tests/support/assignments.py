@@ -5,7 +5,7 @@ import os
 import shutil
 import sys
 
-from exercises import folders
+from exercises import folders, wheel
 from exercises.assignment import found
 from service.scaffolding import TEMPLATE
 
@@ -29,7 +29,7 @@ def known(*paths):
     before, modules, here = os.environ.get(folders.SETTING), set(sys.modules), folders._here
     folders._here = lambda: [folder for folder in here() if folder.name == "rigid_body"]
     os.environ[folders.SETTING] = os.pathsep.join(map(str, paths))
-    found.cache_clear()
+    _forget_what_depends_on_it()
     try:
         yield found()
     finally:
@@ -40,4 +40,9 @@ def known(*paths):
         for name in set(sys.modules) - modules:
             if name.startswith("exercises."):
                 del sys.modules[name]
-        found.cache_clear()
+        _forget_what_depends_on_it()
+
+
+def _forget_what_depends_on_it():
+    for cached in (found, wheel.build, wheel.wheel, wheel._content):
+        cached.cache_clear()

@@ -1,6 +1,7 @@
-"""A browser without a screen: it keeps cookies, follows redirects, and sends forms with the hidden fields it was shown."""
+"""Talk HTTP as a program does, or as a browser without a screen."""
 
 import http.cookiejar
+import json
 import re
 import urllib.error
 import urllib.parse
@@ -9,8 +10,30 @@ import urllib.request
 HIDDEN = re.compile(r'<input type="hidden" name="csrf" value="([0-9a-f]+)">')
 
 
+SUBMISSIONS = "/v1/assignments/rigid-body/submissions"
+
+
+def call(server, path, body=None, method=None, **headers):
+    """Return status, headers and body of a request; headers are given with underscores."""
+    given = {name.replace("_", "-"): value for name, value in headers.items()}
+    request = urllib.request.Request(server.url + path, body, given, method=method)
+    try:
+        with urllib.request.urlopen(request, timeout=90) as answer:
+            return answer.status, answer.headers, answer.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.headers, error.read()
+
+
+def post(server, document, **headers):
+    """Send a submission, as an object or as the bytes of one."""
+    data = document if isinstance(document, bytes) else json.dumps(document).encode()
+    return call(server, SUBMISSIONS, data, Content_Type="application/json", **headers)
+
+
 class Browser:
-    """Of somebody at ``server``, anything with a ``url``; ``headers`` go with every request."""
+    """A browser without a screen at ``server``, anything with a ``url``: it keeps cookies, follows redirects, and sends forms with
+    the hidden fields it was shown. ``headers`` go with every request."""
 
     def __init__(self, server, **headers):
         self.server, self.cookies = server, http.cookiejar.CookieJar()

@@ -1,7 +1,5 @@
 """Speed against accuracy of a submission, played behind the wall when somebody asks."""
 
-import json
-
 import pytest
 
 from service.charts import draw_work_precision, load_work_precision
@@ -45,19 +43,3 @@ def test_wrong_equations_reach_nothing(rigid_body, sandbox):
 def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
     with pytest.raises(NotSwept, match=why):
         sweep(Submission(source), rigid_body, sandbox)
-
-
-def test_over_http(server):
-    from tests.service.web.test_routes import SLUG, call
-
-    body = json.dumps({"source": RIGHT, "exercises": ["2"]}).encode()
-    id = json.loads(call(server, SLUG, body, Content_Type="application/json", Prefer="wait=60")[2])["id"]
-    status, headers, content = call(server, f"/v1/submissions/{id}/sweep.json")
-    assert status == 200 and len(json.loads(content)["points"]) == 18
-    assert call(server, f"/v1/submissions/{id}/sweep.json", If_None_Match=headers["ETag"])[0] == 304
-    status, headers, content = call(server, f"/v1/submissions/{id}/sweep.svg")
-    assert status == 200 and headers["Content-Type"].startswith("image/svg+xml") and b"yours, RK45" in content
-    missing = json.dumps({"source": "x = 1"}).encode()
-    id = json.loads(call(server, SLUG, missing, Content_Type="application/json", Prefer="wait=60")[2])["id"]
-    status, _, content = call(server, f"/v1/submissions/{id}/sweep.svg")
-    assert status == 404 and "not defined" in json.loads(content)["detail"]

@@ -75,6 +75,7 @@ def test_grade_refuses_without_the_least_tier(no_bubblewrap, tmp_path):
     assert told.returncode == 2 and "POLHODE_MIN_TIER is A" in told.stderr and not told.stdout
 
 
+@pytest.mark.slow  # a worker that has no walls says why: test_slot.py; then no submission is taken: test_health.py
 def test_a_server_without_walls_takes_no_submission_and_says_why(new_server, tmp_path, database_url, no_bubblewrap):
     lonely = new_server(tmp_path / "data", "/livez", POLHODE_MIN_TIER="A", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
     deadline = time.monotonic() + 20

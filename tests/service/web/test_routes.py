@@ -4,8 +4,6 @@ import io
 import json
 import signal
 import time
-import urllib.error
-import urllib.request
 import uuid
 from xml.etree import ElementTree
 
@@ -13,28 +11,11 @@ import pytest
 from PIL import Image
 
 from service.cli import main
+from tests.support.http_client import SUBMISSIONS, call, post
 
-SLUG = "/v1/assignments/rigid-body/submissions"
 ZEROS = "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0]\n"
 
 TIER_A = "tier A: namespaces, landlock, seccomp, limits"
-
-
-def call(server, path, body=None, method=None, **headers):
-    """Status, headers and body of a request; headers are given with underscores."""
-    given = {name.replace("_", "-"): value for name, value in headers.items()}
-    request = urllib.request.Request(server.url + path, body, given, method=method)
-    try:
-        with urllib.request.urlopen(request, timeout=90) as answer:
-            return answer.status, answer.headers, answer.read()
-    except urllib.error.HTTPError as error:
-        with error:
-            return error.code, error.headers, error.read()
-
-
-def post(server, document, **headers):
-    data = document if isinstance(document, bytes) else json.dumps(document).encode()
-    return call(server, SLUG, data, Content_Type="application/json", **headers)
 
 
 def form(filename, content, **fields):
@@ -110,7 +91,7 @@ def test_accepted_at_once_and_graded_soon(server):
 def test_files_are_taken_as_py_and_ipynb(server, rigid_body):
     for name in ("right_terms.py", "right_notebook.ipynb"):
         body, kind = form(name, (rigid_body.folder / "specimens" / name).read_bytes(), exercises="2")
-        status, _, answer = call(server, SLUG, body, Content_Type=kind, Prefer="wait=60")
+        status, _, answer = call(server, SUBMISSIONS, body, Content_Type=kind, Prefer="wait=60")
         report = json.loads(answer)["report"]
         assert status == 200 and report["passed"] and [e["number"] for e in report["exercises"]] == ["2"]
 
@@ -186,7 +167,7 @@ BAD = [
 @pytest.mark.parametrize(("body", "kind", "status", "problem"), BAD, ids=range(len(BAD)))
 def test_bad_requests_are_problems_and_leave_nothing(server, body, kind, status, problem):
     before = stored(server)
-    got, headers, answer = call(server, SLUG, body, Content_Type=kind)
+    got, headers, answer = call(server, SUBMISSIONS, body, Content_Type=kind)
     document = json.loads(answer)
     assert (got, headers["content-type"]) == (status, "application/problem+json")
     assert document["type"] == f"urn:polhode:problem:{problem}" and document["status"] == status and document["detail"]
@@ -203,8 +184,8 @@ def test_bad_requests_are_problems_and_leave_nothing(server, body, kind, status,
         (f"/v1/submissions/{uuid.UUID(int=7)}/report.txt", "GET", 404),
         (f"/v1/submissions/{uuid.UUID(int=7)}/report.junit.xml", "GET", 404),
         ("/nope", "GET", 404),
-        (SLUG, "DELETE", 405),
-        (SLUG, "POST", 415),
+        (SUBMISSIONS, "DELETE", 405),
+        (SUBMISSIONS, "POST", 415),
     ],
 )
 def test_other_errors_have_the_same_shape(server, path, method, status):
@@ -234,7 +215,7 @@ def test_many_at_once_with_one_key_are_one_submission(server):
 @pytest.mark.parametrize("name", ["a\0b.py", "\u202egnp.py", "x" * 500 + ".py"])
 def test_odd_file_names_are_made_harmless(server, name):
     body, kind = form(name, ZEROS.encode(), exercises="2")
-    status, _, answer = call(server, SLUG, body, Content_Type=kind, Prefer="wait=60")
+    status, _, answer = call(server, SUBMISSIONS, body, Content_Type=kind, Prefer="wait=60")
     assert status == 200 and json.loads(answer)["status"] == "graded"
 
 
@@ -289,7 +270,7 @@ def test_every_specimen_gets_its_expected_report_over_http(server, rigid_body):
     def grade(specimen):
         numbers = {"exercises": ",".join(specimen.ask)} if specimen.ask else {}
         body, kind = form(specimen.file.name, specimen.file.read_bytes(), **numbers)
-        return json.loads(call(server, SLUG, body, Content_Type=kind, Prefer="wait=60")[2])
+        return json.loads(call(server, SUBMISSIONS, body, Content_Type=kind, Prefer="wait=60")[2])
 
     known = specimens(rigid_body)
     with ThreadPoolExecutor(3) as pool:
@@ -342,3 +323,16 @@ def test_log_lines_are_json_with_ids_and_hold_no_source_and_no_header(server):
     mine = [line for line in lines if line.get("request") == answered["x-request-id"]]
     assert mine and mine[-1]["route"] == "/v1/assignments/{slug}/submissions" and mine[-1]["status"] == 200
     assert any(line["message"] == "graded" and uuid.UUID(line["attempt"]) for line in lines)
+
+
+def test_a_sweep_is_made_when_somebody_asks(server):
+    source = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
+    id = json.loads(post(server, {"source": source, "exercises": ["2"]}, Prefer="wait=60")[2])["id"]
+    status, headers, content = call(server, f"/v1/submissions/{id}/sweep.json")
+    assert status == 200 and len(json.loads(content)["points"]) == 18
+    assert call(server, f"/v1/submissions/{id}/sweep.json", If_None_Match=headers["ETag"])[0] == 304
+    status, headers, content = call(server, f"/v1/submissions/{id}/sweep.svg")
+    assert status == 200 and headers["Content-Type"].startswith("image/svg+xml") and b"yours, RK45" in content
+    id = json.loads(post(server, {"source": "x = 1"}, Prefer="wait=60")[2])["id"]
+    status, _, content = call(server, f"/v1/submissions/{id}/sweep.svg")
+    assert status == 404 and "not defined" in json.loads(content)["detail"]

@@ -6,6 +6,7 @@ import os
 
 import pytest
 
+from service.sandbox.choose import WallsMissing
 from service.settings import Settings
 from service.workers import hand, slot
 from tests.support.database import run, sql
@@ -82,6 +83,22 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
     monkeypatch.setattr(os, "_exit", leave)
     assert [row.ending for row in run(database_url, stopped)] == ["released"]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
+
+
+def test_a_worker_that_has_no_walls_says_why_and_takes_nothing(database_url, monkeypatch):
+    def refuse(least):
+        raise WallsMissing(f"no walls of {least} here")
+
+    async def started(database):
+        async with worker_on(database_url, min_tier="A") as worker:
+            trying = asyncio.create_task(worker._put_up_walls())
+            while not (known := await database.rows("SELECT walls, refusal FROM worker")):
+                await asyncio.sleep(0.02)
+            worker._stopping.set()
+            return tuple(known[0]), await trying
+
+    monkeypatch.setattr(slot, "choose", refuse)
+    assert run(database_url, started) == ((None, "no walls of A here"), False)
 
 
 async def _stubborn(grading):

@@ -24,16 +24,25 @@ from tests.support.server import Server
 # Files that take longest begin first, so that the short ones fill what is left where two processes share the files.
 LONGEST = (
     "test_attacks",
-    "test_outage",
+    "test_specimens",
     "test_notebooks",
+    "test_routes",
     "test_workers",
+    "test_outage",
     "test_chaos",
     "test_machines",
     "test_sandbox",
     "test_grade",
+    "test_pages",
+    "test_accessible",
+    "test_dashboard",
     "test_bundle",
+    "test_conversation",
 )
 
+
+# Files that one process runs: numba compiles for it only once, one real server is started.
+TOGETHER = {"physics": r"^tests/reference/", "real server": r"/test_(routes|notebooks|demo)\.py$"}
 
 # How many examples Hypothesis makes: some in ``make test``, more where the slow tests run too.
 for profile, examples in (("some", 25), ("many", 100)):
@@ -52,14 +61,15 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Processes share whole files, the families of attacks, and the tests of physics as one: numba compiles for them only once."""
+    """Share whole files among the processes, and the families of attacks."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file, _, test = nodeid.partition("::")
-            family = re.match(r"test_attack\[\w+-([a-z]+)_", test)
-            return f"{file}::{family[1]}" if family else "tests/reference" if file.startswith("tests/reference/") else file
+            if family := re.match(r"test_attack\[\w+-([a-z]+)_", test):
+                return f"{file}::{family[1]}"
+            return next((together for together, files in TOGETHER.items() if re.search(files, file)), file)
 
     return ByFile(config, log)
 
@@ -141,7 +151,7 @@ def empty_url(postgres):
 def real_server(tmp_path_factory, new_server):
     """``polhode serve`` as its own process with workers and an embedded database; everybody is one local student."""
     data = tmp_path_factory.mktemp("data") / "polhode"
-    started = new_server(data, POLHODE_LOG_LEVEL="debug")
+    started = new_server(data, POLHODE_LOG_LEVEL="debug", POLHODE_WORKERS="1")
     yield started
     started.stop()  # before its folder goes: with the number of its database in there it could not end that
     shutil.rmtree(data, ignore_errors=True)

@@ -267,7 +267,7 @@ def _beside(sandbox):
     def play():
         while not over.is_set():
             results.append(_plays(sandbox))
-            over.wait(0.1)
+            over.wait(0.5)
 
     def unharmed():
         over.set()

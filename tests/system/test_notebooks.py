@@ -70,6 +70,7 @@ def fetch(server, path):
         return answer.read().decode()
 
 
+@pytest.mark.slow  # so does the course notebook below
 def test_local_and_remote_tell_the_same_lines(server, play):
     *_, local, remote = play(connect(server), EULER, 'ecp.check("2")', 'ecp.submit(euler_eqs, exercises=["2"])')
     lines = shown(remote).split("\n")
@@ -184,6 +185,7 @@ def asking(server, monkeypatch):
         yield application
 
 
+@pytest.mark.slow  # logins of a notebook: test_identity.py and test_entrance.py; the kit's calls: test_transport.py
 def test_login_revoked_and_offline(server, asking, tmp_path, play):
     database_url = running_url(server.data)
 

@@ -10,6 +10,7 @@ from exercises.assignment import Blank
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.job import Cell, Job, Played
+from tests.support.isolation import BY_THE_HOST
 
 RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 WRONG = "def euler_eqs(t, w, I):\n    return np.cross(w, I * w) / I\n"
@@ -97,12 +98,14 @@ def ten(ask):
     return [ask(float(k), np.full(3, k), np.ones(3)).tolist() for k in range(10)]
 
 
+@BY_THE_HOST
 def test_the_host_asks_call_by_call(either_sandbox):
     seen = either_sandbox.play(driven("def f(t, w, I):\n    return 2 * w + t", ten))
     assert seen.driven["asked"] == [[3.0 * k] * 3 for k in range(10)]
     assert seen.finished("asked") and seen.finished("after")
 
 
+@BY_THE_HOST
 @pytest.mark.parametrize(
     ("source", "ending"),
     [
@@ -122,6 +125,7 @@ def test_a_child_that_does_not_answer_ends_its_scene(either_sandbox, source, end
     assert len(good.driven["asked"]) == 10
 
 
+@BY_THE_HOST
 def test_answers_without_reading_the_questions_break_the_protocol(either_sandbox):
     flood = """
 import os, struct, time

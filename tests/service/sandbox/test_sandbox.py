@@ -22,6 +22,7 @@ from service.sandbox.job import Cell, Job, Played
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
 from service.sandbox.walls import Walls
+from tests.support.isolation import BY_THE_HOST
 
 PLAYS = """
 import numpy as np
@@ -29,10 +30,6 @@ import numpy as np
 def ask(student, inputs):
     return {"x": np.asarray(student["f"](*inputs["args"]), dtype=float)}
 """
-
-
-# What the host does is the same at both levels.
-BY_THE_HOST = pytest.mark.parametrize("either_sandbox", ["A", pytest.param("B", marks=pytest.mark.slow)], indirect=True)
 
 
 @pytest.fixture(autouse=True)

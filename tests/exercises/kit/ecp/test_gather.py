@@ -1,6 +1,7 @@
 """What a live notebook sends: its text runs alone and answers as the notebook does."""
 
 import ast
+import atexit
 import functools
 import json
 import sys
@@ -57,6 +58,7 @@ def notebook(capsys):
     config.HistoryManager.hist_file = ":memory:"
     shell = InteractiveShell(config=config)
     yield Notebook(shell)
+    atexit.unregister(shell.atexit_operations)  # each would collect all garbage when the process ends
     sys.modules["__main__"] = main
 
 

@@ -9,6 +9,7 @@ from service.cli import main
 from service.mutants import OURS, Fate, fates, table
 
 
+@pytest.mark.slow  # make exhaustive runs all mutants
 def test_a_few_through_the_walls(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     found = list(fates(rigid_body, most=6))

@@ -39,6 +39,16 @@ from service.sandbox.walls import LAYERS
 HERE = Path(__file__).parents[1] / "attacks"
 ATTACKS = sorted(HERE.glob("*.py"))
 ISOLATION = ("fd", "kernel", "net", "process", "read", "signal", "write")  # families that try to get out
+VERDICTS = (
+    "answers",
+    "compile",
+    "cpu",
+    "film",
+    "frames",
+    "game",
+    "return",
+    "text",
+)  # tried without the sandbox by tests of their own
 CANARY = "CANARY-7f3a-swordfish"
 RIGHT = "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) / np.asarray(I)\n"
 PRELUDE = """
@@ -156,12 +166,13 @@ def declared(file):
 
 
 def attacks():
-    """Every attack at both levels; ``make test`` has each at one of them."""
+    """Every attack at both levels; ``make test`` has each at one of them, of those against verdicts every second one."""
     for _, files in groupby(ATTACKS, family):
         for k, file in enumerate(files):
             first = "B" if family(file) in ISOLATION else "AB"[k % 2]
             for level in "AB":
-                marks = [] if level == first else [pytest.mark.slow]
+                spared = k % 2 and family(file) in VERDICTS
+                marks = [] if level == first and not spared else [pytest.mark.slow]
                 yield pytest.param(level, file, id=f"{level}-{file.stem}", marks=marks)
 
 

@@ -141,6 +141,7 @@ def crew(database_url):
         process.wait()
 
 
+@pytest.mark.slow  # test_slot.py: what a stopped worker has in hand is given back
 def test_a_stopped_worker_finishes_or_gives_back(crew, database_url):
     brief, long = (
         submitted(database_url, person, source=SLOW.format(s), exercises=["2"])[0] for person, s in (("ann", 0.3), ("bob", 30))
@@ -233,6 +234,7 @@ def test_the_queue_as_a_table(database_url, monkeypatch, capsys):
     assert "     1 interactive waiting" in told and re.search(f"^here/7 .*{runs}", told, re.M) and str(waits) not in told, told
 
 
+@pytest.mark.slow
 def test_who_waits_for_a_result_is_told_where_it_will_be_when_the_server_stops(new_server, tmp_path, database_url):
     server = new_server(tmp_path / "data", "/livez", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="0")
     with ThreadPoolExecutor(2) as pool:

@@ -62,6 +62,7 @@ def test_outputs_come_from_the_step():
         assert about["value"] == f"${{{{ steps.grade.outputs.{name} }}}}"
 
 
+@pytest.mark.slow
 def test_what_is_right_passes(runner):
     told, outputs = runner.run(files="right_terms.py", exercises="2", seed="3")
     assert told.returncode == 0, told.stdout + told.stderr

@@ -29,6 +29,7 @@ def test_pre_commit_takes_the_manifest():
     assert set(HOOKS) == {"polhode-grade", "polhode-verify"}
 
 
+@pytest.mark.slow
 def test_polhode_grade_is_given_file_names(tmp_path, rigid_body):
     names = ["right_terms.py", "wrong_zeros.py"]
     for name in names:

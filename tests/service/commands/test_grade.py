@@ -80,6 +80,7 @@ def test_reports_of_files_with_one_name_do_not_overwrite_each_other(polhode, fol
     assert len(list((tmp_path / "out").glob("*/report.json"))) == 2
 
 
+@pytest.mark.slow  # an import contract forbids it
 def test_grade_needs_neither_web_nor_database(folder):
     script = (
         "import sys\nfor name in ('fastapi', 'sqlalchemy', 'psycopg', 'uvicorn'):\n    sys.modules[name] = None\n"
@@ -88,6 +89,7 @@ def test_grade_needs_neither_web_nor_database(folder):
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, check=False).returncode == 0
 
 
+@pytest.mark.slow
 def test_many_files_are_graded_in_several_processes_and_told_in_order(polhode, folder, tmp_path):
     for number in range(5):
         (tmp_path / f"s{number}.py").write_text((folder / ("wrong_zeros.py" if number == 3 else "right_terms.py")).read_text())
@@ -129,6 +131,7 @@ def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path):
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("x", "as it was")]
 
 
+@pytest.mark.slow
 def test_names_of_files_cost_nobody_a_report_and_are_no_lines_of_ours(polhode, folder, tmp_path):
     """Of bytes that are no UTF-8, and of several lines, also where a file is refused; where nobody can print a ✓."""
     for name in (b"no\xff.py", b"a\n::error::b.py"):

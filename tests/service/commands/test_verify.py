@@ -194,6 +194,7 @@ def test_an_export_of_a_broken_assignment_tells_what_is_wrong_with_it(folder, ca
     assert "plays.py line 1: '(' was never closed" in capsys.readouterr().err and not (tmp_path / "x.zip").exists()
 
 
+@pytest.mark.slow
 def test_nothing_to_grade(folder, capsys):
     for path in (folder, folder / "specimens", folder.parent):
         assert verify(path, "--only", "nothing*") == 2

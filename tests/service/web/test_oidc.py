@@ -238,6 +238,7 @@ def away():
     started.stop()
 
 
+@pytest.mark.slow
 def test_a_provider_that_is_away_keeps_nobody_else_out(new_app, url, away):
     server, other = new_app(**settings(url, away)), new_app(**settings(url, away))
     browser = Stopping(server)

@@ -17,16 +17,18 @@ SAME = [
     "right_ex1_integrals",
     "right_terms",
     "wrong_zeros",
-    "wrong_time_reversed",
     "wrong_not_finite",
     "wrong_raises",
     "wrong_two_arguments",
+    "wrong_mutates_I",
+    "wrong_shape_six",
+]
+LONG = [
+    "wrong_time_reversed",
     "wrong_four_arguments",
     "wrong_arguments_exchanged",
-    "wrong_mutates_I",
     "wrong_mutates_w",
     "wrong_nothing_returned",
-    "wrong_shape_six",
     "wrong_shape_ragged_list",
     "wrong_strings",
     "wrong_complex",
@@ -34,9 +36,12 @@ SAME = [
     "wrong_raises_name_error",
     "wrong_animation_raises",
     "wrong_moments_cyclic",
+    "right_all",
+    "right_animation_scatter_tip",
+    "wrong_animation_static",
+    "wrong_slip_1e-9",
+    "wrong_sign_first",
 ]
-# Every frame of an animation, twice; and mistakes that are others but to their size.
-LONG = ["right_all", "right_animation_scatter_tip", "wrong_animation_static", "wrong_slip_1e-9", "wrong_sign_first"]
 KERNEL = """
 import contextlib, io, json, sys
 import ecp

@@ -150,6 +150,7 @@ def test_nothing_runs_on_the_pages_that_show_most(seen_by, server, paths):
         assert SHOWN[what] in inert(page), what
 
 
+@pytest.mark.slow  # test_accessible.py does so with every page
 def test_axe_objects_to_nothing_and_pages_fit_a_phone(seen_by, page, server, paths):
     plain = page()
     show(plain, f"{server.url}/login")

@@ -1,7 +1,7 @@
 """Every sample of rigid-body, graded through the real sandbox, gets the report that is expected of it.
 
-``make test`` grades samples until every diagnosis code and every verdict of a check has been seen, and exercise 2 of every right
-function; ``make test-all`` grades every sample whole.
+``make test`` grades samples until every diagnosis code and every verdict of a check has been seen, and exercise 2 of every second
+right function; ``make test-all`` grades every sample whole.
 """
 
 from dataclasses import replace
@@ -28,7 +28,9 @@ def samples():
     for sample in SAMPLES:
         drawing = sample.ask in (["5"], ["6"])  # its own verdicts follow from the code, and a drawing takes long
         shown = {*sample.codes, *sample.verdicts.items()} if not drawing else sample.codes or {(*sample.ask, "right")}
-        yield pytest.param(sample, id=sample.file.name, marks=[pytest.mark.slow] if shown <= seen else [])
+        if takes_long := sample.file.name == "wrong_finite_difference.py":
+            shown = set()
+        yield pytest.param(sample, id=sample.file.name, marks=[pytest.mark.slow] if takes_long or shown <= seen else [])
         seen |= shown
 
 
@@ -50,7 +52,7 @@ def test_a_sample_gets_its_expected_report(sample, seed, sandbox, rigid_body, pa
     assert all(outcome["cause"] for outcome in outcomes if outcome["verdict"] == "unmeasured")
 
 
-@pytest.mark.parametrize("sample", [pytest.param(sample, id=sample.file.name) for sample in RIGHT])
+@pytest.mark.parametrize("sample", [pytest.param(sample, id=sample.file.name) for sample in RIGHT[::2]])
 def test_no_right_function_is_refused(sample, sandbox, patient):
     submission = Submission.from_bytes(sample.file.read_bytes(), sample.file.name)
     report = grade(submission, patient, sandbox, 3, ["2"]).report

@@ -8,9 +8,7 @@ import threading
 import time
 import urllib.request
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
 
 from service.store import tokens
 from service.store.postgres import running_url
@@ -36,6 +34,9 @@ def play(kit, tmp_path, monkeypatch):
         monkeypatch.setenv(name, str(tmp_path / name.lower()))
     monkeypatch.setenv("PYTHONPATH", str(kit))
     monkeypatch.setenv("PYTHONSAFEPATH", "1")
+
+    import nbformat  # takes seconds, and only the process that runs these tests needs it
+    from nbclient import NotebookClient
 
     def execute(*cells, allow_errors=False):
         notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
@@ -111,6 +112,8 @@ def test_what_is_defined_anywhere_in_the_notebook_goes_along(cells, server, play
 
 @pytest.mark.slow
 def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play, tmp_path):
+    import nbformat
+
     cells = [
         connect(server),
         "1 / 0",

@@ -18,7 +18,7 @@ LOOPS = {
 }
 
 
-@pytest.mark.parametrize("where", LOOPS)
+@pytest.mark.parametrize("where", ["in a scene", *(pytest.param(w, marks=pytest.mark.slow) for w in LOOPS if w != "in a scene")])
 def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_guest(sandbox, rigid_body, where):
     sandbox.wait_ready()
     before, timer = sandbox.zygotes, threading.Timer(0.6, sandbox.unwanted.set)

@@ -26,6 +26,7 @@ def entries(folder):
     return tomllib.loads((folder / "specimens" / "expected.toml").read_text())
 
 
+@pytest.mark.slow
 def test_the_templates_expectations_are_what_comes_and_show_every_check_and_code(folder, capsys):
     whole = (folder / "specimens" / "expected.toml").read_text()
     (folder / "specimens" / "expected.toml").unlink()

@@ -67,7 +67,7 @@ def test_forged_lines_stay_in_their_line(rigid_body, sandbox):
     assert not any(line.startswith("✓") for line in text.split("\n"))
 
 
-@pytest.mark.parametrize("number", ["2", "3", "4", "5", "6"])
+@pytest.mark.parametrize("number", ["2", "6", *(pytest.param(n, marks=pytest.mark.slow) for n in "345")])
 @pytest.mark.parametrize(
     "wrong",
     [

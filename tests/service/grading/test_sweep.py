@@ -30,6 +30,7 @@ def test_the_chart_shows_yours_over_the_others(swept):
     assert "yours, DOP853" in chart and "yours" not in draw_work_precision(load_work_precision(), swept.scene).decode()
 
 
+@pytest.mark.slow  # test_routes.py sweeps a submission too
 def test_wrong_equations_reach_nothing(rigid_body, sandbox):
     wrong = sweep(
         Submission(RIGHT + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    return -right(t, w, I)\n"), rigid_body, sandbox

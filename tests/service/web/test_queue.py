@@ -80,6 +80,7 @@ def runs(url, id):
     return sql(url, query, id)
 
 
+@pytest.mark.slow  # test_cancelling.py: what runs is cancelled; test_stopping.py: its guest is free at once
 def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, people, worker):
     before = sql(url, "SELECT name, zygotes FROM worker")
     loop = post(server, people["ann"], LOOP)

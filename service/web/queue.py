@@ -19,7 +19,7 @@ from service.web.templating import templates
 
 router = APIRouter()
 LONG_S = 5.0  # in one scene: most take a tenth of that
-LEFT_S = 5.0  # a worker tells every three seconds that it is alive
+LEFT_S = 5.0  # a worker gives a sign of life every three seconds
 
 
 @router.get("/queue", response_class=HTMLResponse)

@@ -1,7 +1,7 @@
 """One worker process: takes jobs from the queue, grades them with its own warm guest, and looks after work that others lost.
 
 Grading runs in one thread that lives as long as the process, as a guest dies with the thread that started it. The event loop
-beside it tells, four times in a lease, that the run is alive.
+beside it gives a sign of life of the run four times in a lease.
 """
 
 import asyncio

@@ -18,7 +18,8 @@ from service.demo import free_port
 from service.store.account import as_server, own
 from service.store.postgres import find_programs
 from tests.support.machines import NAMESPACES, Machine
-from tests.system.test_workers import SLOW, TAKEOVER_S, get, post, rows, wait_for
+from tests.support.waiting import wait_for
+from tests.system.test_workers import SLOW, TAKEOVER_S, get, post, rows
 
 pytestmark = pytest.mark.slow  # a cut link and a dead host look like a frozen and a killed worker, see test_workers.py
 

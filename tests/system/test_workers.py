@@ -23,6 +23,7 @@ from tests.support.database import sql
 from tests.support.machines import children, command_of, started_with
 from tests.support.server import WebApplication
 from tests.support.submissions import claim, submitted
+from tests.support.waiting import wait_for
 
 TAKEOVER_S = 5.0
 QUICK = {"POLHODE_LEASE": "0.6"}
@@ -48,15 +49,6 @@ def rows(url, query, *values):
     with psycopg.connect(url, autocommit=True) as connection:
         cursor = connection.execute(query, values)
         return cursor.fetchall() if cursor.description else []
-
-
-def wait_for(found, seconds=30.0):
-    """What ``found()`` gives as soon as it gives something."""
-    until = time.monotonic() + seconds
-    while not (answer := found()):
-        assert time.monotonic() < until, "not in time"
-        time.sleep(0.05)
-    return answer
 
 
 def running(database_url, id, but=()):

@@ -16,6 +16,7 @@ from service.web import queue
 from tests.support.app import App
 from tests.support.database import run, sql
 from tests.support.visitor import Visitor, enter
+from tests.support.waiting import wait_for
 
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 # It answers the questions one by one and goes round for ever in the first motion, whose budget is 12 s.
@@ -59,14 +60,6 @@ def post(server, person, source):
         urllib.request.Request(f"{server.url}/v1/assignments/rigid-body/submissions", body, headers), timeout=30
     ) as answer:
         return json.load(answer)["id"]
-
-
-def wait_for(found, seconds=30.0):
-    until = time.monotonic() + seconds
-    while not (answer := found()):
-        assert time.monotonic() < until, "not in time"
-        time.sleep(0.05)
-    return answer
 
 
 def attempt_of(url, id):

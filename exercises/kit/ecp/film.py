@@ -23,7 +23,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
     - ``tracks`` (f, p, 3): where the artists put their points in f ≤ FOLLOWED frames, in data coordinates
-    - ``owners`` (p, 2): for each point the artist's number and whether its axes have 2 or 3 dimensions (0: there is no point)
+    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point) and their number
     - ``at`` (f, 3): for each of those frames its number, the value the animation calls it by (−1: none), and how many there are
     - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
@@ -100,7 +100,7 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
     """
     newest = [{d.key: d for d in frame} for frame in paths]
     oldest = [{(*d.key[:2], -d.oldest): d for d in frame} for frame in paths]
-    columns, owners = [], []
+    columns, owners, ranks = [], [], [0]
     for by_key in (newest, oldest):
         for key, first in by_key[0].items():
             seen = [frame[key] for frame in by_key if key in frame]
@@ -110,11 +110,13 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
             same = min(map(len, points)) == max(map(len, points))
             many = len(first.points) if same else min(2, *map(len, points))
             columns.append(np.stack([p[:many] for p in points]))
-            owners += [[len(columns), first.dimensions]] * many
+            owners += [[len(columns), first.dimensions, first.key[0]]] * many
+            ranks += range(many)
     tracks = np.concatenate([np.zeros((len(paths), 1, 3)), *columns], axis=1)
-    owned = np.array([[0, 0], *owners], dtype=float)
+    owned = np.array([[0, 0, 0], *owners], dtype=float)
     tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
-    chosen = np.sort(np.argsort(-np.ptp(tracks, axis=0).max(axis=1), kind="stable")[:POINTS])  # what moves before what stands
+    ends, moved = np.array(ranks) < 2, np.ptp(tracks, axis=0).max(axis=1)
+    chosen = np.sort(np.lexsort((-moved, ~ends))[:POINTS])  # the ends of every artist first, then what moves before what stands
     return tracks[:, chosen], owned[chosen]
 
 

@@ -1,9 +1,9 @@
 """A matplotlib animation watched: stills, the paths of what is drawn, and what the drawing costs. Endless ones are stopped."""
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from operator import length_hint
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -27,14 +27,14 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     - ``at`` (f, 3): for each of those frames its number, the value the animation calls it by (−1: none), and how many there are
     - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
-    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds``.
+    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds`` of CPU time.
     """
     from matplotlib import pyplot as plt
     from matplotlib.animation import Animation
 
     if not isinstance(anim, Animation):
         raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
-    deadline = time.monotonic() + seconds
+    deadline = process_time() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
     listed = length_hint(getattr(anim, "_tee_from", ()))
     values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
@@ -47,11 +47,11 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
         for number, frame in enumerate(sequence):
             if max(number + 1, known) > FRAME_CAP:
                 raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
-            if time.monotonic() > deadline:
-                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s were allowed")
-            began = time.perf_counter()
+            if process_time() > deadline:
+                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s of CPU time were allowed")
+            began = perf_counter()
             anim._draw_frame(frame)  # type: ignore[attr-defined]
-            drawing += time.perf_counter() - began
+            drawing += perf_counter() - began
             values.append(_number(frame))
             paths.append(drawn(figure))
             if number % stride == 0:
@@ -148,9 +148,9 @@ def _clearing() -> Iterator[list[float]]:
         return
 
     def timed(axes: Any) -> None:
-        began = time.perf_counter()
+        began = perf_counter()
         clear(axes)
-        spent.append(time.perf_counter() - began)
+        spent.append(perf_counter() - began)
 
     Axes._AxesBase__clear = timed  # type: ignore[attr-defined]
     try:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ class Kind(NamedTuple):
 class Claim:
     """A claim of a notebook. ``unfit`` says why an argument is no array of real numbers; then ``arrays`` lacks it.
 
+    ``left_out`` says why the arrays of a claim that came from elsewhere are not there; then it is not measured.
     ``detail`` is the text of a claim of kind "check"; the others make their own from the numbers.
     """
 
@@ -35,10 +36,13 @@ class Claim:
     numbers: Mapping[str, float] = field(default_factory=dict)
     detail: str = ""
     unfit: str = ""
+    left_out: str = ""
 
     def judged(self) -> Judgement:
         """Judge the claim; an argument that is not an array of finite real numbers makes it ✗ and is named."""
         kind = KINDS[self.kind]
+        if self.left_out:
+            return Judgement(Verdict.UNMEASURED, f"not captured: {self.left_out}")
         if self.unfit:
             return Judgement(Verdict.FAIL, self.unfit)
         for name in kind.arrays:
@@ -47,6 +51,32 @@ class Claim:
         with np.errstate(all="ignore"):
             found = kind.judge(*(self.arrays[a] for a in kind.arrays), *(self.numbers[n] for n in kind.numbers))
         return Judgement(found.verdict, self.detail or found.detail, found.measured, found.expected, found.margin)
+
+    def outcome(self, cell: str) -> "NotebookCheck":
+        """Judge the claim, made in ``cell``, for a report."""
+        found = self.judged()
+        return NotebookCheck(cell=cell, kind=self.kind, label=self.label, verdict=found.verdict, detail=found.detail)
+
+
+@dataclass(kw_only=True)
+class NotebookCheck:
+    """A line of the notebook's own checks in a report, judged again from the numbers that the student's code passed.
+
+    It is self-reported: the student's code chooses the numbers. It carries no points and changes no verdict.
+    """
+
+    cell: str
+    kind: str
+    label: str
+    verdict: Verdict
+    detail: str
+
+    TOLD: ClassVar = ("line",)
+
+    @property
+    def line(self) -> str:
+        """The ✓/✗ line as the notebook prints it."""
+        return judge.line(self.verdict, self.label, self.detail)
 
 
 def claim(kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str, float], detail: Any = "") -> Claim:
@@ -102,7 +132,7 @@ def _close(got: Array, expected: Array, rtol: float, atol: float) -> Judgement:
 
 
 def _check(condition: Array) -> Judgement:
-    ok = bool(condition == 1.0)
+    ok = bool(np.array_equal(condition, 1.0))
     return judge.holds(ok, str(ok))
 
 

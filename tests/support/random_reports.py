@@ -52,7 +52,8 @@ def reports(draw):
     traces = st.none() | st.just(TRACEBACK) | TEXTS
     endings = st.builds(SceneEnding, TEXTS, st.sampled_from(Ending), causes, st.none(), traces)
     figures = draw(st.lists(st.builds(Picture, st.sampled_from(["omega", "cone"]), st.just("1"), TEXTS, TEXTS), max_size=2))
-    claims = st.builds(NotebookCheck, cell=TEXTS, kind=st.just("check"), label=TEXTS, verdict=st.sampled_from(Verdict), detail=TEXTS)
+    marks = st.sampled_from(Verdict)
+    claims = st.builds(NotebookCheck, cell=TEXTS, kind=st.just("check"), label=TEXTS, verdict=marks, detail=TEXTS)
     more = {"endings": draw(st.lists(endings, max_size=3)), "notebook_checks": draw(st.lists(claims, max_size=2))}
     return report(made[:cut], made[cut:], stdout=draw(TEXTS), figures=figures, **more)
 

@@ -25,7 +25,7 @@ def show(anim: Any) -> Any:
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Within, what is shown, saved or made into a player is kept in :data:`shown` and not rendered, which takes longer than drawing it.
+    """Within, what is shown, saved or made into a player is kept in :data:`shown` and not rendered: that takes too long.
 
     ``Animation.save``, ``to_jshtml`` and ``to_html5_video`` write nothing and return an empty string.
     """

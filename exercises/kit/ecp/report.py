@@ -4,9 +4,12 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
 from ecp.judge import Verdict
 from ecp.outcome import Ending, Outcome, SceneEnding, Swept
+
+OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
 
 @dataclass
@@ -76,6 +79,7 @@ class Report:
     endings: list[SceneEnding] = field(default_factory=list)
     stdout: str = ""
     sweep: Swept | None = None
+    notebook_checks: list[NotebookCheck] = field(default_factory=list)
     drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
     sent: Any = field(default=None, metadata={"here": True}, compare=False)
     address: str | None = field(default=None, metadata={"here": True}, compare=False)
@@ -109,6 +113,8 @@ class Report:
     def text(self) -> str:
         """The report as the notebook would print it, exercise by exercise, then what interrupted the code."""
         blocks = [e.text() for e in self.exercises if e.outcomes]
+        if self.notebook_checks:
+            blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
         if notes := [note for e in self.endings if (note := _note(e))]:
             blocks.append("\n".join(notes))
         if self.sweep:

@@ -5,7 +5,7 @@ import json
 from html import escape
 
 from ecp.outcome import Outcome
-from ecp.report import ExerciseReport, Picture, Report
+from ecp.report import OWN_CHECKS, ExerciseReport, Picture, Report
 
 # Light first; dark where the notebook's front end says so, or where it says nothing and the system is dark.
 # ":not(#_)" lifts every rule above those of JupyterLab's own for what stands in an output.
@@ -38,6 +38,9 @@ td,th{text-align:left;vertical-align:top}}
 def html(report: Report) -> str:
     """The report as one HTML fragment that needs nothing from elsewhere."""
     parts = [_exercise(report, e) for e in report.exercises if e.outcomes]
+    if report.notebook_checks:
+        lines = [f'<li class="{c.verdict.value}"><code>{escape(c.line)}</code></li>' for c in report.notebook_checks]
+        parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
         f"<details open><summary>{escape(e.scene)}: {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
         for e in report.endings

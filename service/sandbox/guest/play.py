@@ -15,7 +15,8 @@ from ecp.animate import watched
 from ecp.stopped import stopped
 from ecp.strict import is_written, real_array
 
-from .cells import runnable
+from .cells import pieces, runnable
+from .claims import Recorder
 from .notebook import settle, stand_ins
 from .wire import Questions, Writer
 
@@ -38,8 +39,8 @@ class Budget:
         self._cpu, self._wall = process_time() + seconds, monotonic() + WALL * seconds
 
     def left(self) -> float:
-        """CPU seconds left; 0 where the time by the clock is up."""
-        return max(0.0, self._cpu - process_time()) if monotonic() < self._wall else 0.0
+        """Seconds left of the one or the other, whichever is less."""
+        return max(0.0, min(self._cpu - process_time(), self._wall - monotonic()))
 
     def sentence(self) -> str:
         """Which limit was exceeded."""
@@ -59,8 +60,11 @@ def run(job_fd: int, result_fd: int) -> None:
 
 
 def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> None:
-    _load_submission(student, job, write)
-    write.event("defined", names=[name for name in job["functions"] if is_written(student.get(name))])
+    recorder = Recorder()
+    with recorder.recording():
+        _load_submission(student, job, recorder, write)
+    names = [name for name in job["functions"] if is_written(student.get(name))]
+    write.event("defined", names=names, claims_left_out=recorder.left_out)
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
@@ -124,20 +128,24 @@ def _prepare(setup: str) -> Names:
     return module.__dict__
 
 
-def _load_submission(student: Names, job: dict[str, Any], write: Writer) -> None:
+def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> None:
     """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on."""
     budget = Budget(job["load_budget_s"])
     for name, source in job["cells"]:
+        recorder.cell = name
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
 
-        def load(name: str = name, source: str = source) -> None:
-            exec(runnable(source, name), student)
+        for piece in pieces(source):
 
-        ended = _attempt(load, budget)
-        if ended["ending"] != "finished":
-            write.event("cell", scene=name, **ended)
-        if not budget.left():
-            break
+            def load(name: str = name, piece: str = piece) -> None:
+                exec(runnable(piece, name), student)
+
+            ended = _attempt(load, budget)
+            recorder.send(write)
+            if ended["ending"] != "finished":
+                write.event("cell", scene=name, **ended)
+            if not budget.left():
+                return
 
 
 def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:

@@ -25,6 +25,7 @@ TRIES = 6  # paths whose times are fitted, the most hopeful first
 PARALLEL = 0.03  # sine of the angle from the body axis
 SPAN = 0.1  # of the length of two directions that show the body's attitude together
 UNAMBIGUOUS = 0.45  # of the motion: a shorter arc of any curve looks like one of ê₃'s by some camera
+MOST_SAMPLES = 400  # of a motion: laws grow with their square
 NAMES = "₁₂₃"
 TRANSPOSED = "what is drawn follows the transposed R: R takes body components to space, so ê₃ is R[:, :, 2], its third column"
 
@@ -92,11 +93,25 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
         return Shown(None if painted else False, None, "nothing that moves was found in lines, arrows, polygons and markers")
     if len(seen["at"]) < timing.LEAST_FRAMES:
         return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
-    motion = Motion(seen["at"], t, R, L, axis)
-    shown = _compared(drawn, motion, seen["at"])
+    at, t, R = _fewer(seen["at"], t, R)
+    shown = _compared(drawn, Motion(at, t, R, L, axis), at)
     if painted and not shown.found:
         return Shown(None, None, "what moves beside the painted picture says nothing about the body")
     return shown
+
+
+def _fewer(at: Array, t: Array, R: Array) -> tuple[Array, Array, Array]:
+    """A motion of at most MOST_SAMPLES at even steps of its sample numbers, and the frames counted in these."""
+    from scipy.interpolate import CubicSpline
+
+    n = len(t)
+    if n <= MOST_SAMPLES:
+        return at, t, R
+    kept, share = np.linspace(0, n - 1, MOST_SAMPLES), (MOST_SAMPLES - 1) / (n - 1)
+    number, value, total = at.T
+    indices = bool(np.all(value == np.rint(value)))
+    counted = np.column_stack([number * share, value * share if indices else value, 1 + (total - 1) * share])
+    return counted, np.interp(kept, np.arange(n), t), CubicSpline(np.arange(n), R.reshape(n, 9))(kept).reshape(-1, 3, 3)
 
 
 def _compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
@@ -352,7 +367,9 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
         return Shown(None, None, "what came back does not fit together")
     drawn, unit = pictures(seen), L / np.linalg.norm(L)
     enough = len(seen["at"]) >= timing.LEAST_FRAMES and any(picture.paths for picture in drawn)
-    found = _compared(drawn, Motion(seen["at"], t, R, L, axis), seen["at"]).cameras if enough else ()
+    at, t, R = _fewer(seen["at"], t, R)
+    motion = Motion(at, t, R, L, axis)
+    found = _compared(drawn, motion, at).cameras if enough else ()
     reversed_ = False
     for picture, camera in zip(drawn, found or (None,) * len(drawn), strict=True):
         some, sure = directions(picture, [path.origin for path in picture.paths if path.bound])
@@ -365,7 +382,6 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
     if reversed_:
         return Shown(False, "reversed-angular-momentum", "what is drawn points along −L")
     if enough:
-        motion = Motion(seen["at"], t, R, L, axis)
         for picture in drawn:
             for view in cameras.plain(picture.dimensions):
                 for turned in (motion.R @ unit, np.einsum("gji,j->gi", motion.R, unit)):

@@ -69,6 +69,7 @@ def grade(
     told = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
     figures, animations = pictures(covered, shown)
+    missed = [e.number for e in asked if e not in covered]
     report = Report(
         assignment=assignment.slug,
         version=assignment.version,
@@ -78,7 +79,9 @@ def grade(
         endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
         stdout=seen.stdout,
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
+        not_attempted=missed,
     )
+    report.total = report.max_score + assignment.most_points(missed)
     return Graded(report, covered, shown)
 
 

@@ -76,7 +76,7 @@ def example():
     ]
     endings = [SceneEnding("motion", Ending.RAISED, raised, "raises", TRACEBACK)]
     figures = [Picture("omega", "2", "Angular velocity", "ω₁, ω₂ and ω₃ over time")]
-    return report(first, second, endings=endings, figures=figures)
+    return report(first, second, endings=endings, figures=figures, total=3)
 
 
 def graded_file(report, file="samples/ann.py", **more):

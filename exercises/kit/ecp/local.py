@@ -35,13 +35,20 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     names = sys._getframe(1).f_globals
     known = course.public(course.assignment(assignment))
     written = {f for e in known.exercises for f in e.asks_for() if is_written(names.get(f))}
+
+    def function_of(scene: str) -> str:
+        return known.scenes[scene].function
+
     asked = _asked(known, [str(number) for number in numbers], written)
-    made = {e.number: e.made(written, lambda scene: known.scenes[scene].function) for e in asked}
+    made = {e.number: e.made(written, function_of) for e in asked}
     with _own_figures(), animate.watched():
         played = _play(_needed(asked, made, known), known, names)
     sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in made[e.number]]) for e in asked]
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS))
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS), local=True)
+    missed = [] if numbers else [e for e in known.exercises if e not in asked]
+    report.not_attempted = [e.number for e in missed]
+    report.total = report.max_score + sum(len(e.made(e.functions, function_of)) for e in missed)
     report.endings = [ending for ending in played.endings.values() if ending.ending is not Ending.FINISHED]
     arrays = played.arrays
     report.figures, report.animations = pictures(asked, arrays)

@@ -63,8 +63,12 @@ def _no_picture(name: str) -> bytes | None:
 class Report:
     """All outcomes of one attempt. A point is a check that passed.
 
+    ``total`` counts the points of every exercise that was asked for, also of those ``not_attempted`` (their numbers); None in a
+    report stored before polhode recorded it.
+
     In a notebook it shows itself; as plain text it is the ✓/✗ lines, ``print(report)`` tells the causes too. Only there it has
-    pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, and a ``remark``.
+    pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, and a ``remark``; a
+    ``local`` one comes from ``ecp.check`` and has the public checks only.
     """
 
     assignment: str
@@ -76,6 +80,9 @@ class Report:
     endings: list[SceneEnding] = field(default_factory=list)
     stdout: str = ""
     sweep: Swept | None = None
+    total: int | None = None
+    not_attempted: list[str] = field(default_factory=list)
+    local: bool = field(default=False, metadata={"here": True}, compare=False)
     drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
     sent: Any = field(default=None, metadata={"here": True}, compare=False)
     address: str | None = field(default=None, metadata={"here": True}, compare=False)
@@ -92,6 +99,11 @@ class Report:
     def max_score(self) -> int:
         """Checks made that count."""
         return sum(o.counted for o in self.outcomes())
+
+    @property
+    def most(self) -> int:
+        """``total``, or where that is not known the points of the attempted exercises."""
+        return self.max_score if self.total is None else self.total
 
     @property
     def passed(self) -> bool:
@@ -116,10 +128,16 @@ class Report:
         return "\n\n".join([*blocks, self.summary()]) + "\n"
 
     def summary(self) -> str:
-        """How many checks are ✓, and how many of those that everybody knows."""
-        public = [o for o in self.outcomes() if o.counted and not o.hidden]
-        passed = sum(o.verdict is Verdict.PASS for o in public)
-        return f"{self.score} of {self.max_score} checks ✓ (public checks: {passed} of {len(public)})"
+        """State the points out of all there are, the public checks among them, and the exercises not attempted."""
+        if self.local:
+            points = f"{self.score} of {self.most} public checks ✓"
+        else:
+            of = f"{self.most} points" if self.total is not None else f"{self.most} points of the attempted exercises"
+            public = [o for o in self.outcomes() if o.counted and not o.hidden]
+            passed = sum(o.verdict is Verdict.PASS for o in public)
+            points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"
+        numbers = f"exercise{'s' * (len(self.not_attempted) > 1)} {', '.join(self.not_attempted)}"
+        return f"{points}; not attempted: {numbers}" if self.not_attempted else points
 
     def __repr__(self) -> str:
         return self.lines()

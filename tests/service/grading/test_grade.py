@@ -107,6 +107,14 @@ def test_a_missing_function_is_unmeasured_with_its_cause(files, rigid_body, sand
     assert report.outcomes()[0].diagnosis[0].code == "missing-function"
 
 
+def test_the_total_has_the_points_of_exercises_that_were_not_attempted(files, rigid_body, sandbox):
+    box = "def box_moments(m, a, b, c): return a, b, c\n"
+    one, asked = (grade(Submission(box), rigid_body, sandbox, 1, numbers).report for numbers in (None, ["1", "6"]))
+    assert (one.max_score, one.total) == (len(rigid_body.exercise("1").checks), rigid_body.most_points())
+    assert one.not_attempted == ["2", "3", "4", "5", "6"]
+    assert asked.not_attempted == [] and asked.total == asked.max_score == rigid_body.most_points(["1", "6"])
+
+
 GOLDEN = """\
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
@@ -122,7 +130,7 @@ Exercise 2. Euler's equations
      worst at ω₃, t = 9.579 s
      5.65e+07 times the allowed difference
 
-2 of 5 checks ✓ (public checks: 2 of 3)
+2 of 5 points (public checks: 2 of 3)
 """
 
 

@@ -59,7 +59,7 @@ def _marked(check, mark, margin=10.0, diagnosis=SLIP):
 def report_of_verdicts(verdicts, **more):
     """Build a report whose checks c1, c2, … have the ``verdicts`` "+" pass, "-" fail, "?" unmeasured, "." not counted."""
     outcomes = [outcome(f"c{k}", VERDICTS[one], f"check {k}", counted=one != ".") for k, one in enumerate(verdicts, start=1)]
-    return report(exercises=[ExerciseReport("2", "Euler", outcomes)], **more)
+    return report(**{"exercises": [ExerciseReport("2", "Euler", outcomes)]} | more)
 
 
 def example():

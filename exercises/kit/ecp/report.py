@@ -1,10 +1,12 @@
 """The one Report: told by the server, made by ``ecp.check``, stored, served, printed and shown."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from ecp import grouped
 from ecp.exercise import Exercise
+from ecp.grouped import Cause
 from ecp.judge import Verdict
 from ecp.outcome import Ending, Outcome, SceneEnding, Swept
 
@@ -33,14 +35,9 @@ class ExerciseReport:
     title: str
     outcomes: list[Outcome]
 
-    def text(self) -> str:
-        """The lines of the exercise; a cause shared by several is told once."""
-        told: set[str] = set()
-        lines = [f"Exercise {self.number}. {self.title}"]
-        for outcome in self.outcomes:
-            lines.append(outcome.text(told))
-            told |= {d.sentence for d in outcome.diagnosis}
-        return "\n".join(lines)
+    def text(self, numbers: Mapping[str, int]) -> str:
+        """The lines of the exercise; ``numbers`` of the causes that stand at the top of the report, by sentence."""
+        return "\n".join([f"Exercise {self.number}. {self.title}", *(outcome.text(numbers) for outcome in self.outcomes)])
 
 
 @dataclass
@@ -114,13 +111,19 @@ class Report:
         """The outcomes of all exercises in order."""
         return [o for e in self.exercises for o in e.outcomes]
 
+    def causes(self) -> list[Cause]:
+        """The diagnoses, each with the failures it explains, first those that explain most."""
+        return grouped.causes(self.exercises)
+
     def lines(self) -> str:
         """The ✓/✗ lines and nothing else."""
         return "\n".join(o.line for o in self.outcomes())
 
     def text(self) -> str:
-        """The report as the notebook would print it, exercise by exercise, then what interrupted the code."""
-        blocks = [e.text() for e in self.exercises if e.outcomes]
+        """The causes of failures, the lines as the notebook would print them, by exercise, then what interrupted the code."""
+        causes = self.causes()
+        blocks = [grouped.text(causes)] if causes else []
+        blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
         if notes := [note for e in self.endings if (note := _note(e))]:
             blocks.append("\n".join(notes))
         if self.sweep:

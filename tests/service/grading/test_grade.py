@@ -116,19 +116,26 @@ def test_the_total_has_the_points_of_exercises_that_were_not_attempted(files, ri
 
 
 GOLDEN = """\
+One cause explains 3 failures:
+1. likely returns-zero: euler_eqs returns zeros whatever it is asked
+     exercise 2: ω(t) follows the exact motion; euler_eqs agrees with Euler's equations point by point; \
+ω(t) of a body not seen before follows the exact motion for sixty radians
+
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]
      worst at ω₁, t = 8.093 s
      1.49e+08 times the allowed difference
-     likely returns-zero: euler_eqs returns zeros whatever it is asked
+     cause 1: returns-zero
 ✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
      worst at ω̇₁, probe 78 of 128
      6.48e+12 times the allowed difference
+     cause 1: returns-zero
 ✗  ω(t) of a body not seen before follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
      worst at ω₃, t = 9.579 s
      5.65e+07 times the allowed difference
+     cause 1: returns-zero
 
 2 of 5 points (public checks: 2 of 3)
 """

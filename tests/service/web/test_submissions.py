@@ -12,7 +12,8 @@ import uuid
 import numpy as np
 import pytest
 
-from ecp.outcome import Ending, SceneEnding
+from ecp.outcome import Diagnosis, Ending, SceneEnding
+from ecp.report import ExerciseReport
 from exercises.assignment import InvalidAssignment
 from service.grading import motion, pictures
 from service.grading.places import places
@@ -21,6 +22,7 @@ from service.store import people, tokens
 from service.web.difference import MOST_WORK, TooLong, difference
 from service.web.source import MOST_LINES, cells
 from tests.support.database import run, sql
+from tests.support.reports import outcome
 from tests.support.submissions import grade_really, graded
 
 SLUG = "/v1/assignments/rigid-body/submissions"
@@ -447,3 +449,12 @@ def test_points_are_out_of_all_there_are(server, url, ann):
     for page in ("/", "/assignments/rigid-body", f"/submissions/{id}"):
         assert "✗ 1 of 36</span>" in call(server, page, ann)[2], page
     assert '"total":36' in call(server, f"/v1/submissions/{id}/events", ann)[2].replace(" ", "")
+
+
+def test_the_page_states_each_cause_once_above_the_lines_that_refer_to_it(server, url, ann):
+    slip = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check <I₃ − I₁>", 1.0)
+    outcomes = [outcome(f"c{k}", "fail", f"label {k}", diagnosis=[slip]) for k in (1, 2)]
+    page = call(server, f"/submissions/{graded(url, 'ann', exercises=[ExerciseReport('2', 'Euler', outcomes)])}", ann)[2]
+    assert page.count("ω̇₂ has the opposite sign: check &lt;I₃ − I₁&gt;") == 1 and page.count('href="#cause-1"') == 2
+    assert "<h2>One cause explains 2 failures</h2>" in page and page.index('id="cause-1"') < page.index("Exercise 2.")
+    assert '<a href="#check-c1">label 1</a>; <a href="#check-c2">label 2</a>' in page

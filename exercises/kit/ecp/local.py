@@ -17,6 +17,7 @@ from ecp import animate, course
 from ecp.checks import Arrays, Check
 from ecp.course import NotKnown, PublicAssignment, PublicScene
 from ecp.exercise import Exercise, attempted
+from ecp.limited import OutOfTime, limited
 from ecp.outcome import Ending, Outcome, SceneEnding
 from ecp.report import ExerciseReport, Provenance, Report, pictures
 from ecp.stopped import stopped
@@ -100,10 +101,14 @@ def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str
 def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: Played) -> None:
     began = time.monotonic()
     try:
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), limited(scene.budget_s):
             seen = known.plays[scene.play]({scene.function: names[scene.function]}, scene.inputs)
     except KeyboardInterrupt:
         raise
+    except OutOfTime:
+        sentence = f"your code did not finish within {scene.budget_s:g} s"
+        played.endings[scene.name] = SceneEnding(scene.name, Ending.TIMED_OUT, sentence, "timeout")
+        return
     except BaseException as error:
         told = stopped(error, _own)
         ending, sentence = Ending(str(told["ending"])), " ".join(str(told["sentence"]).split())

@@ -11,6 +11,7 @@ from importlib import metadata
 import numpy as np
 
 from ecp.checks import Arrays, Check
+from ecp.claims import Claim, NotebookCheck
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
@@ -81,6 +82,7 @@ def grade(
         animations=animations,
         endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
         stdout=seen.stdout,
+        notebook_checks=_own_checks(seen),
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
         not_attempted=missed,
     )
@@ -151,6 +153,13 @@ def _play(
         if ending.ending is Ending.RAISED and ending.sentence.startswith("ModuleNotFoundError: "):
             ending.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
     return seen, {name: exact[name] for name in seen.arrays}
+
+
+def _own_checks(seen: Seen) -> list[NotebookCheck]:
+    if not seen.claims_left_out:
+        return seen.claims
+    more = Claim("check", f"{seen.claims_left_out} more checks", left_out=f"at most {len(seen.claims)} are taken")
+    return [*seen.claims, more.outcome("")]
 
 
 def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:

@@ -12,6 +12,7 @@ import pytest
 
 from service.store import tokens
 from service.store.postgres import running_url
+from tests.support import course_notebook
 from tests.support.database import run, sql
 from tests.support.http_client import Browser
 from tests.support.server import WebApplication
@@ -130,6 +131,18 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
     nbformat.write(notebook, tmp_path / "mine.ipynb")
     *_, remote = play(connect(server), 'ecp.submit(file="mine.ipynb", exercises=["2"])')
     assert shown(remote).count("✓") == 5
+
+
+@pytest.mark.slow
+def test_the_courses_own_notebook_runs_in_a_kernel_and_prints_its_nine_lines(play):
+    cells = course_notebook.code()
+    outputs = dict(zip(cells, play(*cells.values()), strict=True))
+    lines = [line for id in cells if id.startswith("validation") for line in said(outputs[id]).splitlines()]
+    assert [line.split("   ")[0] for line in lines] == [f"✓  {label}" for label in course_notebook.LABELS]
+    assert all(shown(outputs[id]) == "True" for id in cells if id.startswith("validation"))
+    card = outputs["header"][0].data["text/html"]
+    assert "Rigid-Body Rotation and the Spinning Top" in card and "advanced" in card and outputs["footer"]
+    assert "<script" in shown(outputs["solution-5"], "text/html"), "an animation is shown as a player"
 
 
 @pytest.mark.slow

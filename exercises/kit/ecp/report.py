@@ -5,10 +5,13 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from ecp import grouped
+from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
 from ecp.grouped import Cause
 from ecp.judge import Verdict
 from ecp.outcome import Ending, Outcome, SceneEnding, Swept
+
+OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
 
 @dataclass
@@ -79,6 +82,7 @@ class Report:
     sweep: Swept | None = None
     total: int | None = None
     not_attempted: list[str] = field(default_factory=list)
+    notebook_checks: list[NotebookCheck] = field(default_factory=list)
     local: bool = field(default=False, metadata={"here": True}, compare=False)
     drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
     sent: Any = field(default=None, metadata={"here": True}, compare=False)
@@ -124,6 +128,8 @@ class Report:
         causes = self.causes()
         blocks = [grouped.text(causes)] if causes else []
         blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
+        if self.notebook_checks:
+            blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
         if notes := [note for e in self.endings if (note := _note(e))]:
             blocks.append("\n".join(notes))
         if self.sweep:

@@ -8,7 +8,7 @@ from html import escape
 from ecp import grouped
 from ecp.grouped import Cause
 from ecp.outcome import Outcome
-from ecp.report import ExerciseReport, Picture, Report
+from ecp.report import OWN_CHECKS, ExerciseReport, Picture, Report
 
 # Light first; dark where the notebook's front end says so, or where it says nothing and the system is dark.
 # ":not(#_)" lifts every rule above those of JupyterLab's own for what stands in an output.
@@ -44,6 +44,9 @@ def html(report: Report) -> str:
     causes = report.causes()
     parts = [_causes(causes)] if causes else []
     parts += [_exercise(report, e, grouped.numbers(causes)) for e in report.exercises if e.outcomes]
+    if report.notebook_checks:
+        lines = [f'<li class="{c.verdict.value}"><code>{escape(c.line)}</code></li>' for c in report.notebook_checks]
+        parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
         f"<details open><summary>{escape(e.scene)}: {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
         for e in report.endings

@@ -123,7 +123,7 @@ One cause explains 3 failures:
 
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
-✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
+✓  |L| conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]
      worst at ω₁, t = 8.093 s
      1.49e+08 times the allowed difference

@@ -409,6 +409,14 @@ class Tags(html.parser.HTMLParser):
         self.addresses += [value for name, value in attrs if name in ("href", "src", "data-live", "data-motion", "action")]
 
 
+def test_the_notebooks_own_checks_are_lines_without_points(server, ann, send):
+    told = send(ann, notebook(RIGHT, "validate.check(True, '<b>mine</b>', '1 < 2')"), "mine.ipynb")
+    (check,) = told["report"]["notebook_checks"]
+    assert check["line"] == "✓  <b>mine</b>   [1 < 2]" and check["cell"] == "cell 2" and told["report"]["score"] == 5
+    shown = page(server, ann, told)
+    assert "Self-reported, no points" in shown and "✓  &lt;b&gt;mine&lt;/b&gt;   [1 &lt; 2]" in shown and "<b>mine" not in shown
+
+
 def test_a_strangers_text_stays_text(server, url, send):
     eve = token(url, f"eve {NASTY}")
     source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\n"

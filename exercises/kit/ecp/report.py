@@ -80,9 +80,9 @@ class Report:
     endings: list[SceneEnding] = field(default_factory=list)
     stdout: str = ""
     sweep: Swept | None = None
+    notebook_checks: list[NotebookCheck] = field(default_factory=list)
     total: int | None = None
     not_attempted: list[str] = field(default_factory=list)
-    notebook_checks: list[NotebookCheck] = field(default_factory=list)
     local: bool = field(default=False, metadata={"here": True}, compare=False)
     drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
     sent: Any = field(default=None, metadata={"here": True}, compare=False)

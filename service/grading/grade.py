@@ -70,6 +70,7 @@ def grade(
     told = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
     figures, animations = pictures(covered, shown)
+    missed = [e.number for e in asked if e not in covered]
     report = Report(
         assignment=assignment.slug,
         version=assignment.version,
@@ -80,7 +81,9 @@ def grade(
         stdout=seen.stdout,
         notebook_checks=_own_checks(seen),
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
+        not_attempted=missed,
     )
+    report.total = report.max_score + assignment.most_points(missed)
     return Graded(report, covered, shown)
 
 

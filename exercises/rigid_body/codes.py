@@ -33,6 +33,9 @@ CODES = (
     "wrong-axis",
     "transposed-rotation",
     "moving-angular-momentum",
+    "reversed-angular-momentum",
     "wrong-motion",
+    "wrong-frames",
+    "mirrored",
     "too-many-frames",
 )

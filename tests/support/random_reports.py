@@ -6,7 +6,7 @@ from ecp.claims import NotebookCheck
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
 from ecp.report import Picture
-from tests.support.reports import TOLERANCE, TRACEBACK, graded_file, report
+from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
 HOSTILE = (
     "::error file=a.py,line=1::x", "\n::stop-commands::x\n", "##[add-mask]x", "%0A::debug::", "```", "````\n# h", "|", "\\|",
@@ -55,7 +55,11 @@ def reports(draw):
     marks = st.sampled_from(Verdict)
     claims = st.builds(NotebookCheck, cell=TEXTS, kind=st.just("check"), label=TEXTS, verdict=marks, detail=TEXTS)
     more = {"endings": draw(st.lists(endings, max_size=3)), "notebook_checks": draw(st.lists(claims, max_size=2))}
-    return report(made[:cut], made[cut:], stdout=draw(TEXTS), figures=figures, **more)
+    drawn = report(made[:cut], made[cut:], stdout=draw(TEXTS), figures=figures, **more)
+    if draw(st.booleans()):
+        drawn.not_attempted = draw(st.lists(st.sampled_from(["5", "6"]), unique=True)) if drawn.max_score else []
+        drawn.total = drawn.max_score + ASSIGNMENT.most_points(drawn.not_attempted)
+    return drawn
 
 
 def graded_files():

@@ -78,7 +78,7 @@ def test_local_and_remote_tell_the_same_lines(server, play):
     lines = shown(remote).split("\n")
     assert all(LINE.fullmatch(line) for line in lines) and len(lines) == 5
     assert shown(local).split("\n") == lines[:3] and all(line.startswith("✓") for line in lines)
-    assert line(remote) == "submitted and graded: 5 of 5 checks ✓ (public checks: 3 of 3)"
+    assert line(remote) == "submitted and graded: 5 of 5 points (public checks: 3 of 3)"
     html = shown(remote, "text/html")
     assert html.count("data:image/png;base64,") == 2 and "This is what was graded (SHA-256 " in html
     assert "def euler_eqs(t, w, I):" in html and f'href="{server.url}/submissions/' in html

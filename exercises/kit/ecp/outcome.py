@@ -110,7 +110,7 @@ class Outcome:
 
     def causes(self) -> list[Diagnosis]:
         """The likely causes that the line itself does not state; none of a ✓."""
-        return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence != self.cause]
+        return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
 
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
         """The line, and for anything but ✓ what helps to find the discrepancy, indented below it.

@@ -16,6 +16,7 @@ from ecp.strict import WrongAnswer, exchanged, real_array, takes
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
+UNBOUNDED = 30.0  # times the first |ω|; energy allows the root of the largest moment over the smallest, under 6 here
 CALLED = ("t", "w", "I")
 TIMED = 500
 
@@ -58,22 +59,22 @@ def pointwise(student, inputs):
 def trajectory(student, inputs):
     """The motion that ``euler_eqs`` drives: ω alone, or with the attitude where ``orientation`` is asked for."""
     times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
-    start, rates, _ = driven(student["euler_eqs"], inputs)
-    y = _integrate(rates, start, times)
+    start, rates, calls = driven(student["euler_eqs"], inputs)
+    y = _integrate(rates, start, times, calls)
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
 def driven(function, inputs):
-    """Start and right-hand side of the motion that ``function`` drives, and a list with the number of its calls."""
-    moments, calls = np.asarray(inputs["I"], dtype=float), [0]
+    """Start and right-hand side of the motion that ``function`` drives, and a list: the number of its calls, and the last ω."""
+    moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
     def spin_rate(t, w):
-        calls[0] += 1
+        calls[:] = calls[0] + 1, w
         if calls[0] > MOST_CALLS:
-            raise WrongAnswer(None, f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
+            raise _stopped(f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs", t, w, start)
         rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
         if not all(map(math.isfinite, rate)):
-            raise WrongAnswer("not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite")
+            raise _stopped(f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite", t, w, start, "not-finite")
         return rate
 
     def both_rates(t, y):
@@ -131,8 +132,18 @@ def animation(student, inputs):
     return film.watch(anim, float(inputs["seconds"]))
 
 
-def _integrate(rhs, start, times):
+def _integrate(rhs, start, times, calls):
     run = solve_ivp(rhs, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
     if not run.success:
-        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g} s: {run.message}")
+        t = run.t[-1] if len(run.t) else 0.0
+        raise _stopped(f"the integration stopped at t = {t:.3g} s: {run.message}", t, calls[1], start)
     return run.y
+
+
+def _stopped(sentence, t, w, start, code=None):
+    """Why an integration ended early: ω that grows without bound, which no torque-free body does, or else ``sentence``."""
+    first, last = (math.sqrt(sum(float(x) ** 2 for x in spin[:3])) for spin in (start, w))
+    if not last > UNBOUNDED * first:
+        return WrongAnswer(code, sentence)
+    grown = f"|ω| = {first:.3g} rad/s at the start, {last:.3g} rad/s at t = {t:.3g} s"
+    return WrongAnswer("unbounded", f"ω grows without bound (energy is not conserved): {grown}")

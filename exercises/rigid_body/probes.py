@@ -2,7 +2,7 @@
 
 Random points meet each order of the moments with each octant of ω. Special points follow: on axes and planes, at rest, with
 equal moments, and with very large and very small numbers. A right function may be written in many ways, so what is allowed is
-relative to the largest product Iω² of the point itself, and nothing is asked where that product is zero.
+relative to the largest product Iω² of the point itself.
 """
 
 import itertools
@@ -21,6 +21,7 @@ ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.produ
 PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # at random; again; at another time; along each motion
 SPECIAL = 20
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
+AT_REST = 1e-20  # rad/s², the scale where ω = 0: a right rate is exactly zero there
 APART = 0.05  # least relative distance of two moments that are not equal
 
 
@@ -52,7 +53,7 @@ def exact(inputs: Inputs) -> Mapping[str, Array]:
 
 def scale(w: Array, I: Array) -> Array:
     """The largest product Iω² of each point over each moment (n, 3): every spelling rounds to a fraction of it."""
-    return np.asarray(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I)
+    return np.asarray(np.maximum(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I, AT_REST))
 
 
 def _random(rng: Rng, order: tuple[int, ...], signs: tuple[float, ...]) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
@@ -64,7 +64,7 @@ def _probes(rng: np.random.Generator) -> Inputs:
 
 def _boxes(rng: np.random.Generator) -> Inputs:
     """Boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars, large and small ones."""
-    boxes = [_unequal_box(rng) for _ in range(UNEQUAL)]
+    boxes: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
     for m, a, b, c in (_unequal_box(rng) for _ in range(2)):
         long, thin = 20 * max(a, b, c), min(a, b, c) / 20
         boxes += [(m, a, a, a), (m, b, a, a), (m, a, b, a), (m, a, a, b), (m, a, b, thin), (m, long, b, c)]
@@ -87,7 +87,7 @@ def _exact_boxes(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def _tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
-    return {"tensors": [reference.box_tensor(*box, _rotation(rng)).tolist() for box in boxes]}
+    return {"tensors": [reference.box_tensor(m, a, b, c, _rotation(rng)).tolist() for m, a, b, c in boxes]}
 
 
 def _rotation(rng: np.random.Generator) -> Array:

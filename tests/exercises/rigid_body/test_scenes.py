@@ -78,6 +78,8 @@ def test_moments_of_flat_long_large_and_small_boxes(seed, rigid_body):
         assert passed(rigid_body, ("1-boxes",), {"box_moments": function}, seed)
     for function in EIGENVALUES.values():
         assert passed(rigid_body, ("1-tensors", "1-trace", "1-determinant"), {"principal_moments": function}, seed)
-    assert not passed(rigid_body, ("1-boxes",), {"box_moments": lambda m, a, b, c: np.maximum(BOXES["sums"](m, a, b, c), 1e-3)}, seed)
+    assert not passed(
+        rigid_body, ("1-boxes",), {"box_moments": lambda m, a, b, c: np.maximum(BOXES["sums"](m, a, b, c), 1e-3)}, seed
+    )
     only_tilted = {"principal_moments": lambda T: np.linalg.eigvalsh(T) if T[0, 1] else np.full(3, np.nan)}
     assert not passed(rigid_body, ("1-tensors",), only_tilted, seed)

@@ -57,7 +57,7 @@ def scale(w: Array, I: Array) -> Array:
 
 
 def _random(rng: Rng, order: tuple[int, ...], signs: tuple[float, ...]) -> tuple[Array, Array]:
-    spin = 10 ** rng.uniform(-1.0, 1.0) * rng.uniform(0.2, 1.0, 3)
+    spin = 10 ** rng.uniform(-1.0, 1.5) * rng.uniform(0.2, 1.0, 3)
     return spin * signs, np.sort(_moments(rng))[list(order)]
 
 

@@ -13,10 +13,11 @@ ROUNDING = 1e-14  # of the largest product that the right equations form there
 
 
 def agree(seen: Array, expected: Array, w: Array, moments: Array) -> Mask:
-    """Whether each of the rates (n, 3) is the expected one; False where either is not finite."""
-    with np.errstate(all="ignore"):
-        size = np.maximum(np.abs(seen), np.abs(expected)).max(axis=1, keepdims=True)
-        return np.asarray(np.abs(seen - expected) <= AGREEMENT * size + ROUNDING * scale(w, moments))
+    """Whether each of the rates (n, 3) is the expected one, or both are not finite."""
+    known, due = np.isfinite(seen), np.isfinite(expected)
+    got, want = np.where(known, seen, 0.0), np.where(due, expected, 0.0)
+    size = np.maximum(np.abs(got), np.abs(want)).max(axis=1, keepdims=True)
+    return np.asarray((known == due) & (np.abs(got - want) <= AGREEMENT * size + ROUNDING * scale(w, moments)))
 
 
 def same(seen: Array, expected: Array, w: Array, moments: Array) -> bool:

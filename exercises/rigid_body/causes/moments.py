@@ -57,11 +57,14 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     for place, value in (("m/12·b² + c²", m / 12 * first + second), ("b² + c²·m/12", first + m / 12 * second)):
         yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
     yield "missing-brackets", "I₁ is computed as m·b² + c²/12, and so on: (b² + c²) needs its brackets", m * first + second / 12
-    yield (
-        "wrong-power",
-        "the edges are not squared: I₁ holds b + c where b² + c² belongs",
-        m / 12 * (np.sqrt(first) + np.sqrt(second)),
-    )
+    unsquared = "the edges are not squared: I₁ holds b + c where b² + c² belongs"
+    yield "wrong-power", unsquared, m / 12 * (np.sqrt(first) + np.sqrt(second))
+    yield "wrong-power", "I₁ holds the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
+    volume = np.prod(boxes[:, 1:], axis=1, keepdims=True)
+    yield "wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume
+    yield "wrong-quantity", "the right moments over the volume abc: m is the mass, not the density", truth / volume
+    exchanged = np.array([reference.box_moments(row[3], *row[:3]) for row in boxes])
+    yield "swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged
 
 
 def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:

@@ -73,6 +73,10 @@ def _wrong_phases(t: Array, w: Array) -> Iterator[tuple[str, str, float]]:
 def _wrong_times(t: Array, phase: Array) -> Iterator[tuple[str, str, float]]:
     n, whole, step, number = len(t), float(phase[-1] - phase[0]), t[1] - t[0], np.arange(float(len(t)))
     yield "wrong-quantity", "the angle turned by, not divided by the time", whole
+    for middle in (n // 2, (n - 1) // 2):
+        half = "the turn over half of the motion, divided by the time of all of it, or the other way round"
+        yield "wrong-times", half, (phase[middle] - phase[0]) / (t[-1] - t[0])
+        yield "wrong-times", half, whole / (t[middle] - t[0])
     yield "wrong-quantity", "the phase at time zero, the other coefficient of the fitted line", float(np.polyfit(t, phase, 1)[1])
     for value in (whole / n, whole / (n - 1), _slope(number, phase), float(np.median(np.diff(phase)))):
         yield "wrong-times", "the turn per sample: divide by the time between samples", value

@@ -26,7 +26,11 @@ def precision_lost(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
             return [lost(name)]
     if np.all(np.abs(wdot - truth) < 10 * SINGLE * size) and in_single(wdot):
         return [lost("the answer is in single precision (float32)")]
-    for what, cut in (("cut to whole numbers: look for an array of integers", np.trunc), ("rounded to whole numbers", np.round)):
+    for what, cut in (
+        ("cut to whole numbers: look for an array of integers", np.trunc),
+        ("rounded to whole numbers", np.round),
+        ("in half precision (float16)", lambda x: x.astype(np.float16).astype(float)),
+    ):
         if np.all(np.abs(wdot - cut(truth)) <= ROUNDING * size):
             return [lost(f"the answer is {what}")]
     for places in range(1, 13):

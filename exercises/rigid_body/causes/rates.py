@@ -32,6 +32,8 @@ def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
     finite: Mask = np.asarray(np.all(np.isfinite(wdot), axis=1))
     if np.all(finite):
         return _finite(t, w, moments, wdot)
+    if found := _something_else(w, moments, wdot):
+        return found
     rest = _finite(t[finite], w[finite], moments[finite], wdot[finite]) if finite.sum() > LEAST_POINTS else []
     return [*(cause for cause in rest if cause.code != "partly-right"), _not_finite(w, moments, finite)]
 

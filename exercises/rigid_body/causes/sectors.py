@@ -18,7 +18,7 @@ PLACE = ("smallest", "middle", "largest")
 def described(inside: Mask, outside: Mask, w: Array, moments: Array) -> str | None:
     """What holds at all points ``inside`` (n,) and at none ``outside``, in words; None if nothing known does.
 
-    Two thresholds that both hold are both said.
+    Of thresholds that hold alike the first two are said.
     """
     if not inside.any():
         return None
@@ -28,7 +28,7 @@ def described(inside: Mask, outside: Mask, w: Array, moments: Array) -> str | No
     if min(inside.sum(), outside.sum()) < LEAST_POINTS:
         return None
     found = [said for name, size in _sizes(w, moments) if (said := _threshold(name, size, inside, outside))]
-    return " and ".join(found) if 0 < len(found) <= 2 else None
+    return " or ".join(found[:2]) or None
 
 
 def _conditions(w: Array, moments: Array) -> Iterator[tuple[str, Mask]]:

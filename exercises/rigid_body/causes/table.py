@@ -125,6 +125,15 @@ def _arguments(w: Array, moments: Array) -> Iterator[Mistake]:
     speed = np.where(speed > 0, speed, 1.0)
     yield Mistake("normalised", "{c} is computed from the unit vector ω/|ω|: use ω itself", exact / speed**2)
     yield Mistake("normalised", "{c} lacks a factor |ω|: one of its ω comes from the unit vector ω/|ω|", exact / speed)
+    length = np.linalg.norm(moments * w, axis=1, keepdims=True)
+    yield Mistake("normalised", "{c} lacks a factor |L|: L comes from a unit vector", exact / np.where(length > 0, length, 1.0))
+    largest = moments.max(axis=1)
+    for name, size in (("|I|", np.linalg.norm(moments, axis=1)), ("their sum", moments.sum(axis=1)), ("the largest", largest)):
+        said = f"{{c}} holds moments divided by {name} in one place and not in another"
+        yield Mistake("normalised", said, exact / size[:, None])
+    for name, size in (("largest", moments.max(axis=1)), ("middle", np.median(moments, axis=1)), ("smallest", moments.min(axis=1))):
+        said = f"{{c}} is divided by the {name} of the moments instead of by {{ik}}"
+        yield Mistake("wrong-divisor", said, exact * moments / size[:, None])
     yield Mistake("inverted-moments", "{c} has I and 1/I exchanged: {d}/{ik} is due", _exact(w, 1 / moments))
     yield Mistake("wrong-power", "{c} holds the squares {wi}² and {wj}² where {wi} and {wj} are due", exact * wi * wj)
     yield Mistake("wrong-power", "{c} is the square of the right value, with its sign", exact * np.abs(exact))

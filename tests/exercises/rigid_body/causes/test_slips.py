@@ -51,7 +51,7 @@ def test_all_components(probes):
     assert codes(probes, np.roll(truth, 1, axis=1)) == ["component-order"]
     with np.errstate(divide="ignore", invalid="ignore"):
         swapped = reference.euler_rhs(moments.T, w.T).T
-    assert codes(probes, swapped) == ["swapped-arguments", "not-finite"], "it divides by ω, which is zero at some points"
+    assert codes(probes, swapped) == ["swapped-arguments"], "also where it divides by ω = 0"
     assert codes(probes, np.where(truth > 0, np.nan, truth)) == ["not-finite"]
 
 

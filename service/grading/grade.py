@@ -11,6 +11,7 @@ from importlib import metadata
 import numpy as np
 
 from ecp.checks import Arrays, Check
+from ecp.claims import Claim, NotebookCheck
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
@@ -69,6 +70,7 @@ def grade(
     told = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
     figures, animations = pictures(covered, shown)
+    missed = [e.number for e in asked if e not in covered]
     report = Report(
         assignment=assignment.slug,
         version=assignment.version,
@@ -77,8 +79,11 @@ def grade(
         animations=animations,
         endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
         stdout=seen.stdout,
+        notebook_checks=_own_checks(seen),
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
+        not_attempted=missed,
     )
+    report.total = report.max_score + assignment.most_points(missed)
     return Graded(report, covered, shown)
 
 
@@ -136,6 +141,13 @@ def _play(
 
     seen = sandbox.play(job, begin)
     return seen, {name: exact[name] for name in seen.arrays}
+
+
+def _own_checks(seen: Seen) -> list[NotebookCheck]:
+    if not seen.claims_left_out:
+        return seen.claims
+    more = Claim("check", f"{seen.claims_left_out} more checks", left_out=f"at most {len(seen.claims)} are taken")
+    return [*seen.claims, more.outcome("")]
 
 
 def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:

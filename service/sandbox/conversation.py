@@ -166,6 +166,7 @@ class Conversation:
             return
         if ending is Ending.PROTOCOL:  # nothing that this child sent is believed
             lost = [s.name for s in self.job.scenes]
+            seen.claims.clear()
         elif self.reader.started:
             lost = [self.reader.started]
         else:

@@ -5,6 +5,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from ecp.claims import NotebookCheck
 from ecp.outcome import Ending, SceneEnding
 
 KEPT_OUTPUT = 64 << 10  # bytes of what a submission printed
@@ -36,13 +37,16 @@ GUEST_CODES = frozenset(
 @dataclass
 class Seen:
     """Everything one play brought back: ``arrays`` by scene and name, the ``endings`` of scenes, those of failed ``cells``, and
-    what came of scenes that the host drove (``driven``)."""
+    what came of scenes that the host drove (``driven``); the notebook's own
+    checks (``claims``), and how many more there were."""
 
     defined: set[str] = field(default_factory=set)
     arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
     endings: dict[str, SceneEnding] = field(default_factory=dict)
     cells: dict[str, SceneEnding] = field(default_factory=dict)
     driven: dict[str, Any] = field(default_factory=dict)
+    claims: list[NotebookCheck] = field(default_factory=list)
+    claims_left_out: int = 0
     stdout: str = ""
 
     def add(self, other: "Seen") -> None:
@@ -52,6 +56,8 @@ class Seen:
         self.endings |= other.endings
         self.cells |= other.cells
         self.driven |= other.driven
+        if not self.claims:  # each child runs the cells again
+            self.claims, self.claims_left_out = other.claims, other.claims_left_out
         self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
 
     def finished(self, scene: str) -> bool:

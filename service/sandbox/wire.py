@@ -2,8 +2,8 @@
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` is an
 array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. Kind ``R`` is three
-numbers in answer to a question. The host knows which arrays a scene may bring, their element type and their largest shape, and
-what it has asked; anything else breaks the protocol.
+numbers in answer to a question. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host knows which arrays a
+scene may bring, their element type and their largest shape, and what it has asked; anything else breaks the protocol.
 """
 
 import json
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from ecp.outcome import Ending, SceneEnding
 from exercises.assignment import Blank
+from service.sandbox import claims
+from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import ANSWER
 from service.sandbox.job import Job
 from service.sandbox.seen import GUEST_CODES, Seen
@@ -66,13 +68,15 @@ class Reader:
                 self._event(_json(payload))
             elif kind == b"R":
                 self._answer(payload)
+            elif kind == b"C":
+                self._claim(payload)
             else:
                 self._array(payload)
 
     def _frames(self) -> Iterator[tuple[bytes, bytes]]:
         while len(self._buffer) >= HEAD.size:
             kind, length = HEAD.unpack_from(self._buffer)
-            if length > {b"J": MOST_JSON, b"A": self._longest, b"R": ANSWER.size}.get(kind, -1):
+            if length > {b"J": MOST_JSON, b"A": self._longest, b"R": ANSWER.size, b"C": claims.MOST_BYTES}.get(kind, -1):
                 raise ProtocolError("not a frame")
             if len(self._buffer) < HEAD.size + length:
                 return
@@ -87,6 +91,7 @@ class Reader:
             case "defined" if isinstance(event.get("names"), list) and not self._told_names:
                 self._told_names = True
                 self.seen.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
+                self.seen.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
                 self.started = self._next(event)
                 self._tell(self.started)
@@ -107,7 +112,7 @@ class Reader:
             case "cell":
                 name = self._known(event, self._cells)
                 if len(self.seen.cells) < MOST_CELLS_TOLD:
-                    self.seen.cells[name] = _ending(name, event)
+                    self.seen.cells.setdefault(name, _ending(name, event))
             case "done":
                 self.done = True
             case _:
@@ -134,19 +139,37 @@ class Reader:
         self.open_questions -= 1
         self.answers.append(np.array(ANSWER.unpack(payload)))
 
+    def _claim(self, payload: bytes) -> None:
+        if self._told_names or len(self.seen.claims) >= MOST_CLAIMS:
+            raise ProtocolError("a claim after the cells, or one too many")
+        try:
+            self.seen.claims.append(claims.read(*_headed(payload), self._cells, text))
+        except ValueError:
+            raise ProtocolError("not a claim") from None
+
     def _array(self, payload: bytes) -> None:
-        (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
-        header = _json(payload[2 : 2 + length])
+        header, raw = _headed(payload)
         scene = self._known(header, self._scenes)
         blank = self._scenes[scene].returns.get(str(header.get("name")))
         if blank is None or scene != self.started or header["name"] in self.seen.arrays.get(scene, {}):
             raise ProtocolError("an array nobody asked for")
         shape = _shape(header.get("shape"), blank)
-        raw = payload[2 + length :]
         if len(raw) != math.prod(shape) * DTYPES[blank.dtype].itemsize:
             raise ProtocolError("an array of another length than its shape")
         array: NDArray[Any] = np.frombuffer(raw, DTYPES[blank.dtype]).reshape(shape)
         self.seen.arrays.setdefault(scene, {})[str(header["name"])] = array
+
+
+def _headed(payload: bytes) -> tuple[Mapping[str, Any], bytes]:
+    """The JSON header of a payload, and the bytes behind it."""
+    (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
+    return _json(payload[2 : 2 + length]), payload[2 + length :]
+
+
+def _count(value: Any) -> int:
+    if type(value) is not int or not 0 <= value < 1 << 53:
+        raise ProtocolError("not a count")
+    return value
 
 
 def text(value: Any, most: int = MOST_TEXT) -> str:

@@ -24,6 +24,7 @@ class Past:
     status: str
     score: int | None
     max_score: int | None
+    total: int | None
     points: int | None
     verdicts: dict[str, str]
 
@@ -39,6 +40,7 @@ class Step:
     status: str
     points: int | None
     max_score: int | None
+    total: int | None
     before: UUID | None
 
 
@@ -87,7 +89,8 @@ async def past(database: Database, person: str, slug: str) -> Sequence[Past]:
 
 
 _PAST = f"""
-SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, given.points, {STATUS}, (
+SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, shown.total,
+    given.points, {STATUS}, (
     SELECT jsonb_object_agg(o->>'id', o->>'verdict')
     FROM jsonb_array_elements(shown.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 ) AS verdicts
@@ -101,7 +104,7 @@ WITH s AS (
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
     WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
 )
-SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, {STATUS}, s.before
+SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, shown.total, {STATUS}, s.before
 FROM s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
 """
 

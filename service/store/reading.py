@@ -31,6 +31,7 @@ def points(given: str, attempt: str, score: str) -> str:
 SHOWN = f"""
 LATERAL (
     SELECT a.id AS attempt, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
+        coalesce(CAST(r.report->>'total' AS int), r.max_score) AS total,
         r.attempt_id IS NOT NULL AS finished, r.finished_at, r.version
     FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
     WHERE a.submission_id = s.id AND NOT a.held ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
@@ -59,14 +60,14 @@ WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, given.points, {STATUS}
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS}
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN}
 WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
 """
 
 _STATE = f"""
-SELECT s.id, shown.finished, shown.score, shown.max_score, shown.attempt, shown.number, going.phase, going.scene, going.scenes,
-    {STATUS} FROM submission s JOIN {SHOWN} WHERE s.id = :id
+SELECT s.id, shown.finished, shown.score, shown.max_score, shown.total, shown.attempt, shown.number, going.phase, going.scene,
+    going.scenes, {STATUS} FROM submission s JOIN {SHOWN} WHERE s.id = :id
 """
 
 _POSITIONS = """
@@ -84,7 +85,7 @@ async def read(database: Database, id: UUID) -> Stored | None:
 async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Listed]:
     """The latest submissions, of all or of one person, newest first, without their source and report."""
     return [
-        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points)
+        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
         for r in await database.rows(_LIST, {"most": most, "person": person})
     ]
 

@@ -62,7 +62,10 @@ class Stored:
 
 @dataclass(frozen=True)
 class Listed:
-    """A submission as a list shows it; ``score``, ``max_score`` and ``points`` are None where there is no report."""
+    """A submission as a list shows it; ``score``, ``max_score``, ``points`` and ``total`` are None where there is no report.
+
+    ``total`` is that of the report, or of the checks made where the report was stored without one.
+    """
 
     id: UUID
     filename: str
@@ -72,3 +75,4 @@ class Listed:
     score: int | None
     max_score: int | None
     points: int | None = None
+    total: int | None = None

@@ -12,7 +12,7 @@ from ecp.judge import Verdict
 from ecp.report import ExerciseReport, Report
 from exercises.assignment import Assignment
 from service.grading.states import state
-from service.tellings.detail import NOTHING, SUBMITTED, NoVerdict, detail, one_line, shown
+from service.tellings.detail import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, shown
 from service.tellings.files import GradedFile
 
 SCHEMA = "classroom50/result/v1"
@@ -47,7 +47,9 @@ def document(file: GradedFile, assignment: Assignment, about: About) -> dict[str
     elif not report.max_score:
         most, tests = 0, [_failed(NOTHING, 0, "nothing that counts was checked")]
     else:
-        most, tests = report.max_score, [test for exercise in report.exercises for test in _tests(exercise, report)]
+        missed = not_attempted(report, assignment)
+        most, tests = report.max_score + sum(missed.values()), [t for e in report.exercises for t in _tests(e, report)]
+        tests += [_failed(name, points, name) for name, points in missed.items()]
     return {"schema": SCHEMA, **_told(about), "score": file.points, "max-score": most, "tests": tests}
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from ecp.judge import Verdict
 from ecp.outcome import Outcome, SceneEnding
 from ecp.report import Report
+from exercises.assignment import Assignment
 from service.sandbox.wire import text
 
 NOTHING = "a check that counts was made"
@@ -37,6 +38,13 @@ def detail(outcome: Outcome, report: Report, *, trace: bool = True) -> str:
     if ending and ending.traceback:
         parts.append(f"{ending.scene}: {ending.sentence}\n{ending.traceback[-MOST_TRACE:].rstrip()}")
     return shown("\n".join(parts))
+
+
+def not_attempted(report: Report, assignment: Assignment) -> dict[str, int]:
+    """Return the points of each exercise that was asked for and not attempted, by a sentence that says so."""
+    there = {exercise.number for exercise in assignment.exercises}
+    points = {number: assignment.most_points([number]) for number in report.not_attempted if number in there}
+    return {f"exercise {number} was not attempted": most for number, most in points.items() if most}
 
 
 def stopped_by(outcome: Outcome, endings: Iterable[SceneEnding]) -> SceneEnding | None:

@@ -23,7 +23,7 @@ MOST_BYTES = 1 << 20
 """Of a summary: a larger one is not shown at all."""
 MOST_OF_ONE = 64 << 10
 ROOM = 1024
-HEADER = "| file | | checks ✓ | likeliest cause |\n|---|---|---|---|\n"
+HEADER = "| file | | points | likeliest cause |\n|---|---|---|---|\n"
 
 
 def annotations(files: Sequence[GradedFile], assignment: Assignment) -> Iterator[str]:
@@ -99,7 +99,7 @@ def _row(file: GradedFile) -> str:
         mark, told = ("!", "polhode failed") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
         return f"| {name} | {mark} | {told} | |\n"
     mark = MARKS[Verdict.PASS if report.passed else Verdict.FAIL]
-    return f"| {name} | {mark} | {report.score} of {report.max_score} | {_likeliest(report)} |\n"
+    return f"| {name} | {mark} | {report.score} of {report.most} | {_likeliest(report)} |\n"
 
 
 def _likeliest(report: Report) -> str:

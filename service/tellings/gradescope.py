@@ -14,7 +14,7 @@ from ecp.outcome import Outcome
 from ecp.report import ExerciseReport, Picture, Report
 from exercises.assignment import Assignment
 from service.grading.states import state
-from service.tellings.detail import NOTHING, SUBMITTED, NoVerdict, detail, one_line, shown
+from service.tellings.detail import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, shown
 from service.tellings.files import GradedFile
 
 VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
@@ -27,6 +27,8 @@ def document(
 ) -> dict[str, Any]:
     """The document of one file: a check is a point, or its part of ``max_score``; hidden checks have the visibility ``hidden``.
 
+    The points of exercises that were not attempted are in the total: each is one failed test.
+
     Raises NoVerdict for a fault of ours, ValueError for another visibility.
     """
     if hidden not in VISIBILITIES:
@@ -35,14 +37,17 @@ def document(
         raise NoVerdict(file.fault)
     about = {"execution_time": round(file.seconds, 3), "output_format": "text", "stdout_visibility": "hidden"}
     if file.report is not None:
-        return _graded(file, file.report, max_score, hidden) | about
+        return _graded(file, file.report, assignment, max_score, hidden) | about
     said, most = shown(file.refused or ""), assignment.most_points() if max_score is None else max_score
     return {"score": 0, "output": said, "tests": [_failed(SUBMITTED, said) | {"score": 0, "max_score": most}]} | about
 
 
-def _graded(file: GradedFile, report: Report, max_score: float | None, hidden: str) -> dict[str, Any]:
-    point = 1 if max_score is None else max_score / report.max_score if report.max_score else 0
+def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score: float | None, hidden: str) -> dict[str, Any]:
+    missed = not_attempted(report, assignment)
+    total = report.max_score + sum(missed.values())
+    point = 1 if max_score is None else max_score / total if total else 0
     tests = [test for exercise in report.exercises for test in _tests(exercise, report, point, hidden)]
+    tests += [_failed(name, name) | {"score": 0, "max_score": point * most} for name, most in missed.items()]
     if not report.max_score:
         tests.append(_failed(NOTHING, "nothing that counts was checked"))
     made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance

@@ -105,4 +105,4 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
 def _facts(report: Report) -> dict[str, object]:
     """What holds for the whole file."""
     made = {"assignment": report.assignment, "version": report.version, "seed": report.provenance.seed}
-    return made | {"score": report.score, "max_score": report.max_score}
+    return made | {"score": report.score, "max_score": report.max_score, "total": report.most}

@@ -38,6 +38,7 @@ def _told(found: Sequence[Past]) -> list[dict[str, Any]]:
             "status": one.status,
             "score": one.score,
             "max_score": one.max_score,
+            "total": one.total,
             "points": one.points,
             "sha256": one.sha256,
             "verdicts": one.verdicts,

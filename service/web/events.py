@@ -48,7 +48,7 @@ async def _now(request: Request, stored: Stored, listener: Listener) -> dict[str
     assert row is not None
     told = {"status": row.status, "attempt": row.number}
     if row.finished:
-        return told | {"score": row.score, "max_score": row.max_score}
+        return told | {"score": row.score, "max_score": row.max_score, "total": row.total}
     if row.status == "queued":
         return told | {"position": await listener.position(str(row.attempt))}
     return told | {"phase": row.phase, "scene": row.scene, "scenes": row.scenes}

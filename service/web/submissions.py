@@ -6,6 +6,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
+from ecp import grouped
 from ecp.outcome import Outcome
 from exercises.assignment import assignments
 from service.grading import states
@@ -70,6 +71,8 @@ def _shown(stored: Stored) -> dict[str, Any]:
         "sweeps": assignment is not None and assignment.sweep is not None,
         "state": lambda outcome: states.state(outcome, endings),
         "tolerance": _tolerance,
+        "cause_numbers": grouped.numbers,
+        "causes_header": grouped.header,
     }
 
 

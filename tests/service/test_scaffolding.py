@@ -50,7 +50,7 @@ def test_it_is_verified_listed_and_graded(course, polhode):
     specimens = course / "driven_pendulum" / "specimens"
     right, wrong = (polhode("grade", specimens / f"{name}.py") for name in ("right_terms", "wrong_zeros"))
     assert (right.returncode, wrong.returncode) == (0, 1)
-    assert "3 of 3 checks ✓" in right.stdout and "likely returns-zero" in wrong.stdout
+    assert "3 of 3 points" in right.stdout and "likely returns-zero" in wrong.stdout
 
 
 def test_it_passes_the_repositorys_lint(course):
@@ -91,7 +91,7 @@ def test_in_the_repository_it_is_verified_listed_and_graded(tree):
     assert f"driven-pendulum  {TITLE}  (version 1)\n  1  The equation of motion: oscillator\n" in listed.stdout
     right, wrong = (inside(tree, "-m", "service.cli", "grade", specimens / f"{name}.py") for name in ("right_terms", "wrong_zeros"))
     assert (right.returncode, wrong.returncode) == (0, 1)
-    assert "3 of 3 checks ✓" in right.stdout and "likely returns-zero" in wrong.stdout
+    assert "3 of 3 points" in right.stdout and "likely returns-zero" in wrong.stdout
 
 
 @pytest.mark.slow

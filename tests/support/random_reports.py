@@ -2,10 +2,11 @@
 
 from hypothesis import strategies as st
 
+from ecp.claims import NotebookCheck
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
 from ecp.report import Picture
-from tests.support.reports import TOLERANCE, TRACEBACK, graded_file, report
+from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
 HOSTILE = (
     "::error file=a.py,line=1::x", "\n::stop-commands::x\n", "##[add-mask]x", "%0A::debug::", "```", "````\n# h", "|", "\\|",
@@ -51,7 +52,14 @@ def reports(draw):
     traces = st.none() | st.just(TRACEBACK) | TEXTS
     endings = st.builds(SceneEnding, TEXTS, st.sampled_from(Ending), causes, st.none(), traces)
     figures = draw(st.lists(st.builds(Picture, st.sampled_from(["omega", "cone"]), st.just("1"), TEXTS, TEXTS), max_size=2))
-    return report(made[:cut], made[cut:], endings=draw(st.lists(endings, max_size=3)), stdout=draw(TEXTS), figures=figures)
+    marks = st.sampled_from(Verdict)
+    claims = st.builds(NotebookCheck, cell=TEXTS, kind=st.just("check"), label=TEXTS, verdict=marks, detail=TEXTS)
+    more = {"endings": draw(st.lists(endings, max_size=3)), "notebook_checks": draw(st.lists(claims, max_size=2))}
+    drawn = report(made[:cut], made[cut:], stdout=draw(TEXTS), figures=figures, **more)
+    if draw(st.booleans()):
+        drawn.not_attempted = draw(st.lists(st.sampled_from(["5", "6"]), unique=True)) if drawn.max_score else []
+        drawn.total = drawn.max_score + ASSIGNMENT.most_points(drawn.not_attempted)
+    return drawn
 
 
 def graded_files():

@@ -59,7 +59,7 @@ def _marked(check, mark, margin=10.0, diagnosis=SLIP):
 def report_of_verdicts(verdicts, **more):
     """Build a report whose checks c1, c2, … have the ``verdicts`` "+" pass, "-" fail, "?" unmeasured, "." not counted."""
     outcomes = [outcome(f"c{k}", VERDICTS[one], f"check {k}", counted=one != ".") for k, one in enumerate(verdicts, start=1)]
-    return report(exercises=[ExerciseReport("2", "Euler", outcomes)], **more)
+    return report(**{"exercises": [ExerciseReport("2", "Euler", outcomes)]} | more)
 
 
 def example():
@@ -76,7 +76,7 @@ def example():
     ]
     endings = [SceneEnding("motion", Ending.RAISED, raised, "raises", TRACEBACK)]
     figures = [Picture("omega", "2", "Angular velocity", "ω₁, ω₂ and ω₃ over time")]
-    return report(first, second, endings=endings, figures=figures)
+    return report(first, second, endings=endings, figures=figures, total=3)
 
 
 def graded_file(report, file="samples/ann.py", **more):

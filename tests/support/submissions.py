@@ -60,17 +60,17 @@ def claim(url, attempt, worker="w1"):
     return run(url, lambda d: runs.claim(d, attempt, uuid.uuid4(), worker))
 
 
-def finish(url, attempt, verdicts, version="1"):
-    """Give the attempt a report of those verdicts, such as "+-?"."""
+def finish(url, attempt, verdicts="", version="1", **more):
+    """Give the attempt a report of those verdicts, such as "+-?"; ``more`` sets other fields of the report."""
     sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %s", str(attempt))
     claimed = claim(url, attempt)
-    return run(url, lambda d: runs.finish(d, claimed, report_of_verdicts(verdicts, version=version), {}))
+    return run(url, lambda d: runs.finish(d, claimed, report_of_verdicts(verdicts, version=version, **more), {}))
 
 
-def graded(url, person, verdicts, version="1"):
-    """Store a submission with a report of those verdicts; return its id."""
+def graded(url, person, verdicts="", version="1", **more):
+    """Store a submission with a report of those verdicts; ``more`` sets other fields of the report. Return its id."""
     id, attempt = submitted(url, person)
-    assert finish(url, attempt, verdicts, version)
+    assert finish(url, attempt, verdicts, version, **more)
     return id
 
 

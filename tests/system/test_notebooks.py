@@ -12,6 +12,7 @@ import pytest
 
 from service.store import tokens
 from service.store.postgres import running_url
+from tests.support import course_notebook
 from tests.support.database import run, sql
 from tests.support.http_client import Browser
 from tests.support.server import WebApplication
@@ -77,7 +78,7 @@ def test_local_and_remote_tell_the_same_lines(server, play):
     lines = shown(remote).split("\n")
     assert all(LINE.fullmatch(line) for line in lines) and len(lines) == 5
     assert shown(local).split("\n") == lines[:3] and all(line.startswith("✓") for line in lines)
-    assert line(remote) == "submitted and graded: 5 of 5 checks ✓ (public checks: 3 of 3)"
+    assert line(remote) == "submitted and graded: 5 of 5 points (public checks: 3 of 3)"
     html = shown(remote, "text/html")
     assert html.count("data:image/png;base64,") == 2 and "This is what was graded (SHA-256 " in html
     assert "def euler_eqs(t, w, I):" in html and f'href="{server.url}/submissions/' in html
@@ -130,6 +131,18 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
     nbformat.write(notebook, tmp_path / "mine.ipynb")
     *_, remote = play(connect(server), 'ecp.submit(file="mine.ipynb", exercises=["2"])')
     assert shown(remote).count("✓") == 5
+
+
+@pytest.mark.slow
+def test_the_courses_own_notebook_runs_in_a_kernel_and_prints_its_nine_lines(play):
+    cells = course_notebook.code()
+    outputs = dict(zip(cells, play(*cells.values()), strict=True))
+    lines = [line for id in cells if id.startswith("validation") for line in said(outputs[id]).splitlines()]
+    assert [line.split("   ")[0] for line in lines] == [f"✓  {label}" for label in course_notebook.LABELS]
+    assert all(shown(outputs[id]) == "True" for id in cells if id.startswith("validation"))
+    card = outputs["header"][0].data["text/html"]
+    assert "Rigid-Body Rotation and the Spinning Top" in card and "advanced" in card and outputs["footer"]
+    assert "<script" in shown(outputs["solution-5"], "text/html"), "an animation is shown as a player"
 
 
 @pytest.mark.slow

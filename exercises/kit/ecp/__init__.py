@@ -20,9 +20,13 @@ _HOME = {
     "login": "identity",
     "logout": "identity",
     "Report": "report",
+    "header": "style",
+    "footer": "style",
+    "use_style": "style",
 }
 
-__all__ = ["Report", "animate", "attempts", "check", "connect", "draw", "login", "logout", "submit", "validate"]
+__all__ = ["Report", "animate", "attempts", "check", "connect", "draw", "footer", "header", "login", "logout", "submit"]
+__all__ += ["use_style", "validate"]
 
 
 def __getattr__(name: str) -> Any:

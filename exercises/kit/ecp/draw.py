@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FACE_COLORS = ("#0072b2", "#56b4e9", "#009e73", "#a6d96a", "#d55e00", "#e69f00")
-"""One colour per face: ±ê₁ blue, ±ê₂ green, ±ê₃ orange (after Okabe and Ito's colour-blind safe set)."""
+FACE_COLORS = ["#c0851a", "#e3b667", "#46506b", "#7b86a6", "#16213e", "#3a4a6a"]
+"""One colour per face of :func:`box_polys`, in its order: the course notebook's list."""
 
 
 def cube_axes(ax: Any, reach: float) -> Any:
@@ -25,11 +25,15 @@ def arrow(ax: Any, tip: ArrayLike, **style: Any) -> Any:
     return ax.plot([0, x], [0, y], [0, z], **style)[0]
 
 
-def box_polys(R: ArrayLike, half: ArrayLike) -> NDArray[np.float64]:
-    """The six faces (6, 4, 3) of a box in attitude ``R``, in the order +ê₁, −ê₁, +ê₂, −ê₂, +ê₃, −ê₃."""
-    corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)], dtype=float)
-    faces = np.empty((6, 4, 3))
-    for face in range(6):
-        axis, side = face // 2, 1 - 2 * (face % 2)
-        faces[face] = np.insert(corners, axis, side, axis=1)
-    return faces * np.asarray(half, dtype=float) @ np.asarray(R, dtype=float).T
+def box_polys(R: ArrayLike, half: ArrayLike) -> list[NDArray[np.float64]]:
+    """Return the six faces of a box with half edges ``half`` (3,) in attitude ``R`` (3, 3), corners (4, 3) in space.
+
+    The order is the course notebook's: −ê₃, +ê₃, −ê₂, +ê₂, +ê₁, −ê₁.
+    """
+    x, y = (-1, 1, 1, -1) * 2, (-1, -1, 1, 1) * 2
+    corners = np.array([x, y, [-1] * 4 + [1] * 4], dtype=float).T * np.asarray(half, dtype=float)
+    turned = corners @ np.asarray(R, dtype=float).T
+    return [turned[list(face)] for face in _FACES]
+
+
+_FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (0, 3, 7, 4))

@@ -92,6 +92,8 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
 def below(value: ArrayLike, limit: float) -> Judgement:
     """value ≤ limit, for one number or the largest of many."""
     values = _real(value)
+    if values.size == 0:
+        return Judgement(Verdict.FAIL, f"no number (limit {limit:g})")
     where, margin = _worst(values, np.full_like(values, limit))
     largest = float(values.max())
     ok = bool(np.all(np.isfinite(values)) and np.all(values <= limit))
@@ -101,6 +103,8 @@ def below(value: ArrayLike, limit: float) -> Judgement:
 def positive(value: ArrayLike) -> Judgement:
     """value > 0, for one number or the smallest of many."""
     values = _real(value)
+    if values.size == 0:
+        return Judgement(Verdict.FAIL, "no number (must be > 0)")
     smallest = float(values.min())
     return Judgement(_verdict(bool(np.all(np.isfinite(values)) and smallest > 0)), f"got {smallest:.6g} (must be > 0)", smallest)
 

@@ -17,6 +17,7 @@ from ecp import animate, course
 from ecp.checks import Arrays, Check
 from ecp.course import NotKnown, PublicAssignment, PublicScene
 from ecp.exercise import Exercise, attempted
+from ecp.limited import OutOfTime, limited
 from ecp.outcome import Ending, Outcome, SceneEnding
 from ecp.report import ExerciseReport, Provenance, Report, pictures
 from ecp.stopped import stopped
@@ -35,13 +36,20 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     names = sys._getframe(1).f_globals
     known = course.public(course.assignment(assignment))
     written = {f for e in known.exercises for f in e.asks_for() if is_written(names.get(f))}
+
+    def function_of(scene: str) -> str:
+        return known.scenes[scene].function
+
     asked = _asked(known, [str(number) for number in numbers], written)
-    made = {e.number: e.made(written, lambda scene: known.scenes[scene].function) for e in asked}
+    made = {e.number: e.made(written, function_of) for e in asked}
     with _own_figures(), animate.watched():
         played = _play(_needed(asked, made, known), known, names)
     sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in made[e.number]]) for e in asked]
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS))
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS), local=True)
+    missed = [] if numbers else [e for e in known.exercises if e not in asked]
+    report.not_attempted = [e.number for e in missed]
+    report.total = report.max_score + sum(len(e.made(e.functions, function_of)) for e in missed)
     report.endings = [ending for ending in played.endings.values() if ending.ending is not Ending.FINISHED]
     arrays = played.arrays
     report.figures, report.animations = pictures(asked, arrays)
@@ -93,10 +101,14 @@ def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str
 def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: Played) -> None:
     began = time.monotonic()
     try:
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), limited(scene.budget_s):
             seen = known.plays[scene.play]({scene.function: names[scene.function]}, scene.inputs)
     except KeyboardInterrupt:
         raise
+    except OutOfTime:
+        sentence = f"your code did not finish within {scene.budget_s:g} s"
+        played.endings[scene.name] = SceneEnding(scene.name, Ending.TIMED_OUT, sentence, "timeout")
+        return
     except BaseException as error:
         told = stopped(error, _own)
         ending, sentence = Ending(str(told["ending"])), " ".join(str(told["sentence"]).split())

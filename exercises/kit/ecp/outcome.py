@@ -1,6 +1,6 @@
 """A check's answer as it stands in a report; and how the execution of a scene stopped."""
 
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import ClassVar
@@ -109,17 +109,23 @@ class Outcome:
             return None
         return ", ".join(f"{name} = {value:.2g}" for name, value in needed.items())
 
-    def causes(self, told: Collection[str] = ()) -> list[Diagnosis]:
-        """The likely causes that are not ``told`` already; none of a ✓."""
-        new = [d for d in self.diagnosis if d.sentence not in (self.cause, *told)]
-        return [] if self.verdict is Verdict.PASS else new
+    def causes(self) -> list[Diagnosis]:
+        """The likely causes that the line itself does not state; none of a ✓."""
+        return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence != self.cause]
 
-    def text(self, told: Collection[str] = ()) -> str:
-        """The line, and for anything but ✓ what helps to find the discrepancy, indented below it; not what was ``told`` already."""
+    def text(self, numbers: Mapping[str, int] | None = None) -> str:
+        """The line, and for anything but ✓ what helps to find the discrepancy, indented below it.
+
+        A cause whose sentence has one of the ``numbers`` is stated at the top of the report: here its number stands for it.
+        """
+        above = numbers or {}
         hints = [f"hint: {hint}" for hint in self.hints]
         if self.verdict is Verdict.PASS:
             return "\n".join([self.line, *(f"     {hint}" for hint in hints)])
-        causes = [f"likely {d.code}: {d.sentence}" for d in self.causes(told)]
+        causes = [
+            f"cause {above[d.sentence]}: {d.code}" if d.sentence in above else f"likely {d.code}: {d.sentence}"
+            for d in self.causes()
+        ]
         return "\n".join([self.line, *(f"     {note}" for note in [*self.notes(), *causes, *hints])])
 
 

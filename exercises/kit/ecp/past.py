@@ -33,7 +33,7 @@ class Attempts:
         if not self.submissions:
             return "nothing submitted yet"
         cells = [f"<tr><td>{'</td><td>'.join(map(escape, row))}</td></tr>" for row in self._rows()]
-        head = "<tr><th>submitted</th><th>checks ✓</th><th></th><th>changed since the one before</th></tr>"
+        head = "<tr><th>submitted</th><th>points</th><th></th><th>changed since the one before</th></tr>"
         link = f'<a href="{escape(self.address, quote=True)}" target="_blank" rel="noopener">On the server</a>'
         return fragment(f"<table><thead>{head}</thead><tbody>{''.join(cells)}</tbody></table>{link}")
 
@@ -45,7 +45,8 @@ class Attempts:
         when = f"{at:%Y-%m-%d %H:%M}{' late' if one['late'] else ''}"
         points = one.get("points", one["score"])
         graded = "" if points == one["score"] else f" (graded {one['score']})"
-        score = one["status"] if one["score"] is None else f"{points} of {one['max_score']}{graded}"
+        most = one.get("total", one["max_score"])
+        score = one["status"] if one["score"] is None else f"{points} of {most}{graded}"
         note = ", ".join(word for word, id in (("best", self.best), ("last", self.last)) if id == one["id"])
         return when, score, note, one["changed"]["told"] if one["changed"] else ""
 

@@ -1,12 +1,17 @@
 """The one Report: told by the server, made by ``ecp.check``, stored, served, printed and shown."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from ecp import grouped
+from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
+from ecp.grouped import Cause
 from ecp.judge import Verdict
 from ecp.outcome import Ending, Outcome, SceneEnding, Swept
+
+OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
 
 @dataclass
@@ -33,14 +38,9 @@ class ExerciseReport:
     title: str
     outcomes: list[Outcome]
 
-    def text(self) -> str:
-        """The lines of the exercise; a cause shared by several is told once."""
-        told: set[str] = set()
-        lines = [f"Exercise {self.number}. {self.title}"]
-        for outcome in self.outcomes:
-            lines.append(outcome.text(told))
-            told |= {d.sentence for d in outcome.diagnosis}
-        return "\n".join(lines)
+    def text(self, numbers: Mapping[str, int]) -> str:
+        """The lines of the exercise; ``numbers`` of the causes that stand at the top of the report, by sentence."""
+        return "\n".join([f"Exercise {self.number}. {self.title}", *(outcome.text(numbers) for outcome in self.outcomes)])
 
 
 @dataclass
@@ -63,8 +63,12 @@ def _no_picture(name: str) -> bytes | None:
 class Report:
     """All outcomes of one attempt. A point is a check that passed.
 
+    ``total`` counts the points of every exercise that was asked for, also of those ``not_attempted`` (their numbers); None in a
+    report stored before polhode recorded it.
+
     In a notebook it shows itself; as plain text it is the ✓/✗ lines, ``print(report)`` tells the causes too. Only there it has
-    pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, and a ``remark``.
+    pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, and a ``remark``; a
+    ``local`` one comes from ``ecp.check`` and has the public checks only.
     """
 
     assignment: str
@@ -76,6 +80,10 @@ class Report:
     endings: list[SceneEnding] = field(default_factory=list)
     stdout: str = ""
     sweep: Swept | None = None
+    notebook_checks: list[NotebookCheck] = field(default_factory=list)
+    total: int | None = None
+    not_attempted: list[str] = field(default_factory=list)
+    local: bool = field(default=False, metadata={"here": True}, compare=False)
     drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
     sent: Any = field(default=None, metadata={"here": True}, compare=False)
     address: str | None = field(default=None, metadata={"here": True}, compare=False)
@@ -94,6 +102,11 @@ class Report:
         return sum(o.counted for o in self.outcomes())
 
     @property
+    def most(self) -> int:
+        """``total``, or where that is not known the points of the attempted exercises."""
+        return self.max_score if self.total is None else self.total
+
+    @property
     def passed(self) -> bool:
         """Every check ✓, and at least one check made."""
         return 0 < self.score == self.max_score
@@ -102,13 +115,21 @@ class Report:
         """The outcomes of all exercises in order."""
         return [o for e in self.exercises for o in e.outcomes]
 
+    def causes(self) -> list[Cause]:
+        """The diagnoses, each with the failures it explains, first those that explain most."""
+        return grouped.causes(self.exercises)
+
     def lines(self) -> str:
         """The ✓/✗ lines and nothing else."""
         return "\n".join(o.line for o in self.outcomes())
 
     def text(self) -> str:
-        """The report as the notebook would print it, exercise by exercise, then what interrupted the code."""
-        blocks = [e.text() for e in self.exercises if e.outcomes]
+        """The causes of failures, the lines as the notebook would print them, by exercise, then what interrupted the code."""
+        causes = self.causes()
+        blocks = [grouped.text(causes)] if causes else []
+        blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
+        if self.notebook_checks:
+            blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
         if notes := [note for e in self.endings if (note := _note(e))]:
             blocks.append("\n".join(notes))
         if self.sweep:
@@ -116,10 +137,16 @@ class Report:
         return "\n\n".join([*blocks, self.summary()]) + "\n"
 
     def summary(self) -> str:
-        """How many checks are ✓, and how many of those that everybody knows."""
-        public = [o for o in self.outcomes() if o.counted and not o.hidden]
-        passed = sum(o.verdict is Verdict.PASS for o in public)
-        return f"{self.score} of {self.max_score} checks ✓ (public checks: {passed} of {len(public)})"
+        """State the points out of all there are, the public checks among them, and the exercises not attempted."""
+        if self.local:
+            points = f"{self.score} of {self.most} public checks ✓"
+        else:
+            of = f"{self.most} points" if self.total is not None else f"{self.most} points of the attempted exercises"
+            public = [o for o in self.outcomes() if o.counted and not o.hidden]
+            passed = sum(o.verdict is Verdict.PASS for o in public)
+            points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"
+        numbers = f"exercise{'s' * (len(self.not_attempted) > 1)} {', '.join(self.not_attempted)}"
+        return f"{points}; not attempted: {numbers}" if self.not_attempted else points
 
     def __repr__(self) -> str:
         return self.lines()

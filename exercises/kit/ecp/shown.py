@@ -2,10 +2,13 @@
 
 import base64
 import json
+from collections.abc import Mapping
 from html import escape
 
+from ecp import grouped
+from ecp.grouped import Cause
 from ecp.outcome import Outcome
-from ecp.report import ExerciseReport, Picture, Report
+from ecp.report import OWN_CHECKS, ExerciseReport, Picture, Report
 
 # Light first; dark where the notebook's front end says so, or where it says nothing and the system is dark.
 # ":not(#_)" lifts every rule above those of JupyterLab's own for what stands in an output.
@@ -15,6 +18,7 @@ _STYLE = (
 .polhode:not(#_){--p:#00674c;--f:#a33c00;--q:#5a5a5a;font:14px/1.5 var(--jp-ui-font-family,system-ui,sans-serif);
 color:var(--jp-ui-font-color1,var(--vscode-editor-foreground,inherit));
 ul{list-style:none;padding:0;margin:.2em 0}
+ol{padding:0 0 0 1.6em;margin:.2em 0}
 li{margin:0 0 .15em}
 h4{margin:.6em 0 .2em;font-size:1em;font-weight:600}
 code{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace);white-space:pre-wrap;background:none;padding:0;color:inherit}
@@ -37,7 +41,12 @@ td,th{text-align:left;vertical-align:top}}
 
 def html(report: Report) -> str:
     """The report as one HTML fragment that needs nothing from elsewhere."""
-    parts = [_exercise(report, e) for e in report.exercises if e.outcomes]
+    causes = report.causes()
+    parts = [_causes(causes)] if causes else []
+    parts += [_exercise(report, e, grouped.numbers(causes)) for e in report.exercises if e.outcomes]
+    if report.notebook_checks:
+        lines = [f'<li class="{c.verdict.value}"><code>{escape(c.line)}</code></li>' for c in report.notebook_checks]
+        parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
         f"<details open><summary>{escape(e.scene)}: {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
         for e in report.endings
@@ -54,21 +63,32 @@ def fragment(inner: str) -> str:
     return f'<div class="polhode"><style>{_STYLE}</style>{inner}</div>'
 
 
-def _exercise(report: Report, exercise: ExerciseReport) -> str:
-    told: set[str] = set()
-    items = []
-    for outcome in exercise.outcomes:
-        items.append(_outcome(outcome, told))
-        told |= {d.sentence for d in outcome.diagnosis}
+def _causes(causes: list[Cause]) -> str:
+    items = [
+        f"<li>{cause.likely}<b>{escape(cause.diagnosis.code)}</b>: {escape(cause.diagnosis.sentence)}"
+        f"{''.join(f'<p><small>{escape(where)}</small></p>' for where in cause.where())}</li>"
+        for cause in causes
+    ]
+    head = grouped.header(causes)
+    return f"{f'<h4>{escape(head)}</h4>' if head else ''}<ol>{''.join(items)}</ol>"
+
+
+def _exercise(report: Report, exercise: ExerciseReport, numbers: Mapping[str, int]) -> str:
+    items = [_outcome(outcome, numbers) for outcome in exercise.outcomes]
     pictures = [p for p in [*report.animations, *report.figures] if p.exercise == exercise.number]
     shown = "".join(_picture(report, picture) for picture in pictures)
     return f"<h4>Exercise {escape(exercise.number)}. {escape(exercise.title)}</h4><ul>{''.join(items)}</ul>{shown}"
 
 
-def _outcome(outcome: Outcome, told: set[str]) -> str:
+def _outcome(outcome: Outcome, numbers: Mapping[str, int]) -> str:
     notes = outcome.notes() + [f"hint: {hint}" for hint in outcome.hints]
     below = [f"<p>{escape(note)}</p>" for note in notes]
-    below += [f"<p>likely <b>{escape(d.code)}</b>: {escape(d.sentence)}</p>" for d in outcome.causes(told)]
+    below += [
+        f"<p>cause {numbers[d.sentence]}: <b>{escape(d.code)}</b></p>"
+        if d.sentence in numbers
+        else f"<p>likely <b>{escape(d.code)}</b>: {escape(d.sentence)}</p>"
+        for d in outcome.causes()
+    ]
     return f'<li class="{outcome.verdict.value}"><code>{escape(outcome.line)}</code>{"".join(below)}</li>'
 
 

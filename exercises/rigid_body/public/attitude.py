@@ -24,7 +24,7 @@ ATTITUDE = Exercise(
     (
         close(
             "6-orthonormal",
-            "R stays orthonormal (max |RᵀR − 1| over the run)",
+            "the integrated orientation stays a proper rotation (RᵀR=I)",
             "precession",
             measured=lambda seen: orthonormality_error(seen["R"]).max(),
             expected=0.0,

@@ -24,7 +24,7 @@ EULER = Exercise(
         ),
         conserved(
             "2-momentum",
-            "angular momentum magnitude conserved (torque-free)",
+            "|L| conserved (torque-free)",
             "torque-free",
             series=lambda seen: momentum_norm(seen["w"], BODY),
             limit=1e-6,

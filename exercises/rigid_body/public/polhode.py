@@ -17,7 +17,7 @@ POLHODE = Exercise(
     (
         close(
             "3-energy",
-            "polhode lies on the energy ellipsoid",
+            "ω stays on the energy ellipsoid (T constant)",
             "torque-free",
             measured=lambda seen: kinetic_energy(seen["w"], BODY),
             expected=lambda truth: np.full_like(truth["t"], kinetic_energy(truth["w"][:, 0], BODY)),
@@ -28,7 +28,7 @@ POLHODE = Exercise(
         ),
         close(
             "3-momentum",
-            "polhode lies on the momentum ellipsoid",
+            "ω stays on the angular-momentum ellipsoid (|L| constant)",
             "torque-free",
             measured=lambda seen: momentum_norm(seen["w"], BODY),
             expected=lambda truth: np.full_like(truth["t"], momentum_norm(truth["w"][:, 0], BODY)),

@@ -1,7 +1,12 @@
 """Notebook cells as Python: magics and shell lines are taken out the way a plain interpreter needs it."""
 
+import itertools
+import re
 import types
+import warnings
 
+MARK = re.compile(r"^# %%", re.MULTILINE)
+MOST_PIECES = 500
 # A cell magic that only measures or captures leaves Python below it; any other means the cell is not Python.
 TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
 
@@ -15,6 +20,27 @@ def runnable(source: str, name: str) -> types.CodeType:
         if cleaned == source:
             raise
         return compile(cleaned, name, "exec")
+
+
+def pieces(source: str) -> list[str]:
+    """Split a py:percent file into its cells, so that one that fails does not cost the others; line numbers stay.
+
+    A file that is Python is left whole where a cell of it is not: its mark stands in a string.
+    """
+    bounds = [0, *(mark.start() for mark in MARK.finditer(source)), len(source)]
+    if not 2 < len(bounds) <= MOST_PIECES:
+        return [source]
+    found = ["\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)]
+    return [source] if _is_python(source) and not all(map(_is_python, found)) else found
+
+
+def _is_python(source: str) -> bool:
+    try:
+        with warnings.catch_warnings(action="ignore"):  # given when the code runs
+            compile(source, "cell", "exec")
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        return False
+    return True
 
 
 def _without_magics(source: str) -> str:

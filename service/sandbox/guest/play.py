@@ -13,7 +13,8 @@ import numpy as np
 from ecp.stopped import stopped
 from ecp.strict import is_written, real_array
 
-from .cells import runnable
+from .cells import pieces, runnable
+from .claims import Recorder
 from .notebook import settle, stand_ins
 from .wire import Questions, Writer
 
@@ -30,8 +31,11 @@ def run(job_fd: int, result_fd: int) -> None:
     job = questions.job()
     plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
     write.event("inside")
-    _load_submission(student, job, write)
-    write.event("defined", names=[name for name in job["functions"] if is_written(student.get(name))])
+    recorder = Recorder()
+    with recorder.recording():
+        _load_submission(student, job, recorder, write)
+    names = [name for name in job["functions"] if is_written(student.get(name))]
+    write.event("defined", names=names, claims_left_out=recorder.left_out)
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
@@ -80,20 +84,24 @@ def _prepare(setup: str) -> Names:
     return module.__dict__
 
 
-def _load_submission(student: Names, job: dict[str, Any], write: Writer) -> None:
+def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> None:
     """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on."""
     deadline = time.monotonic() + job["load_budget_s"]
     for name, source in job["cells"]:
+        recorder.cell = name
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
 
-        def load(name: str = name, source: str = source) -> None:
-            exec(runnable(source, name), student)
+        for piece in pieces(source):
 
-        ended = _attempt(load, max(0.01, deadline - time.monotonic()))
-        if ended["ending"] != "finished":
-            write.event("cell", scene=name, **ended)
-        if time.monotonic() > deadline:
-            break
+            def load(name: str = name, piece: str = piece) -> None:
+                exec(runnable(piece, name), student)
+
+            ended = _attempt(load, max(0.01, deadline - time.monotonic()))
+            recorder.send(write)
+            if ended["ending"] != "finished":
+                write.event("cell", scene=name, **ended)
+            if time.monotonic() > deadline:
+                return
 
 
 def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import math
 import os
 import select
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -61,12 +61,20 @@ class Writer:
     def array(self, scene: str, name: str, value: Any) -> None:
         """An array as raw little-endian numbers behind its shape."""
         array = np.ascontiguousarray(value, dtype="u1" if value.dtype == np.uint8 else "<f8")
-        header = json.dumps({"scene": scene, "name": name, "shape": list(value.shape)}).encode()
-        self._frame(b"A", struct.pack("<H", len(header)) + header + array.tobytes())
+        self._headed(b"A", {"scene": scene, "name": name, "shape": list(value.shape)}, array.tobytes())
+
+    def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+        """A claim of the notebook's own checks: its header, and its arrays as raw little-endian numbers behind their shapes."""
+        raw = b"".join(np.ascontiguousarray(array, dtype="<f8").tobytes() for array in arrays.values())
+        self._headed(b"C", header | {"arrays": {name: list(array.shape) for name, array in arrays.items()}}, raw)
 
     def answer(self, value: np.ndarray) -> None:
         """Three numbers in answer to a question."""
         self._frame(b"R", ANSWER.pack(*value))
+
+    def _headed(self, kind: bytes, header: dict[str, Any], raw: bytes) -> None:
+        head = json.dumps(header).encode()
+        self._frame(kind, struct.pack("<H", len(head)) + head + raw)
 
     def _frame(self, kind: bytes, payload: bytes) -> None:
         data = memoryview(struct.pack("<cI", kind, len(payload)) + payload)

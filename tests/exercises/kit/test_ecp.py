@@ -13,19 +13,58 @@ mpl.use("Agg")
 
 
 def test_validate_prints_one_line_and_returns_a_bool(capsys):
-    assert validate.close("a", 1.0, 1.0) is True
-    assert validate.conserved("b", [1.0, 2.0]) is False
-    assert validate.below("c", 3.0, 4.0) is True
-    assert validate.positive("d", -1.0) is False
-    assert validate.check("e", 1 < 2) is True
+    assert validate.close(1.0, 1.0, "a") is True
+    assert validate.conserved([1.0, 2.0], "b") is False
+    assert validate.conserved([1.0, 1.1], "b", rel_drift=0.2) is True
+    assert validate.below(3.0, 4.0, "c") is True
+    assert validate.positive(-1.0, "d") is False
+    assert validate.check(1 < 2, "e") is True
+    assert validate.check(np.array([1.0]) > 2, "e", f"growth: {1 / 3:.3f}") is False
+    assert validate.close([1.0, 2.0], 1.0, "f", rtol=0, atol=0.5) is False
     assert capsys.readouterr().out.split("\n") == [
         "✓  a   [got 1 vs expected 1 (rtol=1e-06, atol=1e-09)]",
         "✗  b   [max relative drift = 1 (limit 1e-06)]",
+        "✓  b   [max relative drift = 0.1 (limit 0.2)]",
         "✓  c   [got 3 (limit 4)]",
         "✗  d   [got -1 (must be > 0)]",
         "✓  e   [True]",
+        "✗  e   [growth: 0.333]",
+        "✗  f   [max|Δ| = 1 (rtol=0, atol=0.5)]",
         "",
     ]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: validate.close(None, 1.0, "a"), "got is None: nothing was computed or returned"),
+        (lambda: validate.close("a", 1.0, 1.0), "got is text: the arguments come first, then the label"),
+        (lambda: validate.close([1.0, 2.0], [1.0, 2.0, 3.0], "a"), "shape (2,) vs expected shape (3,)"),
+        (lambda: validate.close([1.0, np.nan], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
+        (lambda: validate.close([1.0, None], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
+        (lambda: validate.close([1.0, [2.0, 3.0]], 1.0, "a"), "got is list, not an array of numbers"),
+        (lambda: validate.close(1j, 1.0, "a"), "got is complex128, not real numbers"),
+        (lambda: validate.close(object(), 1.0, "a"), "got is object, not an array of numbers"),
+        (lambda: validate.conserved(None, "a"), "series is None"),
+        (lambda: validate.conserved([], "a"), "shape (0,) is not a series"),
+        (lambda: validate.positive([], "a"), "no number"),
+        (lambda: validate.below([], 1.0, "a"), "no number"),
+        (lambda: validate.check(None, "a", "1 < 2"), "condition is NoneType, not one True or False"),
+        (lambda: validate.check(np.array([True, True]), "a"), "condition is ndarray of shape (2,), not one True or False"),
+        (lambda: validate.check(1.0, "a"), "condition is float, not one True or False"),
+    ],
+)
+def test_validate_makes_a_line_of_any_answer(call, said, capsys):
+    assert call() is False
+    line = capsys.readouterr().out
+    assert line.startswith("✗  ") and f"[{said}" in line and line.count("\n") == 1
+
+
+def test_validate_takes_numbers_of_any_kind():
+    from fractions import Fraction
+
+    assert validate.close(Fraction(1, 3), 1 / 3, "a") and validate.close(np.float32(0.5), 0.5, "b") and validate.close(2, 2, "c")
+    assert validate.close(np.full((2, 3), 4.0), 4, "d") and validate.close([Fraction(1, 2), 1], [0.5, 1.0], "e")
 
 
 @pytest.mark.parametrize(
@@ -53,14 +92,37 @@ def test_strict_takes_any_three_real_numbers(value):
     assert real_array(value, (3,), "f").tolist() == [1.0, 2.0, 3.0]
 
 
-def test_box_polys_are_the_faces_of_the_turned_box():
+def test_box_polys_are_the_faces_of_the_turned_box_in_the_course_order():
     half = np.array([1.0, 0.7, 0.2])
-    faces = draw.box_polys(np.eye(3), half)
-    assert faces.shape == (6, 4, 3)
-    for k in range(6):
-        assert set(faces[k][:, k // 2]) == {half[k // 2] * (1 - 2 * (k % 2))}
+    faces = draw.box_polys(np.eye(3), tuple(half))
+    assert isinstance(faces, list) and [face.shape for face in faces] == [(4, 3)] * 6
+    for face, (axis, side) in zip(faces, [(2, -1), (2, 1), (1, -1), (1, 1), (0, 1), (0, -1)], strict=True):
+        assert set(face[:, axis]) == {side * half[axis]}
+        edges = np.abs(np.diff(face, axis=0, append=face[:1]))
+        assert np.count_nonzero(edges) == 4, "neighbouring corners share an edge"
+    assert faces[0].tolist() == (half * [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)]).tolist()
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    np.testing.assert_allclose(draw.box_polys(turn, half), faces @ turn.T)
+    np.testing.assert_allclose(draw.box_polys(turn, half), np.array(faces) @ turn.T)
+
+
+def test_header_style_and_footer_print_nothing_outside_a_notebook(capsys):
+    from ecp import footer, header, use_style
+
+    with mpl.rc_context():
+        assert use_style() is None
+        assert mpl.rcParams["axes.spines.top"] is False
+    given = {"volume": "II", "number": 2.6, "title": "A <b>", "blurb": "…", "difficulty": "advanced", "estimate": "90 min"}
+    assert header(**given) is None and footer() is None
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_header_displays_its_texts_escaped(monkeypatch):
+    from ecp import style
+
+    shown = []
+    monkeypatch.setattr(style, "_display", shown.append)
+    style.header(volume="II", number="2.6", title="Tops & <script>", difficulty="advanced")
+    assert "II · Notebook 2.6" in shown[0] and "Tops &amp; &lt;script&gt;" in shown[0] and "Level: advanced" in shown[0]
 
 
 def _moving(frames, **options):

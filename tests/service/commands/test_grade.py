@@ -30,7 +30,7 @@ def test_assignments(polhode):
 def test_grade_prints_lines_and_exits_0_when_all_pass(polhode, folder, tmp_path):
     told = polhode("grade", folder / "right_all.py", "--exercise", "2", "--exercise", "6", "--out", tmp_path)
     assert told.returncode == 0, told.stderr
-    assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "13 of 13 checks ✓" in told.stdout
+    assert "✓  rotational energy conserved (torque-free)   [" in told.stdout and "13 of 13 points" in told.stdout
     written = {p.name for p in (tmp_path / "right_all").iterdir()}
     assert written == {"index.html", "report.txt", "report.json", "omega.svg", "omega-residual.svg", "cone.svg", "precession.png"}
     assert 'href="right_all/index.html"' in (tmp_path / "index.html").read_text()

@@ -107,22 +107,37 @@ def test_a_missing_function_is_unmeasured_with_its_cause(files, rigid_body, sand
     assert report.outcomes()[0].diagnosis[0].code == "missing-function"
 
 
+def test_the_total_has_the_points_of_exercises_that_were_not_attempted(files, rigid_body, sandbox):
+    box = "def box_moments(m, a, b, c): return a, b, c\n"
+    one, asked = (grade(Submission(box), rigid_body, sandbox, 1, numbers).report for numbers in (None, ["1", "6"]))
+    assert (one.max_score, one.total) == (len(rigid_body.exercise("1").checks), rigid_body.most_points())
+    assert one.not_attempted == ["2", "3", "4", "5", "6"]
+    assert asked.not_attempted == [] and asked.total == asked.max_score == rigid_body.most_points(["1", "6"])
+
+
 GOLDEN = """\
+One cause explains 3 failures:
+1. likely returns-zero: euler_eqs returns zeros whatever it is asked
+     exercise 2: ω(t) follows the exact motion; euler_eqs agrees with Euler's equations point by point; \
+ω(t) of a body not seen before follows the exact motion for sixty radians
+
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
-✓  angular momentum magnitude conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
+✓  |L| conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
 ✗  ω(t) follows the exact motion   [max|Δ|/scale = 1.50398 (limit 1.01e-08)]
      worst at ω₁, t = 8.093 s
      1.49e+08 times the allowed difference
-     likely returns-zero: euler_eqs returns zeros whatever it is asked
+     cause 1: returns-zero
 ✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
      worst at ω̇₁, probe 78 of 128
      6.48e+12 times the allowed difference
+     cause 1: returns-zero
 ✗  ω(t) of a body not seen before follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
      worst at ω₃, t = 9.579 s
      5.65e+07 times the allowed difference
+     cause 1: returns-zero
 
-2 of 5 checks ✓ (public checks: 2 of 3)
+2 of 5 points (public checks: 2 of 3)
 """
 
 

@@ -1,8 +1,8 @@
 """A person's own history: their submissions and nobody else's."""
 
-from service.store import history
+from service.store import history, reading
 from tests.support.database import run
-from tests.support.submissions import submitted
+from tests.support.submissions import graded, submitted
 
 
 def test_a_history_has_the_persons_own_submissions_only(url):
@@ -11,6 +11,15 @@ def test_a_history_has_the_persons_own_submissions_only(url):
     assert [one.id for one in run(url, lambda d: history.timeline(d, "ann", "rigid-body"))] == [second, first]
     assert [one.id for one in run(url, lambda d: history.past(d, "ben", "rigid-body"))] == [theirs]
     assert run(url, lambda d: history.past(d, "nobody", "rigid-body")) == []
+
+
+def test_lists_have_the_total_of_the_report_or_else_the_checks_made(url):
+    new = graded(url, "eve", "+-", total=36, not_attempted=["1"])
+    old = graded(url, "eve", "+-+")
+    for found in (history.past, history.timeline):
+        assert {one.id: one.total for one in run(url, lambda d, f=found: f(d, "eve", "rigid-body"))} == {new: 36, old: 3}
+    assert {one.id: one.total for one in run(url, lambda d: reading.recent(d, 9, "eve"))} == {new: 36, old: 3}
+    assert run(url, lambda d: reading.read(d, old)).report.total is None
 
 
 def test_the_submission_before_is_of_the_same_person(url):

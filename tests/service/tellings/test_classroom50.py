@@ -71,6 +71,13 @@ def test_a_report_is_a_result_that_both_validators_take(rigid_body):
     assert told["tests"][2]["state"] == "error" and "ZeroDivisionError" in told["tests"][2]["output"]
 
 
+def test_exercises_not_attempted_are_in_the_total(rigid_body):
+    right = report([outcome("1-notebook"), outcome("1-box")], total=7, not_attempted=["2"])
+    result = Result.model_validate_json(json.dumps(document(graded_file(right), rigid_body, ABOUT)))
+    assert (result.score, result.max_score) == (2, 7)
+    assert [(t.test_name, t.passed, t.max_score) for t in result.tests[2:]] == [("exercise 2 was not attempted", False, 5)]
+
+
 def test_a_regrade_moves_nothing_but_when_it_was_graded(rigid_body):
     again = dataclasses.replace(ABOUT, graded_at=datetime(2027, 1, 1, tzinfo=UTC))
     one, two = (document(graded_file(example()), rigid_body, about) for about in (ABOUT, again))

@@ -53,7 +53,7 @@ def told(rigid_body, file, **more):
 
 def test_a_report(rigid_body):
     results = told(rigid_body, graded_file(example(), seconds=1.23456))
-    assert (results.score, results.execution_time, results.output) == (1, 1.235, "1 of 3 checks ✓ (public checks: 1 of 2)")
+    assert (results.score, results.execution_time, results.output) == (1, 1.235, "1 of 3 points (public checks: 1 of 2)")
     assert [(t.number, t.name, t.score, t.max_score, t.status, t.visibility) for t in results.tests] == [
         ("1.1", "principal moments match the analytic box result", 1, 1, "passed", "visible"),
         ("2.1", "euler_eqs agrees with Euler's equations", 0, 1, "failed", "visible"),
@@ -82,6 +82,15 @@ def test_other_visibilities_there_are_none(rigid_body):
 def test_points_of_the_assignment_are_shared_by_the_checks(rigid_body):
     results = told(rigid_body, graded_file(example()), max_score=12.0)
     assert results.score == 4.0 and [test.max_score for test in results.tests] == [4.0, 4.0, 4.0, None]
+
+
+def test_exercises_not_attempted_are_in_the_total(rigid_body):
+    right = report([outcome("1-notebook"), outcome("1-box")], total=5, not_attempted=["2"])
+    for most in (None, 14.0):
+        results = told(rigid_body, graded_file(right), max_score=most)
+        share = 1 if most is None else most / 7
+        tests = [(test.name, test.score, test.max_score) for test in results.tests[2:]]
+        assert results.score == 2 * share and tests == [("exercise 2 was not attempted", 0, 5 * share)]
 
 
 def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):

@@ -241,7 +241,7 @@ def test_the_zip_is_whole_and_leads_nowhere_else(archive, tmp_path):
 def test_every_submission_is_in_the_zip_with_its_report(found):
     assert found("first", "submission.py") == b"x = 1"
     assert found("best", "report-2.json") == b"x = 2"  # its file was called report.json
-    assert json.loads(found("best", "report.json"))["score"] == 3 and b"3 of 3 checks" in found("best", "report.txt")
+    assert json.loads(found("best", "report.json"))["score"] == 3 and b"3 of 3 points" in found("best", "report.txt")
     assert found("worse") == {"submission.py", "report.json"}  # of an older polhode
     assert found("waits") == {"submission.py"}
     assert (found(EVIL, "submission.py"), found(TWIN, "submission.py")) == (b"y = 0", b"y = 1")

@@ -12,7 +12,8 @@ import uuid
 import numpy as np
 import pytest
 
-from ecp.outcome import Ending, SceneEnding
+from ecp.outcome import Diagnosis, Ending, SceneEnding
+from ecp.report import ExerciseReport
 from exercises.assignment import InvalidAssignment
 from service.grading import motion, pictures
 from service.grading.places import places
@@ -21,7 +22,8 @@ from service.store import people, tokens
 from service.web.difference import MOST_WORK, TooLong, difference
 from service.web.source import MOST_LINES, cells
 from tests.support.database import run, sql
-from tests.support.submissions import grade_really
+from tests.support.reports import outcome
+from tests.support.submissions import grade_really, graded
 
 SLUG = "/v1/assignments/rigid-body/submissions"
 RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
@@ -407,6 +409,14 @@ class Tags(html.parser.HTMLParser):
         self.addresses += [value for name, value in attrs if name in ("href", "src", "data-live", "data-motion", "action")]
 
 
+def test_the_notebooks_own_checks_are_lines_without_points(server, ann, send):
+    told = send(ann, notebook(RIGHT, "validate.check(True, '<b>mine</b>', '1 < 2')"), "mine.ipynb")
+    (check,) = told["report"]["notebook_checks"]
+    assert check["line"] == "✓  <b>mine</b>   [1 < 2]" and check["cell"] == "cell 2" and told["report"]["score"] == 5
+    shown = page(server, ann, told)
+    assert "Self-reported, no points" in shown and "✓  &lt;b&gt;mine&lt;/b&gt;   [1 &lt; 2]" in shown and "<b>mine" not in shown
+
+
 def test_a_strangers_text_stays_text(server, url, send):
     eve = token(url, f"eve {NASTY}")
     source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\n"
@@ -436,3 +446,23 @@ def test_pictures_and_motions_of_one_attempt_come_from_the_same_arrays(server, a
     path = f"/submissions/{sent['id']}/motions/precession.json"
     assert call(server, path, ann)[2].encode() == made
     assert sql(url, "SELECT 1 FROM kept WHERE attempt_id = %s AND name = 'motions/precession.json'", attempt) == [(1,)]
+
+
+def test_points_are_out_of_all_there_are(server, url, ann):
+    id = graded(url, "ann", "+-", total=36, not_attempted=["1", "6"])
+    summary = "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"
+    assert summary in call(server, f"/submissions/{id}", ann)[2]
+    newest = json.loads(call(server, SLUG, ann)[2])["submissions"][0]
+    assert (newest["score"], newest["max_score"], newest["total"]) == (1, 2, 36)
+    for page in ("/", "/assignments/rigid-body", f"/submissions/{id}"):
+        assert "✗ 1 of 36</span>" in call(server, page, ann)[2], page
+    assert '"total":36' in call(server, f"/v1/submissions/{id}/events", ann)[2].replace(" ", "")
+
+
+def test_the_page_states_each_cause_once_above_the_lines_that_refer_to_it(server, url, ann):
+    slip = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check <I₃ − I₁>", 1.0)
+    outcomes = [outcome(f"c{k}", "fail", f"label {k}", diagnosis=[slip]) for k in (1, 2)]
+    page = call(server, f"/submissions/{graded(url, 'ann', exercises=[ExerciseReport('2', 'Euler', outcomes)])}", ann)[2]
+    assert page.count("ω̇₂ has the opposite sign: check &lt;I₃ − I₁&gt;") == 1 and page.count('href="#cause-1"') == 2
+    assert "<h2>One cause explains 2 failures</h2>" in page and page.index('id="cause-1"') < page.index("Exercise 2.")
+    assert '<a href="#check-c1">label 1</a>; <a href="#check-c2">label 2</a>' in page

@@ -2,6 +2,8 @@
 
 import pytest
 
+from ecp.document import document, read
+from ecp.report import Report
 from tests.support.reports import report_of_verdicts
 
 
@@ -19,3 +21,24 @@ from tests.support.reports import report_of_verdicts
 def test_a_report_passes_if_every_check_that_counts_does_and_there_is_one(verdicts, points, passed):
     report = report_of_verdicts(verdicts)
     assert (report.score, report.max_score) == points and report.passed is passed
+
+
+@pytest.mark.parametrize(
+    ("more", "summary"),
+    [
+        ({"total": 2}, "1 of 2 points (public checks: 1 of 2)"),
+        ({"total": 9, "not_attempted": ["6"]}, "1 of 9 points (public checks: 1 of 2); not attempted: exercise 6"),
+        ({"total": 36, "not_attempted": ["1", "6"]}, "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"),
+        ({"total": 7, "not_attempted": ["6"], "local": True}, "1 of 7 public checks ✓; not attempted: exercise 6"),
+    ],
+)
+def test_the_summary_states_the_points_out_of_all_there_are(more, summary):
+    assert report_of_verdicts("+-", **more).summary() == summary
+
+
+def test_a_report_stored_before_totals_were_recorded_is_read():
+    stored = document(report_of_verdicts("+-"))
+    del stored["total"], stored["not_attempted"]
+    report = read(Report, stored)
+    assert (report.total, report.most) == (None, 2)
+    assert report.summary() == "1 of 2 points of the attempted exercises (public checks: 1 of 2)"

@@ -1,0 +1,145 @@
+"""A call of ``ecp.validate`` as data, and its judgement: the notebook prints it, and a server can judge the same numbers again."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp import judge
+from ecp.judge import Judgement, Verdict
+
+Array = NDArray[np.float64]
+MOST_LABEL, MOST_DETAIL = 200, 500  # characters
+
+
+class Kind(NamedTuple):
+    """The arrays and the numbers that a kind of claim needs, by name, and its judgement of them in that order."""
+
+    arrays: tuple[str, ...]
+    numbers: tuple[str, ...]
+    judge: Callable[..., Judgement]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim of a notebook. ``unfit`` says why an argument is no array of real numbers; then ``arrays`` lacks it.
+
+    ``left_out`` says why the arrays of a claim that came from elsewhere are not there; then it is not measured.
+    ``detail`` is the text of a claim of kind "check"; the others make their own from the numbers.
+    """
+
+    kind: str
+    label: str
+    arrays: Mapping[str, Array] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    detail: str = ""
+    unfit: str = ""
+    left_out: str = ""
+
+    def judged(self) -> Judgement:
+        """Judge the claim; an argument that is not an array of finite real numbers makes it ✗ and is named."""
+        kind = KINDS[self.kind]
+        if self.left_out:
+            return Judgement(Verdict.UNMEASURED, f"not captured: {self.left_out}")
+        if self.unfit:
+            return Judgement(Verdict.FAIL, self.unfit)
+        for name in kind.arrays:
+            if not np.all(np.isfinite(self.arrays[name])):
+                return Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers")
+        with np.errstate(all="ignore"):
+            found = kind.judge(*(self.arrays[a] for a in kind.arrays), *(self.numbers[n] for n in kind.numbers))
+        return Judgement(found.verdict, self.detail or found.detail, found.measured, found.expected, found.margin)
+
+    def outcome(self, cell: str) -> "NotebookCheck":
+        """Judge the claim, made in ``cell``, for a report."""
+        found = self.judged()
+        return NotebookCheck(cell=cell, kind=self.kind, label=self.label, verdict=found.verdict, detail=found.detail)
+
+
+@dataclass(kw_only=True)
+class NotebookCheck:
+    """A line of the notebook's own checks in a report, judged again from the numbers that the student's code passed.
+
+    It is self-reported: the student's code chooses the numbers. It carries no points and changes no verdict.
+    """
+
+    cell: str
+    kind: str
+    label: str
+    verdict: Verdict
+    detail: str
+
+    TOLD: ClassVar = ("line",)
+
+    @property
+    def line(self) -> str:
+        """The ✓/✗ line as the notebook prints it."""
+        return judge.line(self.verdict, self.label, self.detail)
+
+
+def claim(kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str, float], detail: Any = "") -> Claim:
+    """Make a claim of whatever a student passed as ``given``: never raises for an answer of a wrong kind."""
+    arrays, unfit = {}, ""
+    for name, value in given.items():
+        try:
+            arrays[name] = _truth(value) if kind == "check" else _numbers(name, value)
+        except _Unfit as reason:
+            unfit = unfit or str(reason)
+    return Claim(kind, one_line(label, MOST_LABEL), arrays, numbers, one_line(detail, MOST_DETAIL), unfit)
+
+
+def one_line(value: Any, most: int) -> str:
+    """Return ``value`` as text without line breaks, at most ``most`` characters long."""
+    try:
+        return " ".join(str(value).split())[:most]
+    except Exception:
+        return type(value).__name__
+
+
+class _Unfit(Exception):
+    """An argument is no array of real numbers."""
+
+
+def _numbers(name: str, value: Any) -> Array:
+    if isinstance(value, str):
+        raise _Unfit(f"{name} is text: the arguments come first, then the label")
+    if value is None:
+        raise _Unfit(f"{name} is None: nothing was computed or returned")
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "fiuO":
+            return array.astype(float)
+    except Exception as error:
+        raise _Unfit(f"{name} is {type(value).__name__}, not an array of numbers ({one_line(error, 80)})") from None
+    raise _Unfit(f"{name} is {array.dtype}, not real numbers")
+
+
+def _truth(value: Any) -> Array:
+    """A condition as 1 or 0: Python's or numpy's True or False, or an array that holds one of them."""
+    if not isinstance(value, bool | np.bool_ | np.ndarray) or np.asarray(value).dtype != bool or np.size(value) != 1:
+        shape = f" of shape {value.shape}" if isinstance(value, np.ndarray) else ""
+        raise _Unfit(f"condition is {type(value).__name__}{shape}, not one True or False")
+    return np.asarray(value, dtype=float).reshape(())
+
+
+def _close(got: Array, expected: Array, rtol: float, atol: float) -> Judgement:
+    """One number stands for every element of the other array."""
+    if 0 in (got.ndim, expected.ndim):
+        got, expected = np.broadcast_arrays(got, expected)
+    return judge.close(got, expected, rtol, atol)
+
+
+def _check(condition: Array) -> Judgement:
+    ok = bool(np.array_equal(condition, 1.0))
+    return judge.holds(ok, str(ok))
+
+
+KINDS: Mapping[str, Kind] = {
+    "close": Kind(("got", "expected"), ("rtol", "atol"), _close),
+    "conserved": Kind(("series",), ("rel_drift",), judge.conserved),
+    "check": Kind(("condition",), (), _check),
+    "positive": Kind(("value",), (), judge.positive),
+    "below": Kind(("value",), ("limit",), judge.below),
+}

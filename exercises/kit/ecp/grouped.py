@@ -1,0 +1,72 @@
+"""Failures grouped by the diagnosis that explains them: what a student reads first in a report."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ecp.judge import Verdict
+from ecp.outcome import Diagnosis, Outcome
+
+if TYPE_CHECKING:
+    from ecp.report import ExerciseReport
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A diagnosis, numbered from 1, with the outcomes it explains by the number of their exercise."""
+
+    number: int
+    diagnosis: Diagnosis
+    explains: Mapping[str, list[Outcome]]
+
+    def outcomes(self) -> list[Outcome]:
+        """All outcomes it explains."""
+        return [outcome for outcomes in self.explains.values() for outcome in outcomes]
+
+    @property
+    def likely(self) -> str:
+        """ "likely " where the diagnosis was inferred from numbers, "" where it is how the code ended."""
+        return "likely " if any(o.cause != self.diagnosis.sentence for o in self.outcomes()) else ""
+
+    def where(self) -> list[str]:
+        """One line for each exercise: the labels of its checks."""
+        return [f"exercise {number}: {'; '.join(o.label for o in outcomes)}" for number, outcomes in self.explains.items()]
+
+
+def causes(exercises: Iterable["ExerciseReport"]) -> list[Cause]:
+    """The diagnoses of all counted outcomes that are not ✓, first those that explain most."""
+    found: dict[str, tuple[Diagnosis, dict[str, list[Outcome]]]] = {}
+    for exercise in exercises:
+        for outcome in exercise.outcomes:
+            for diagnosis in outcome.diagnosis if outcome.counted and outcome.verdict is not Verdict.PASS else []:
+                _, explains = found.setdefault(diagnosis.sentence, (diagnosis, {}))
+                explains.setdefault(exercise.number, []).append(outcome)
+    ranked = sorted(found.values(), key=lambda one: -sum(map(len, one[1].values())))
+    return [Cause(number, diagnosis, explains) for number, (diagnosis, explains) in enumerate(ranked, start=1)]
+
+
+def header(found: list[Cause]) -> str:
+    """Count the causes and what they explain; "" where that is a single check, or nothing."""
+    explained = {outcome.id: outcome for cause in found for outcome in cause.outcomes()}
+    if len(explained) < 2:
+        return ""
+    failed = sum(outcome.verdict is Verdict.FAIL for outcome in explained.values())
+    unmeasured = len(explained) - failed
+    counts = [f"{failed} failure{'s' * (failed > 1)}"] if failed else []
+    counts += [f"{unmeasured} check{'s' * (unmeasured > 1)} not measured"] if unmeasured else []
+    subject = "One cause explains" if len(found) == 1 else f"{len(found)} causes explain"
+    return f"{subject} {' and '.join(counts)}:"
+
+
+def text(found: list[Cause]) -> str:
+    """The header and each cause with its checks, as plain text; "" where there is none."""
+    lines = [header(found)] if header(found) else []
+    for cause in found:
+        lines.append(f"{cause.number}. {cause.likely}{cause.diagnosis.code}: {cause.diagnosis.sentence}")
+        lines += [f"     {where}" for where in cause.where()]
+    return "\n".join(lines)
+
+
+def numbers(found: list[Cause]) -> dict[str, int]:
+    """The number of each cause by its sentence, for lines that refer to it."""
+    return {cause.diagnosis.sentence: cause.number for cause in found}

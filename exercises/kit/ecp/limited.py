@@ -1,0 +1,77 @@
+"""A time limit for code that runs in the notebook's own kernel, where no other process can end it."""
+
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+AGAIN_S = 0.2  # a bare "except:" may swallow the first OutOfTime
+KIT = str(Path(__file__).parent)
+
+
+class OutOfTime(BaseException):
+    """The time is over. Not an Exception, so that a broad ``except`` does not swallow it."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise OutOfTime in the code within when it has run for ``seconds``.
+
+    A timer's signal does it where there is one: in the main thread, on Linux and macOS. Elsewhere (Windows, Pyodide, another
+    thread) a trace function looks at the clock at each step of Python that is neither the kit's nor a library's. It leaves a
+    debugger's own trace function in place, and then there is no limit. Python drops a trace function that raised, so a bare
+    ``except`` around the loop escapes it. Neither way ends a call that never returns to Python.
+    """
+    has_timer = hasattr(signal, "setitimer") and sys.platform != "emscripten"
+    if has_timer and threading.current_thread() is threading.main_thread():
+        with _timer(seconds):
+            yield
+    elif sys.gettrace() is None:
+        with _trace(seconds):
+            yield
+    else:
+        yield
+
+
+@contextmanager
+def _timer(seconds: float) -> Iterator[None]:
+    def ring(signum: int, frame: FrameType | None) -> None:
+        raise OutOfTime
+
+    began, handler = time.monotonic(), signal.signal(signal.SIGALRM, ring)
+    left, every = signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, handler or signal.SIG_DFL)
+        if left:  # a timer of the notebook's own goes on
+            signal.setitimer(signal.ITIMER_REAL, max(left - (time.monotonic() - began), 1e-3), every)
+
+
+@contextmanager
+def _trace(seconds: float) -> Iterator[None]:
+    deadline = time.monotonic() + seconds
+
+    def enter(frame: FrameType, event: str, argument: Any) -> Any:
+        file = frame.f_code.co_filename
+        if file.startswith(KIT) or "site-packages" in file:
+            return None
+        frame.f_trace_opcodes = True  # a loop in one line has no event of a line
+        return step
+
+    def step(frame: FrameType, event: str, argument: Any) -> Any:
+        if event == "opcode" and time.monotonic() > deadline:
+            raise OutOfTime
+        return step
+
+    sys.settrace(enter)
+    try:
+        yield
+    finally:
+        sys.settrace(None)

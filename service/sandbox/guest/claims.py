@@ -1,0 +1,69 @@
+"""The calls of ``ecp.validate`` in a notebook's cells, sent to the host as data while the cells run."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ecp import validate
+from ecp.claims import Claim
+
+from .wire import Writer
+
+MOST_CLAIMS = 100  # of one submission
+MOST_NUMBERS = 1 << 16  # of one claim: 512 KiB
+MOST_IN_ALL = 1 << 20  # numbers of all claims: 8 MiB
+MOST_AXES = 8
+
+
+class Recorder:
+    """Keeps claims with the ``cell`` they stand in; one that is too large is kept without its arrays, with the reason.
+
+    They are sent between cells: a cell's time may run out at any moment, and a frame must go out whole.
+    """
+
+    def __init__(self) -> None:
+        self.cell, self._claims, self._numbers = "", 0, 0
+        self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
+
+    @contextmanager
+    def recording(self) -> Iterator[None]:
+        """Record the claims made within."""
+        validate.watchers.append(self._record)
+        try:
+            yield
+        finally:
+            validate.watchers.clear()
+
+    @property
+    def left_out(self) -> int:
+        """How many claims there were beyond the limit."""
+        return max(0, self._claims - MOST_CLAIMS)
+
+    def _record(self, claim: Claim) -> None:
+        self._claims += 1
+        if self._claims > MOST_CLAIMS:
+            return
+        size = sum(array.size for array in claim.arrays.values())
+        left_out = self._too_large(claim, size)
+        arrays = {} if left_out or claim.unfit else claim.arrays
+        self._numbers += size if arrays else 0
+        header: dict[str, Any] = {name: getattr(claim, name) for name in ("kind", "label", "detail", "unfit")}
+        header |= {"cell": self.cell, "left_out": left_out, "numbers": {k: float(v) for k, v in claim.numbers.items()}}
+        self._unsent.append((header, arrays))
+
+    def send(self, write: Writer) -> None:
+        """Send what was recorded since the last time."""
+        unsent, self._unsent = self._unsent, []
+        for header, arrays in unsent:
+            write.claim(header, arrays)
+
+    def _too_large(self, claim: Claim, size: int) -> str:
+        if any(array.ndim > MOST_AXES for array in claim.arrays.values()):
+            return f"an array has more than {MOST_AXES} axes"
+        if size > MOST_NUMBERS:
+            return f"{size} numbers, and at most {MOST_NUMBERS} of one check are taken"
+        if self._numbers + size > MOST_IN_ALL:
+            return f"all checks together have more than {MOST_IN_ALL} numbers"
+        return ""

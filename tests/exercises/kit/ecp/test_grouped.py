@@ -1,0 +1,51 @@
+"""Failures grouped by diagnosis: what is counted, in which order, and how lines refer to it."""
+
+from ecp.outcome import Diagnosis
+from tests.support.reports import outcome, report
+
+SIGN = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign", 1.0)
+ORDER = Diagnosis("cyclic-order", "ω̇₁ & ω̇₂ are swapped", 0.9)
+STOPPED = Diagnosis("raises", "ValueError: no", 1.0)
+
+
+def failed(id, *diagnosis, **more):
+    return outcome(id, "fail", f"label {id}", diagnosis=list(diagnosis), **more)
+
+
+def test_the_causes_come_first_those_that_explain_most_before_others():
+    first = [failed("a", ORDER), outcome("b"), failed("c", SIGN), failed("d", SIGN)]
+    second = [failed("e", SIGN), outcome("f", "unmeasured", cause=STOPPED.sentence, diagnosis=[STOPPED]), failed("g")]
+    top, *exercises = report(first, second).text().split("\n\n")
+    assert top == (
+        "3 causes explain 4 failures and 1 check not measured:\n"
+        "1. likely sign-flipped: ω̇₂ has the opposite sign\n"
+        "     exercise 1: label c; label d\n"
+        "     exercise 2: label e\n"
+        "2. likely cyclic-order: ω̇₁ & ω̇₂ are swapped\n"
+        "     exercise 1: label a\n"
+        "3. raises: ValueError: no\n"
+        "     exercise 2: f"
+    )
+    below = "\n".join(exercises)
+    assert below.count("cause 1: sign-flipped") == 3 and below.count("cause 2: cyclic-order") == 1
+    assert SIGN.sentence not in below and below.count(STOPPED.sentence) == 1  # in the line that was not measured
+
+
+def test_a_single_failure_has_its_cause_first_and_no_header():
+    text = report([outcome("a"), failed("b", SIGN)]).text()
+    assert text.startswith("1. likely sign-flipped: ω̇₂ has the opposite sign\n     exercise 1: label b\n\nExercise 1.")
+
+
+def test_one_check_with_two_diagnoses_is_counted_once():
+    assert report([failed("a", SIGN, ORDER), failed("b", SIGN, ORDER)]).text().startswith("2 causes explain 2 failures:\n")
+
+
+def test_nothing_is_grouped_without_a_diagnosis_of_a_check_that_counts():
+    for one in (outcome("a"), failed("a"), failed("a", SIGN, counted=False), outcome("a", diagnosis=[SIGN])):
+        assert report([one]).causes() == [] and report([one]).text().startswith("Exercise 1.")
+
+
+def test_the_html_states_each_cause_once_and_escapes_it():
+    html = report([failed("a", ORDER), failed("b", ORDER)])._repr_html_()
+    assert html.count("One cause explains 2 failures:") == html.count("ω̇₁ &amp; ω̇₂ are swapped") == 1
+    assert html.index("cyclic-order") < html.index("Exercise 1.") and html.count("cause 1: <b>cyclic-order</b>") == 2

@@ -1,0 +1,83 @@
+"""The course's own notebook, filled in, is graded whole; its own checks are captured, judged again and carry no points."""
+
+import pytest
+
+from ecp.document import document
+from ecp.judge import Verdict
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.course_notebook import FILE, LABELS, as_ipynb, as_percent, code
+
+EULER = code()["solution-2a"]
+
+
+def graded(data, name, rigid_body, sandbox, numbers=("2",)):
+    return grade(Submission.from_bytes(data, name), rigid_body, sandbox, 3, numbers).report
+
+
+def failed_cells(report):
+    return [ending.scene for ending in report.endings if ending.traceback]
+
+
+PERCENT = pytest.param("mine.py", as_percent(code().values()), marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("name", "data"), [("mine.ipynb", FILE.read_bytes()), PERCENT])
+def test_nine_of_nine_lines_and_no_cell_fails(name, data, rigid_body, sandbox):
+    report = graded(data, name, rigid_body, sandbox)
+    assert report.passed and failed_cells(report) == []
+    assert tuple(check.label for check in report.notebook_checks) == LABELS
+    assert all(check.verdict is Verdict.PASS for check in report.notebook_checks)
+    lines = [check.line for check in report.notebook_checks]
+    assert lines == [line for line in report.stdout.splitlines() if line.startswith("✓")], "as the notebook printed them"
+    assert lines[7].endswith("[growth: min 0.038, mid 1.136, max 0.029]")
+    assert "The notebook's own checks (self-reported, no points)\n" + "\n".join(lines) in report.text()
+
+
+@pytest.mark.slow
+def test_it_attempts_what_its_function_drives(rigid_body, sandbox):
+    report = graded(FILE.read_bytes(), "mine.ipynb", rigid_body, sandbox, None)
+    assert report.passed and {"2", "3", "4", "5"} <= {e.number for e in report.exercises}
+
+
+@pytest.mark.parametrize("form", [as_ipynb, as_percent])
+def test_what_is_not_filled_in_costs_only_itself(form, rigid_body, sandbox):
+    cells = [EULER, *code("solution").values()]
+    report = graded(form(cells), "mine.ipynb" if form is as_ipynb else "mine.py", rigid_body, sandbox)
+    assert report.passed and report.notebook_checks == []
+    assert "NameError: name 'eig' is not defined" in report.text()
+
+
+FORGED = """
+import json, os, struct
+def claim(**changed):
+    header = {"kind": "check", "label": "forged", "detail": "", "unfit": "", "left_out": "", "cell": "submission.py", "numbers": {}}
+    header |= {"arrays": {"condition": []}} | changed
+    head = json.dumps(header).encode()
+    payload = struct.pack("<H", len(head)) + head + struct.pack("<d", 1.0)
+    os.write(4, struct.pack("<cI", b"C", len(payload)) + payload)
+"""
+
+
+def test_forged_claims_are_lines_and_nothing_else(rigid_body, sandbox):
+    plain = graded(EULER.encode(), "a.py", rigid_body, sandbox)
+    forged = graded((FORGED + "claim(label='<b>x</b>')\n" + EULER).encode(), "a.py", rigid_body, sandbox)
+    assert [check.line for check in forged.notebook_checks] == ["✓  <b>x</b>   [True]"]
+    assert "<b>x" not in forged._repr_html_() and "&lt;b&gt;x" in forged._repr_html_()
+    alone = document(forged) | {"notebook_checks": []}
+    assert alone == document(plain) and plain.notebook_checks == []
+
+
+def test_a_forged_frame_that_is_no_claim_is_a_broken_protocol(rigid_body, sandbox):
+    report = graded((FORGED + "claim(kind='perfect')\n" + EULER).encode(), "a.py", rigid_body, sandbox)
+    assert report.score == 0 and report.notebook_checks == []
+
+
+def test_a_wrong_claim_of_a_right_function_costs_nothing(rigid_body, sandbox):
+    cells = [EULER, "eig, I_box = np.zeros(3), np.ones(3)", code()["validation-1"], "validate.conserved(np.zeros(70_000), 'long')"]
+    cells.append("for k in range(200):\n    validate.check(True, f'claim {k}')")
+    report = graded(as_ipynb(cells), "a.ipynb", rigid_body, sandbox)
+    first, long, *_, last = report.notebook_checks
+    assert report.passed and first.verdict is Verdict.FAIL and first.cell == "cell 3"
+    assert long.line == "–  long   [not captured: 70000 numbers, and at most 65536 of one check are taken]"
+    assert len(report.notebook_checks) == 101 and last.line == "–  102 more checks   [not captured: at most 100 are taken]"

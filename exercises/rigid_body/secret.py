@@ -22,13 +22,13 @@ def at_moment(index: tuple[int, ...], seen: Arrays) -> str:
 
 def at_box(index: tuple[int, ...], seen: Arrays) -> str:
     """The box (m, a, b, c) of an index into moments (n, 3), with what was returned and expected."""
-    return f"I{'₁₂₃'[index[1]]} at (m, a, b, c) = {_vector(seen['at'][index[0]])}: {_compared(seen, 'moments', index)}"
+    return f"I{'₁₂₃'[index[1]]}, (m, a, b, c) = {_vector(seen['at'][index[0]])}: {_compared(seen, 'moments', index)}"
 
 
 def at_point(index: tuple[int, ...], seen: Arrays) -> str:
     """The point (ω, I) of an index into rates (n, 3), with what was returned and expected."""
     point = f"ω = {_vector(seen['at_w'][index[0]])}, I = {_vector(seen['at_I'][index[0]])}"
-    return f"ω̇{'₁₂₃'[index[1]]} at {point}: {_compared(seen, 'wdot', index)}"
+    return f"ω̇{'₁₂₃'[index[1]]}, {point}: {_compared(seen, 'wdot', index)}"
 
 
 def _vector(numbers: Arrays) -> str:

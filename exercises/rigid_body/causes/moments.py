@@ -79,7 +79,7 @@ def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
         if _same(seen, np.sort(value, axis=1)):
             return [_cause(code, sentence)]
     factor = float(np.sum(seen * truth / truth**2) / seen.size)
-    if _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
+    if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
         return [_cause("constant-factor", f"{factor:.10g} times the right value: look for a factor that does not belong")]
     _, axes = np.linalg.eigh(tensors)
     sizes = np.sort(np.abs(moments), axis=1)

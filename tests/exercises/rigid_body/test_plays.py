@@ -25,7 +25,7 @@ GROWING = [
 def test_a_motion_that_blows_up_says_that_energy_is_not_conserved(function, scene, rigid_body):
     refused = refusal(function, rigid_body, scene)
     assert refused.code == "unbounded"
-    assert str(refused).startswith("ω grows without bound (energy is not conserved): |ω| = ")
+    assert str(refused).startswith("ω grows without bound (energy is not conserved)")
 
 
 def test_other_ends_keep_their_own_words(rigid_body):

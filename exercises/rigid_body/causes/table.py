@@ -15,6 +15,7 @@ from exercises.rigid_body.causes.agreement import agree
 from exercises.rigid_body.causes.slips import COMPONENT, DIFFERENCE, MOMENT, SPIN, Slip
 
 Array = NDArray[np.float64]
+LEAST_LIMIT = 1e-9  # of rates that were clipped, not lost
 LIMITS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)  # to which ω may have been clipped
 
 
@@ -108,7 +109,7 @@ def _clipped(w: Array, moments: Array, seen: Array) -> Iterator[Mistake]:
     yield Mistake("clipped", "{c} is never negative: negative values are cut to zero", np.maximum(exact, 0.0))
     yield Mistake("clipped", "{c} is never positive: positive values are cut to zero", np.minimum(exact, 0.0))
     for limit in {float(x) for x in np.abs(seen).max(axis=0)}:
-        if np.isfinite(limit) and 0 < limit < np.abs(exact).max():
+        if np.isfinite(limit) and LEAST_LIMIT < limit < np.abs(exact).max():
             yield Mistake("clipped", f"{{c}} is limited to ±{limit:.6g}", np.clip(exact, -limit, limit))
     speed = np.linalg.norm(w, axis=1, keepdims=True)
     for limit in LIMITS:

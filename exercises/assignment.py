@@ -92,7 +92,9 @@ class Sweep:
 class Assignment:
     """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall.
 
-    ``codes`` are the diagnosis codes that its causes and plays give: ``polhode verify`` tells those that no specimen shows.
+    ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides numpy, scipy and
+    matplotlib: they must be installed on the server. ``codes`` are the diagnosis codes that its causes and plays give:
+    ``polhode verify`` tells those that no specimen shows.
     """
 
     slug: str
@@ -104,6 +106,7 @@ class Assignment:
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
     sweep: Sweep | None = None
     codes: tuple[str, ...] = ()
+    packages: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if errors := declaration.errors(self):

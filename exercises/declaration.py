@@ -15,6 +15,8 @@ NEEDED = ("setup.py", "plays.py")
 def errors(assignment: "Assignment") -> list[str]:
     """What is wrong with the declaration; empty if nothing is."""
     found = [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
+    if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
+        found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     return [*found, *_doubles(assignment), *_of_exercises(assignment), *_of_scenes(assignment)]
 
 

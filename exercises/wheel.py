@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import ecp
-from exercises import reproducible
+from exercises import packages, reproducible
 from exercises.assignment import Assignment, Scene, assignments
 
 log = logging.getLogger(__name__)
@@ -58,9 +58,10 @@ def has_notebook(assignment: Assignment) -> bool:
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
-    """The assignment's notebook for students, holding the address of the ``server`` and of its ``kit``."""
+    """The assignment's notebook for students, with the addresses of ``server`` and ``kit``, and what is importable there."""
     text = (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
-    for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit}.items():
+    listing = packages.listing(assignment.packages)
+    for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit, "{{PACKAGES}}": listing}.items():
         text = text.replace(mark, json.dumps(value)[1:-1])
     return text.encode()
 

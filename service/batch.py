@@ -16,9 +16,10 @@ from exercises import folders
 from exercises.assignment import Assignment
 from service import charts
 from service.grading import pictures
-from service.grading.grade import Graded, grade, select
+from service.grading.grade import Graded, grade, lacking, select
 from service.grading.submission import MOST_BYTES, BadSubmission, Submission
 from service.grading.sweep import NotSwept, sweep
+from service.sandbox.choose import with_packages
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
@@ -52,11 +53,15 @@ def grade_files(
 ) -> Iterator[GradedFile]:
     """Each file in turn, graded by a process for each processor (at most ``jobs``); ``tell`` hears how many files are done.
 
-    Raises before grading anything if an exercise is unknown or a file cannot be read, and Fault if the walls do not hold. What
+    Raises before grading anything if an exercise is unknown or a file cannot be read, and Fault if the walls do not hold
+    or a package that the assignment declares is not installed. What
     fails us with a single file is that file's fault, and the others are graded; a process that is lost takes along what was left.
     """
     for ask in asks:
         select(wanted.assignment, ask.exercises)
+    if absent := lacking(wanted.assignment):
+        raise Fault(absent)
+    walls = with_packages(walls, wanted.assignment.packages)
     contents = [_read(ask.file) for ask in asks]
     processes = min(len(asks), jobs or len(os.sched_getaffinity(0)))
     if processes <= 1:

@@ -5,6 +5,9 @@ import platform
 import resource
 from pathlib import Path
 
+from exercises import packages
+from exercises.assignment import assignments
+from service.grading.grade import lacking
 from service.sandbox.choose import WallsMissing, choose, try_namespaces
 from service.sandbox.guest import landlock, lockdown
 from service.sandbox.guest.syscalls import MACHINES
@@ -42,11 +45,14 @@ def examine(least: str) -> tuple[list[str], bool]:
         return [*lines, f"probe         {fault}"], False
     finally:
         sandbox.close()
+    absent = [sentence for known in assignments().values() if (sentence := lacking(known))]
     return [
         *lines,
         f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should",
         f"limits        {_limits()}",
-    ], True
+        f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
+        *(f"              {sentence}" for sentence in absent),
+    ], not absent
 
 
 def _limits() -> str:

@@ -8,10 +8,11 @@ import math
 import time
 
 import numpy as np
+from matplotlib.animation import Animation
 from scipy.integrate import solve_ivp
 
 import ecp.animate
-from ecp import film
+from ecp.film import watch
 from ecp.strict import WrongAnswer, exchanged, real_array, takes
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
@@ -127,14 +128,14 @@ def precession(student, inputs):
 
 
 def animation(student, inputs):
-    """The animation of the function that ``inputs`` names, returned or handed to ``ecp.animate.show``, watched frame by frame."""
+    """The animation of the function that ``inputs`` names, watched frame by frame: returned, or else shown, saved or rendered."""
     name, arguments = inputs["function"], inputs["arguments"]
     takes(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
     anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
-    if anim is None and ecp.animate.shown:
+    if not isinstance(anim, Animation) and ecp.animate.shown:
         anim = ecp.animate.shown[-1]
-    return film.watch(anim, float(inputs["seconds"]))
+    return watch(anim, float(inputs["seconds"]))
 
 
 def _integrate(rhs, start, times):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
@@ -170,20 +171,24 @@ def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) -> Scene:
-    """A motion graded nowhere else: what an animation is given to draw must not answer another scene's question."""
+    """A motion graded nowhere else: what an animation is given to draw must not answer another scene's question.
+
+    It starts from an attitude that keeps L and ê₃ off every coordinate axis and plane, where mistakes would look alike.
+    """
     times = np.linspace(0.0, 4.0, 96)
     exact = reference.motion(w0, I, times, need="orientation")
-    given_R = exact.R
-    assert given_R is not None
-    given = {"L": reference.angular_momentum(w0, I), "half": np.array(BOX[1:]) / 2}[last]
+    assert exact.R is not None
+    given_R = TILT @ exact.R
+    given = {"L": TILT @ reference.angular_momentum(w0, I), "half": np.array(BOX[1:]) / 2}[last]
     inputs = {"t": times, "R": given_R, last: given, "function": function, "arguments": ["t", "R", last], "seconds": 12.0}
     return Scene(name, "animation", function, inputs, FILM, lambda _: {"t": times, "R": given_R, last: given}, 15.0)
 
 
+TILT = Rotation.from_rotvec([0.5, -0.6, 0.4]).as_matrix()
 FILM = {
     "frames": Blank((24, 360, 480, 3), "uint8", up_to=True),
     "tracks": Blank((48, 256, 3), up_to=True),
-    "owners": Blank((256, 2), up_to=True),
+    "owners": Blank((256, 3), up_to=True),
     "at": Blank((48, 3), up_to=True),
     "cost": Blank((5,)),
 }

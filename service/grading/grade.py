@@ -16,12 +16,13 @@ from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
 from ecp.report import ExerciseReport, Provenance, Report, pictures
+from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import Attempt, CrossCheck, cross_check
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Played
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Seen
+from service.sandbox.seen import Fault, Seen
 
 log = logging.getLogger(__name__)
 Tell = Callable[[str, int, int], None]
@@ -58,6 +59,8 @@ def grade(
     ``seed`` draws the scenes a student must not know; the same seed gives the same questions.
     ``tell`` hears how far it is. Raises UnknownExercise, and Fault when the sandbox fails: then there is no report.
     """
+    if absent := lacking(assignment):
+        raise Fault(absent)
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
@@ -98,6 +101,12 @@ def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exerci
     if unknown := wanted - {e.number for e in assignment.exercises}:
         raise UnknownExercise(f"assignment {assignment.slug} has no exercise {', '.join(sorted(unknown))}")
     return [e for e in assignment.exercises if e.number in wanted]
+
+
+def lacking(assignment: Assignment) -> str:
+    """Say which packages of the assignment this server does not have; "" if none."""
+    absent = ", ".join(packages.missing(assignment.packages))
+    return f"assignment {assignment.slug} needs packages that are not installed on this server: {absent}" if absent else ""
 
 
 def draw_inputs(scene: Scene, seed: int) -> Inputs:
@@ -143,6 +152,9 @@ def _play(
         exact[scene] = truth(assignment.scene(scene), inputs[scene])
 
     seen = sandbox.play(job, begin)
+    for ending in (*seen.cells.values(), *seen.endings.values()):
+        if ending.ending is Ending.RAISED and ending.sentence.startswith("ModuleNotFoundError: "):
+            ending.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
     return seen, {name: exact[name] for name in seen.arrays}
 
 

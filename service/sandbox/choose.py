@@ -2,6 +2,7 @@
 
 import platform
 import subprocess
+from collections.abc import Collection
 
 from service.sandbox.guest import landlock
 from service.sandbox.guest.syscalls import MACHINES
@@ -28,6 +29,13 @@ def choose(least: str = "B") -> Walls:
     if least == "A":
         raise WallsMissing(f"POLHODE_MIN_TIER is A, and there are no namespaces here: {reason}")
     return tier_b()
+
+
+def with_packages(walls: Walls, more: Collection[str]) -> Walls:
+    """The same walls around a guest that can also import ``more`` distributions, as far as they are installed."""
+    if not more:
+        return walls
+    return tier_a(walls.around[0], walls.layers, more) if walls.tier == "A" else tier_b(walls.layers, more)
 
 
 def try_namespaces() -> tuple[Walls | None, str]:

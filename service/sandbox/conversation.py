@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.outcome import Ending, SceneEnding
+from service.sandbox.guest.play import WALL
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
@@ -22,7 +23,7 @@ from service.sandbox.seen import KEPT_OUTPUT, SENTENCES, Fault, Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
-LOADING = 2  # the host waits for twice the budget that the guest has for loading
+LOADING = 2  # the host waits for twice the time that the guest has for loading
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
@@ -210,11 +211,11 @@ class Conversation:
 
 
 class _Patience:
-    """How long to wait for the next word: the budget of the scene in progress, and never past the sum of all budgets."""
+    """How long to wait for the next word: as long as the guest's own limits by the clock, and never past the sum of them all."""
 
     def __init__(self, job: Job) -> None:
-        self._budgets = {s.name: s.budget_s for s in job.scenes}
-        self._load_s = LOADING * job.load_budget_s
+        self._budgets = {s.name: WALL * s.budget_s for s in job.scenes}
+        self._load_s = LOADING * WALL * job.load_budget_s
         self._since = time.monotonic()
         self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + self._load_s
         self._scene: str | None = None

@@ -1,4 +1,4 @@
-"""What a guest needs to read and nothing else: interpreter, standard library, three packages with theirs, the kit, our code."""
+"""What a guest needs to read and nothing else: interpreter, standard library, packages with theirs, the kit, our code."""
 
 import functools
 import os
@@ -6,10 +6,12 @@ import re
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Collection
 from importlib import metadata
 from pathlib import Path
 
-ROOTS = ("numpy", "scipy", "matplotlib")
+from exercises.packages import SANDBOX
+
 GUEST = Path(__file__).parent / "guest"
 # Extension modules whose libraries (X11, TLS, databases, terminals) no submission needs.
 LEFT_OUT = re.compile(r"_(tkinter|ssl|curses|curses_panel|sqlite3|dbm|gdbm)\b|readline|nis|ossaudiodev|test")
@@ -42,16 +44,22 @@ def kit() -> Path:
     return Path(ecp.__path__[0])
 
 
-def packages() -> list[str]:
-    """Top-level names in site-packages of numpy, scipy, matplotlib and all they require."""
+def packages(more: Collection[str] = ()) -> list[str]:
+    """Top-level names in site-packages of numpy, scipy, matplotlib, of ``more`` distributions, and of all they require.
+
+    What is not installed is left out: many requirements are for another system, or another version of Python.
+    """
     names: set[str] = set()
-    todo, done = list(ROOTS), set()
+    todo, done = [*SANDBOX, *more], set()
     while todo:
         name = todo.pop()
         if name in done:
             continue
         done.add(name)
-        distribution = metadata.distribution(name)
+        try:
+            distribution = metadata.distribution(name)
+        except metadata.PackageNotFoundError:
+            continue
         for requirement in distribution.requires or []:
             if "extra ==" not in requirement:
                 todo.append(re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower())

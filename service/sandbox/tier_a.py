@@ -16,9 +16,12 @@ from service.sandbox.walls import ENVIRONMENT, LAYERS, Guest, Walls
 GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
 
 
-def tier_a(program: str, layers: Collection[str] = LAYERS) -> Walls:
-    """Walls by ``program``, a bwrap. As root its zygote keeps just enough to step down to an unprivileged user id by itself."""
-    binds = [*runtime(), *(site_packages() / name for name in packages())]
+def tier_a(program: str, layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Walls:
+    """Walls by ``program``, a bwrap, with ``more`` packages to import.
+
+    As root its zygote keeps just enough to step down to an unprivileged user id by itself.
+    """
+    binds = [*runtime(), *(site_packages() / name for name in packages(more))]
     user = GUEST_UID if os.geteuid() == 0 else None
     standing = [x for x in LAYERS if x in layers]
     path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages()), str(standard_library())]

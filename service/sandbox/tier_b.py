@@ -13,12 +13,12 @@ from service.sandbox.needs import DEVICES, GUEST, interpreter, kit, packages, ru
 from service.sandbox.walls import ENVIRONMENT, LAYERS, Guest, Walls
 
 
-def tier_b(layers: Collection[str] = LAYERS) -> Walls:
-    """Walls without namespaces. Fewer ``layers`` are for tests of what each of them stops."""
+def tier_b(layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Walls:
+    """Walls without namespaces, with ``more`` packages to import. Fewer ``layers`` are for tests of what each of them stops."""
     import matplotlib
 
     path = [str(GUEST.parent), str(kit().parent), str(site_packages())]
-    readable = [*map(str, runtime()), *(str(site_packages() / name) for name in packages()), str(GUEST), str(kit()), *DEVICES]
+    readable = [*map(str, runtime()), *(str(site_packages() / name) for name in packages(more)), str(GUEST), str(kit()), *DEVICES]
     standing = [x for x in LAYERS if x in layers]
     user = GUEST_UID if os.geteuid() == 0 and all(map(_open_to_all, [*readable, *path])) else None
     environment = ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir(), "HOME": "/"}

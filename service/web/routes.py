@@ -12,7 +12,7 @@ from fastapi import APIRouter, Header, Request
 from fastapi.responses import JSONResponse
 
 from ecp.document import document
-from exercises import wheel
+from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment, assignments, find
 from service.store import overriding, reading
 from service.store.accept import KeyReused, Refused, accept
@@ -57,7 +57,8 @@ async def show_assignment(slug: str) -> dict[str, Any]:
     told = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
     notebook = f"/v1/assignments/{slug}/notebook.ipynb" if wheel.has_notebook(assignment) else None
     build = await asyncio.to_thread(wheel.build)
-    return told | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook}
+    importable = packages.versions(assignment.packages)
+    return told | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook, "packages": importable}
 
 
 @router.post("/v1/assignments/{slug}/submissions", status_code=202)

@@ -16,6 +16,7 @@ from service.grading import pictures
 from service.grading.grade import Tell, grade
 from service.grading.submission import Submission
 from service.grading.sweep import sweep
+from service.sandbox.choose import with_packages
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.seen import Fault
@@ -31,9 +32,8 @@ def start(walls: Walls) -> None:
     if _sandbox is None:
         atexit.register(_close)
     _close()
-    _sandbox = Sandbox(walls)
+    _sandbox = Sandbox(with_packages(walls, sorted({name for known in assignments().values() for name in known.packages})))
     _sandbox.start()
-    assignments()  # imported while the guest warms up
 
 
 def ready() -> None:

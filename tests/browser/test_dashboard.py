@@ -268,12 +268,12 @@ def test_a_checks_victims_are_graded_again_looked_at_and_let_count(seen_by, sent
     lost = page.locator("[role=region][aria-label=Lose] tbody").inner_text()
     assert lost.startswith("dan") and "1 of 2 → 0 of 5" in lost and "✓ → !" in lost
     ann.reload()
-    assert "graded: 1 of 2 checks ✓" in " ".join(ann.locator("main").inner_text().split())
+    assert "graded: 1 of 2 points of the attempted exercises" in " ".join(ann.locator("main").inner_text().split())
     prof = seen_by("prof", page.url.removeprefix(server.url))
     prof.get_by_role("button", name="Apply").click()
     assert "✓ applied by prof" in prof.locator("#live").inner_text()
     ann.reload()
-    assert "graded: 5 of 5 checks ✓" in " ".join(ann.locator("main").inner_text().split())
+    assert "graded: 5 of 5 points (public checks" in " ".join(ann.locator("main").inner_text().split())
     assert "2, shown, a regrade" in ann.locator("#gradings").inner_text()
 
 

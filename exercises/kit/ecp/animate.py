@@ -6,6 +6,7 @@ from typing import Any
 
 shown: list[Any] = []
 """The last animation handed to :func:`show`; a grader reads it, a notebook never needs it."""
+RENDERING = ("save", "to_jshtml", "to_html5_video")
 _watchers: list[None] = []
 
 
@@ -24,12 +25,27 @@ def show(anim: Any) -> Any:
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Within, nothing that is shown is made into a player, which takes longer than drawing it."""
+    """Within, what is shown, saved or made into a player is kept in :data:`shown` and not rendered: that takes too long.
+
+    ``Animation.save``, ``to_jshtml`` and ``to_html5_video`` write nothing and return an empty string.
+    """
+    from matplotlib.animation import Animation
+
+    rendering = {name: getattr(Animation, name) for name in RENDERING}
+
+    def keep(anim: Any, *args: Any, **kwargs: Any) -> str:
+        shown[:] = [anim]
+        return ""
+
+    for name in RENDERING:
+        setattr(Animation, name, keep)
     _watchers.append(None)
     try:
         yield
     finally:
         _watchers.pop()
+        for name, original in rendering.items():
+            setattr(Animation, name, original)
 
 
 def _in_ipython() -> bool:

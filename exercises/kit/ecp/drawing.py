@@ -21,7 +21,8 @@ def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "p
     canvas = Canvas(figsize=(9, 4.5), dpi=100)
     FigureCanvasAgg(canvas)
     canvas.subplots_adjust(left=0.08, right=0.98, bottom=0.11, top=0.94)
-    figure.draw(canvas, seen, truth)
+    with np.errstate(all="ignore"):  # numbers beyond arithmetic are not drawn
+        figure.draw(canvas, seen, truth)
     stream = io.BytesIO()
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
         metadata = {"Title": figure.title, "Description": figure.alt} | ({"Date": None} if form == "svg" else {})

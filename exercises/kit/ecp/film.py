@@ -1,9 +1,9 @@
 """A matplotlib animation watched: stills, the paths of what is drawn, and what the drawing costs. Endless ones are stopped."""
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from operator import length_hint
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -23,18 +23,18 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
     - ``tracks`` (f, p, 3): where the artists put their points in f ≤ FOLLOWED frames, in data coordinates
-    - ``owners`` (p, 2): for each point the artist's number and whether its axes have 2 or 3 dimensions (0: there is no point)
+    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point) and their number
     - ``at`` (f, 3): for each of those frames its number, the value the animation calls it by (−1: none), and how many there are
     - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
-    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds``.
+    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds`` of CPU time.
     """
     from matplotlib import pyplot as plt
     from matplotlib.animation import Animation
 
     if not isinstance(anim, Animation):
         raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
-    deadline = time.monotonic() + seconds
+    deadline = process_time() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
     listed = length_hint(getattr(anim, "_tee_from", ()))
     values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
@@ -47,11 +47,11 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
         for number, frame in enumerate(sequence):
             if max(number + 1, known) > FRAME_CAP:
                 raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
-            if time.monotonic() > deadline:
-                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s were allowed")
-            began = time.perf_counter()
+            if process_time() > deadline:
+                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s of CPU time were allowed")
+            began = perf_counter()
             anim._draw_frame(frame)  # type: ignore[attr-defined]
-            drawing += time.perf_counter() - began
+            drawing += perf_counter() - began
             values.append(_number(frame))
             paths.append(drawn(figure))
             if number % stride == 0:
@@ -100,7 +100,7 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
     """
     newest = [{d.key: d for d in frame} for frame in paths]
     oldest = [{(*d.key[:2], -d.oldest): d for d in frame} for frame in paths]
-    columns, owners = [], []
+    columns, owners, ranks = [], [], [0]
     for by_key in (newest, oldest):
         for key, first in by_key[0].items():
             seen = [frame[key] for frame in by_key if key in frame]
@@ -110,11 +110,13 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
             same = min(map(len, points)) == max(map(len, points))
             many = len(first.points) if same else min(2, *map(len, points))
             columns.append(np.stack([p[:many] for p in points]))
-            owners += [[len(columns), first.dimensions]] * many
+            owners += [[len(columns), first.dimensions, first.key[0]]] * many
+            ranks += range(many)
     tracks = np.concatenate([np.zeros((len(paths), 1, 3)), *columns], axis=1)
-    owned = np.array([[0, 0], *owners], dtype=float)
+    owned = np.array([[0, 0, 0], *owners], dtype=float)
     tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
-    chosen = np.sort(np.argsort(-np.ptp(tracks, axis=0).max(axis=1), kind="stable")[:POINTS])  # what moves before what stands
+    ends, moved = np.array(ranks) < 2, np.ptp(tracks, axis=0).max(axis=1)
+    chosen = np.sort(np.lexsort((-moved, ~ends))[:POINTS])  # the ends of every artist first, then what moves before what stands
     return tracks[:, chosen], owned[chosen]
 
 
@@ -146,9 +148,9 @@ def _clearing() -> Iterator[list[float]]:
         return
 
     def timed(axes: Any) -> None:
-        began = time.perf_counter()
+        began = perf_counter()
         clear(axes)
-        spent.append(time.perf_counter() - began)
+        spent.append(perf_counter() - began)
 
     Axes._AxesBase__clear = timed  # type: ignore[attr-defined]
     try:

@@ -18,7 +18,7 @@ from ecp.checks import Arrays, Check
 from ecp.course import NotKnown, PublicAssignment, PublicScene
 from ecp.exercise import Exercise, attempted
 from ecp.limited import OutOfTime, limited
-from ecp.outcome import Ending, Outcome, SceneEnding
+from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
 from ecp.report import ExerciseReport, Provenance, Report, pictures
 from ecp.stopped import stopped
 from ecp.strict import is_written
@@ -136,8 +136,17 @@ def _own_figures() -> Iterator[None]:
 def _outcome(check: Check, known: PublicAssignment, played: Played) -> Outcome:
     for name in check.scenes:
         if name not in played.arrays:
-            return check.unmeasured(played.endings[name].sentence)
+            outcome = check.unmeasured(played.endings[name].sentence)
+            outcome.diagnosis = _stopped(check, known, played)
+            return outcome
     return check.judge([played.arrays[name] for name in check.scenes], [known.scenes[name].truth for name in check.scenes])
+
+
+def _stopped(check: Check, known: PublicAssignment, played: Played) -> list[Diagnosis]:
+    """How the code stopped, as the server's diagnosis says it; those that compare numbers are made on the server only."""
+    names = [name for scene in check.scenes for name in (known.scenes[scene].after, scene)]
+    endings = [played.endings[name] for name in names if name in played.endings]
+    return [Diagnosis(ending.code, ending.sentence, 1.0) for ending in endings if ending.code is not None][:1]
 
 
 def _draw(asked: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str) -> bytes | None:

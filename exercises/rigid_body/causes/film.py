@@ -16,6 +16,7 @@ def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
         sentence = "the picture stays the same from frame to frame: does the update function change what is drawn?"
         return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
     tumble = "L" not in inputs
-    momentum = None if tumble else momentum_shown(seen, t, R, np.asarray(inputs["L"]))
-    shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if tumble else 2)
+    L = None if tumble else np.asarray(inputs["L"])
+    momentum = None if L is None else momentum_shown(seen, t, R, L)
+    shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if tumble else 2, L)
     return [Diagnosis(code=shown.code, sentence=shown.sentence, confidence=1.0)] if shown.code else []

@@ -12,25 +12,32 @@ from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 from ecp.exercise import Figure
 
 from .allowance import as_closely
-from .measures import kinetic_energy, momentum_norm, space_momentum, transverse
-from .setting import BODY, NUDGE, SPIN, SYMMETRIC
+from .measures import kinetic_energy, momentum_norm, space_momentum, transverse, turning_rate
+from .setting import BODY, NUDGE, SPIN, SYMMETRIC, SYMMETRIC_RATE
 from .setting import BOX as BOX_NUMBERS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-COLORS = ("#0072b2", "#d55e00", "#009e73")
+COLORS = ("#0072b2", "#e69f00", "#c1272d")  # of ω₁, ω₂, ω₃ and of ê₁, ê₂, ê₃: blue, orange, red
+AMBER, GREY = "#c0851a", "0.55"
 EXACT: dict[str, Any] = {"color": "0.25", "ls": (0, (1, 2)), "lw": 1.6}
 HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
+BOX_AXES = (AMBER, COLORS[0], COLORS[2])  # the figure of the box has ê₁ amber
 FLOOR = 1e-17  # below one rounding error: where a log axis shows an exact zero
 
 
 def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     solid, bars = canvas.add_subplot(121, projection="3d"), canvas.add_subplot(122)
-    _draw_box(solid, np.eye(3))
+    _draw_box(solid, np.eye(3), alpha=0.55)
+    for k, color in enumerate(BOX_AXES):
+        tip = 1.45 * HALF_BOX.max() * np.eye(3)[k]
+        arrow(solid, tip, color=color, lw=2.5, zorder=10)
+        solid.text(*(1.12 * tip), f"ê{'₁₂₃'[k]}", color=color)
+    cube_axes(solid, 1.0)
     solid.set_title(f"box {BOX_NUMBERS[1]:g} × {BOX_NUMBERS[2]:g} × {BOX_NUMBERS[3]:g} m", fontsize=9)
     place, yours, exact = np.arange(3), np.sort(seen[0]["moments"][0]), truth[0]["moments"][0]
-    bars.bar(place - 0.2, yours, 0.4, color=COLORS, label="yours")
+    bars.bar(place - 0.2, yours, 0.4, color=BOX_AXES, label="yours")
     bars.bar(place + 0.2, exact, 0.4, color="0.75", label="exact")
     bars.set_xticks(place, ["I₁", "I₂", "I₃"])
     bars.set_ylabel("kg m²")
@@ -38,18 +45,24 @@ def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 
 def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
-    run, exact, body = seen[0], truth[0], BODY
-    top, bottom = canvas.subplots(2, 1, sharex=True)
+    run, exact = seen[0], truth[0]
+    left, right = canvas.subplots(1, 2)
+    _components(left, run, exact)
+    for (name, observable), color in zip((("T / J", kinetic_energy), ("|L| / (kg m²/s)", momentum_norm)), COLORS, strict=False):
+        values, true = observable(run["w"], BODY), observable(exact["w"], BODY)
+        drift = np.abs(values / true[0] - 1).max()
+        right.plot(run["t"], values, color=color, label=f"{name}, largest relative drift {drift:.2g}")
+        right.plot(exact["t"], true, **EXACT)
+    right.set(xlabel="t / s", ylim=(0, None))
+    right.legend(fontsize=8, loc="lower right")
+
+
+def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
     for i in range(3):
-        top.plot(run["t"], run["w"][i], color=COLORS[i], label=f"ω{'₁₂₃'[i]}")
-        top.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
-    top.set_ylabel("rad/s")
-    top.legend(ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1, 0.99), frameon=False)
-    for name, observable in (("T", kinetic_energy), ("|L|", momentum_norm)):
-        values = observable(run["w"], body)
-        bottom.semilogy(run["t"], np.maximum(np.abs(values / values[0] - 1), FLOOR), lw=0.8, label=f"relative drift of {name}")
-    _tolerance_line(bottom, 1e-6)
-    bottom.set_xlabel("t / s")
+        axes.plot(run["t"], run["w"][i], color=COLORS[i], label=f"ω{'₁₂₃'[i]}")
+        axes.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
+    axes.set(xlabel="t / s", ylabel="rad/s")
+    axes.legend(ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1, 0.99), frameon=False)
 
 
 def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -67,7 +80,7 @@ def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 37), np.linspace(0, np.pi, 19))
     sphere = np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
     ellipsoid = sphere * np.sqrt(2 * energy / np.array(BODY))[:, None, None]
-    axes.plot_wireframe(*ellipsoid, color="0.85", lw=0.4)
+    axes.plot_surface(*ellipsoid, color="0.6", alpha=0.15, linewidth=0, rstride=1, cstride=1)
     for number, (run, exact) in enumerate(zip(seen, truth, strict=True)):
         axes.plot(*run["w"], color=COLORS[number], lw=1.8, label=f"yours, from ω(0) = {np.round(run['w'][:, 0], 2).tolist()}")
         axes.plot(*exact["w"], **EXACT)
@@ -78,13 +91,14 @@ def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     run, exact = seen[0], truth[0]
-    circle, phase = canvas.subplots(1, 2)
+    left, circle = canvas.subplots(1, 2)
+    _components(left, run, exact)
     circle.plot(run["w"][0], run["w"][1], color=COLORS[0], label="yours")
     circle.plot(exact["w"][0], exact["w"][1], **EXACT, label="exact")
-    circle.set(xlabel="ω₁", ylabel="ω₂", aspect="equal")
-    for motion, style in ((run, {"color": COLORS[0]}), (exact, EXACT)):
-        phase.plot(motion["t"], np.unwrap(np.arctan2(motion["w"][1], motion["w"][0])), **style)
-    phase.set(xlabel="t / s", ylabel="phase of (ω₁, ω₂) / rad")
+    circle.set(xlabel="ω₁ / (rad/s)", ylabel="ω₂ / (rad/s)", aspect="equal")
+    if np.isfinite(run["w"]).all():
+        rate = turning_rate(run["t"], run["w"], exact["w"], SYMMETRIC_RATE)
+        circle.set_title(f"phase slope {rate:.6g} rad/s, (I₃−I₁)/I₁·ω₃ = {SYMMETRIC_RATE:g} rad/s", fontsize=9)
     circle.legend(fontsize=8)
 
 
@@ -103,17 +117,27 @@ def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 
 def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
-    run = seen[0]
-    L = space_momentum(run["R"], run["w"], SYMMETRIC)[0]
+    """All of it turned so that L is vertical."""
+    run, exact = seen[0], truth[0]
+    L = space_momentum(exact["R"], exact["w"], SYMMETRIC)[0]
+    up = _upright(L / np.linalg.norm(L))
     axes = canvas.add_subplot(projection="3d")
-    axis, exact = run["R"][:, :, 2], truth[0]["R"][:, :, 2]
-    axes.plot(*axis.T, color=COLORS[2], lw=1.6, label="yours: path of ê₃")
-    axes.plot(*exact.T, **EXACT, label="exact")
-    for at in np.linspace(0, len(axis) - 1, 7).astype(int):
-        arrow(axes, axis[at], color=COLORS[2], lw=0.8, alpha=0.6)
-    arrow(axes, L / np.linalg.norm(L), color=COLORS[1], lw=2.5, label="L, fixed in space")
-    cube_axes(axes, 0.8).set_zlim(0, 1.6)
-    axes.legend(fontsize=8)
+    R = up @ run["R"]
+    axes.plot(*R[:, :, 2].T, color=GREY, lw=1.6, label="yours: path of ê₃")
+    axes.plot(*(up @ exact["R"])[:, :, 2].T, **EXACT, label="exact")
+    for at in np.linspace(0, len(R) - 1, 7).astype(int):
+        arrow(axes, R[at, :, 2], color=COLORS[2], lw=0.8, alpha=0.4)
+    for k in range(3):
+        arrow(axes, R[0, :, k], color=COLORS[k], lw=2, label=f"ê{'₁₂₃'[k]} at t = 0")
+    arrow(axes, (0, 0, 1.3), color=AMBER, lw=2.5, label="direction of L, fixed in space")
+    cube_axes(axes, 0.8).set_zlim(-0.3, 1.3)
+    axes.legend(fontsize=8, loc="upper right", bbox_to_anchor=(-0.05, 1))
+
+
+def _upright(n: np.ndarray) -> np.ndarray:
+    """The rotation (3, 3) that takes the unit vector ``n`` (3,), not −ê₃, to ê₃."""
+    x, y, z = n
+    return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]])
 
 
 def _stills(canvas: "Canvas", runs: list[Arrays], shares: np.ndarray, titles: list[str]) -> None:
@@ -125,10 +149,11 @@ def _stills(canvas: "Canvas", runs: list[Arrays], shares: np.ndarray, titles: li
             grid[row, column].set_title(f"{titles[row]}, t = {run['t'][at]:.2f} s", fontsize=7, pad=-2)
 
 
-def _draw_box(axes: Any, R: np.ndarray) -> None:
+def _draw_box(axes: Any, R: np.ndarray, alpha: float = 1.0) -> None:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    axes.add_collection3d(Poly3DCollection(box_polys(R, HALF_BOX), facecolors=FACE_COLORS, edgecolors="k", linewidths=0.4))
+    faces = Poly3DCollection(box_polys(R, HALF_BOX), facecolors=FACE_COLORS, edgecolors="k", linewidths=0.4, alpha=alpha)
+    axes.add_collection3d(faces)
     cube_axes(axes, 0.85).set_axis_off()
 
 
@@ -142,14 +167,14 @@ SPINS = ("spin-min", "spin-mid", "spin-max")
 BOX = Figure(
     "box",
     "The box and its principal moments",
-    "A box with its six faces coloured, beside bars comparing your three principal moments with the exact ones.",
+    "A translucent box with its axes ê₁ amber, ê₂ blue, ê₃ red, beside bars comparing your principal moments with the exact ones.",
     ("tensor",),
     _box,
 )
 OMEGA = Figure(
     "omega",
-    "Angular velocity and the drift of T and |L|",
-    "Above: the three components of your ω against time, the exact motion dotted. Below: drift of T and |L| on a log axis.",
+    "Angular velocity, and T and |L|, which stay constant",
+    "Left: the components of your ω against time, the exact motion dotted. Right: your T and |L| against time, the exact dotted.",
     ("torque-free",),
     _omega,
 )
@@ -163,14 +188,14 @@ OMEGA_RESIDUAL = Figure(
 POLHODE = Figure(
     "polhode",
     "Polhodes on the energy ellipsoid",
-    "Three-dimensional curves of your ω on the wire-frame energy ellipsoid, the exact polhodes dotted over them.",
+    "Three-dimensional curves of your ω on the translucent energy ellipsoid, the exact polhodes dotted over them.",
     ("torque-free", "polhode-3", "polhode-1"),
     _polhode,
 )
 PRECESSION = Figure(
     "precession",
     "Free precession in the body",
-    "Left: the circle of ω₁ against ω₂, yours and exact. Right: its phase against time, whose slope is the precession rate.",
+    "Left: ω₁ blue, ω₂ orange and ω₃ red against time, the exact motion dotted. Right: the circle of ω₁ and ω₂, yours and exact.",
     ("symmetric",),
     _precession,
 )
@@ -191,7 +216,7 @@ TUMBLE = Figure(
 CONE = Figure(
     "cone",
     "The symmetry axis around L",
-    "The path of the body axis ê₃ in space by your equations, the exact path dotted, around the fixed angular momentum.",
+    "Your body axis ê₃, red, and its path in space, a grey circle around the vertical L in amber; the exact path dotted.",
     ("precession",),
     _cone,
 )

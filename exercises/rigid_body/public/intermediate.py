@@ -64,5 +64,5 @@ INTERMEDIATE = Exercise(
         ),
     ),
     optional=("animate_tumble",),
-    motions=(motions.TUMBLE,),
+    motions=motions.SPINS,
 )

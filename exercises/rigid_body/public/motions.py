@@ -24,18 +24,37 @@ TORQUE_FREE = Motion(
     _half(BODY),
     2,
 )
-TUMBLE = Motion(
-    "tumble",
-    "The book spun about its intermediate axis",
-    "Two books side by side, yours and the exact one, spun about body axis ê₂, which turns over and back again.",
-    "spin-mid",
-    (BOX[1] / 2, BOX[2] / 2, BOX[3] / 2),
-    1,
+_BOOK = (BOX[1] / 2, BOX[2] / 2, BOX[3] / 2)
+SPINS = (
+    Motion(
+        "spin-least",
+        "The book spun about ê₁, the axis of the least moment: stable",
+        "Two books side by side, yours and the exact one, spun about body axis ê₁, which stays near the angular momentum.",
+        "spin-min",
+        _BOOK,
+        0,
+    ),
+    Motion(
+        "tumble",
+        "The book spun about ê₂, the intermediate axis: it tumbles",
+        "Two books side by side, yours and the exact one, spun about body axis ê₂, which turns over and back again.",
+        "spin-mid",
+        _BOOK,
+        1,
+    ),
+    Motion(
+        "spin-greatest",
+        "The book spun about ê₃, the axis of the greatest moment: stable",
+        "Two books side by side, yours and the exact one, spun about body axis ê₃, which stays near the angular momentum.",
+        "spin-max",
+        _BOOK,
+        2,
+    ),
 )
 PRECESSION = Motion(
     "precession",
     "The free precession",
-    "Two symmetric boxes side by side, yours and the exact one; body axis ê₃ goes round the angular momentum on a cone.",
+    "Two symmetric boxes side by side, yours and the exact one; body axis ê₃ goes round the vertical angular momentum on a cone.",
     "precession",
     _half(SYMMETRIC),
     2,

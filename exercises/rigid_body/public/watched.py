@@ -1,10 +1,10 @@
 """What an animation shows: whether something drawn follows the body, and whether L stays where it is.
 
-There are many right ways to draw it, so nothing is asked of the drawing but that some point, or the direction between two points of
-one artist, moves as the body does: in space as it is, or scaled, shifted, turned as a whole, or projected onto a plane.
+There are many right ways to draw it. The times of the frames are free within limits (``timing``) and so is the camera
+(``cameras``); at those times what is drawn must be the exact motion: a point of the body up to one constant shift, or a direction
+from one fixed place. L is drawn by the same camera.
 """
 
-import itertools
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -13,206 +13,363 @@ from numpy.typing import NDArray
 
 from ecp.checks import Arrays
 
+from . import cameras, timing
+from .pictures import Path, Picture, directions, pictures, sound
+
 Array = NDArray[np.float64]
 
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
-MISFIT = 0.03  # root mean square, of the path's own: what interpolating between frames costs stays far below, noise far above
-MOVES = 1e-3  # of its distance from the origin
-LEAST_FRAMES, LEAST_PART = 10, 0.25  # of the motion's samples
-LARGEST = 1e100
-OWN = 0.05  # part of a point's place that must be along the axis asked for
-SPACE = (0, 1, 2)
-PLANES = tuple(itertools.permutations(range(3), 2))
+MISFIT = 0.03  # root mean square, of the path's own: 1 % of ê₃'s length here; interpolating linearly costs a tenth of it
+HOPEFUL = 0.5  # the same before times are fitted: 1.5 samples of the fastest turn here cost a third
+TRIES = 6  # paths whose times are fitted, the most hopeful first
+PARALLEL = 0.03  # sine of the angle from the body axis
+SPAN = 0.1  # of the length of two directions that show the body's attitude together
+UNAMBIGUOUS = 0.45  # of the motion: a shorter arc of any curve looks like one of ê₃'s by some camera
+NAMES = "₁₂₃"
+TRANSPOSED = "what is drawn follows the transposed R: R takes body components to space, so ê₃ is R[:, :, 2], its third column"
 
 
 class Shown(NamedTuple):
-    """``found``: True where the body is followed, False where it is not, None where a picture is painted that has no points.
+    """``found``: True where the body is followed, False where it is not, None where what is drawn cannot be judged.
 
-    ``code`` and ``sentence`` say what is followed instead."""
+    ``code`` and ``sentence`` say what is followed instead; ``cameras``: for each picture the one found, if any."""
 
     found: bool | None
     code: str | None
     sentence: str
+    cameras: tuple[Array | None, ...] = ()
 
 
-class Paths(NamedTuple):
-    """Points and differences of points (q, f, 3); ``flat`` (q,) where only two coordinates are drawn."""
+class Motion:
+    """R (n, 3, 3) at times ``t`` (n,), and L (3,) where it is drawn, with the curves and laws an animation is compared with."""
 
-    places: Array
-    flat: NDArray[np.bool_]
+    def __init__(self, at: Array, t: Array, R: Array, L: Array | None, axis: int | None) -> None:
+        from scipy.interpolate import CubicSpline
+
+        n = len(t)
+        spline, samples = CubicSpline(np.arange(n), R.reshape(n, 9)), np.arange((n - 1) * timing.PER + 1) / timing.PER
+        self.L, self.axis, self.n = L, axis, n
+        self.R = spline(samples).reshape(-1, 3, 3)
+        spin = np.swapaxes(self.R, 1, 2) @ spline(samples, 1).reshape(-1, 3, 3)
+        self.w = np.einsum("gij,gj->gi", self.R, spin[:, [2, 0, 1], [1, 2, 0]])  # in space, up to its unit
+        self.turned = self._turns(R[:, :, axis], L) if L is not None and axis is not None else self._angle()
+        self.laws = timing.laws(at, t, self.turned)
+
+    def _turns(self, tips: Array, L: Array) -> Array:
+        """Turns of the axis about L since the start (n,)."""
+        z = L / np.linalg.norm(L)
+        across = tips - np.outer(tips @ z, z)
+        if np.linalg.norm(across, axis=1).min() < 1e-6:
+            return self._angle()
+        x = across[0] / np.linalg.norm(across[0])
+        angle = np.unwrap(np.arctan2(across @ np.cross(z, x), across @ x))
+        return np.asarray(np.maximum.accumulate(np.abs(angle)) / (2 * np.pi))
+
+    def _angle(self) -> Array:
+        """Turns of the body since the start (n,)."""
+        speed = np.linalg.norm(self.w, axis=1)
+        angle = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)])[:: timing.PER]
+        return np.asarray(angle / (2 * np.pi * timing.PER))
 
 
-def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None) -> Shown:
-    """Whether something follows body axis ``axis``, or for None any point of the body; ``R`` (n, 3, 3) at times ``t`` (n,)."""
-    if not _sound(seen):
+class Match(NamedTuple):
+    """Body points p (3, v) that ``paths`` follow, at ``times`` (f,)."""
+
+    times: Array
+    points: Array
+    paths: list[Path]
+
+
+def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | None = None) -> Shown:
+    """Whether something follows body axis ``axis``, or for None any point of the body; ``R`` (n, 3, 3) at times ``t`` (n,).
+
+    With L (3,) given, what is drawn along it must fit the same camera.
+    """
+    if not sound(seen):
         return Shown(False, None, "what came back does not fit together")
-    paths, painted = moving(seen), seen["cost"][4] > 0
-    if not len(paths.places):
+    drawn, painted = pictures(seen), seen["cost"][4] > 0
+    if not any(picture.paths for picture in drawn):
         return Shown(None if painted else False, None, "nothing that moves was found in lines, arrows, polygons and markers")
-    attitudes = list(_attitudes(seen, t, R))
-    if not attitudes:
-        return Shown(False, None, f"too short to show the motion: {len(seen['at'])} frames, or too small a part of it")
-    shown = _compared(paths, attitudes, axis)
+    if len(seen["at"]) < timing.LEAST_FRAMES:
+        return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
+    motion = Motion(seen["at"], t, R, L, axis)
+    shown = _compared(drawn, motion, seen["at"])
     if painted and not shown.found:
         return Shown(None, None, "what moves beside the painted picture says nothing about the body")
     return shown
 
 
-def _compared(paths: Paths, attitudes: list[Array], axis: int | None) -> Shown:
-    if any(_attached(paths, A, axis) for A in attitudes):
-        return Shown(True, None, "drawn as it is")
-    for code, sentence, wrong in _otherwise(attitudes, axis):
-        if any(_attached(paths, A, k) for A, k in wrong):
-            return Shown(False, code, sentence)
-    axes = range(3) if axis is None else (axis,)
-    if any(_fits(paths, A[:, :, k]).any() for A in attitudes for k in axes):
-        return Shown(True, None, "seen from another side, or projected")
+def _compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
+    for look in (_as_it_is, _by_own_camera):
+        views = [look(picture, motion, at) for picture in drawn]
+        found = tuple(camera for camera, _ in views)
+        right = [shown for _, shown in views if shown and shown.found]
+        if right:
+            return right[0]._replace(cameras=found)
+        wrong = [shown for _, shown in views if shown]
+        if look is _as_it_is:
+            wrong += [shown for picture in drawn for shown in _otherwise(picture, motion, at)]
+        if wrong:
+            return wrong[0]._replace(cameras=found)
     return Shown(False, "wrong-motion", "what moves does not move with the body")
 
 
-def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array) -> Shown:
-    """Whether a direction drawn along L stays there, in space or in a plane of two coordinates.
+def _as_it_is(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None, Shown | None]:
+    """The camera without which space is drawn as it is, and what is shown."""
+    if not len(motion.laws):
+        return None, None
+    wrong: tuple[Array | None, Shown | None] = (None, None)
+    for plain in cameras.plain(picture.dimensions):
+        match = _matched(picture, np.einsum("ia,gab->gib", plain, motion.R), motion.laws)
+        if match is None:
+            continue
+        camera = plain
+        if picture.dimensions == 2 and np.all(match.points[motion.axis] < 0) and _draws_momentum(picture, -plain, motion, match):
+            camera, match = -plain, match._replace(points=-match.points)  # the paper upside down
+        shown = _read(match, motion)
+        if shown.found and not _agrees(picture, camera, motion, match):
+            sentence = "ê₃ and L are drawn in different coordinates: are x and y swapped in one of them?"
+            shown = Shown(False, "mirrored", sentence)
+        if shown.found:
+            return camera, shown
+        wrong = wrong if wrong[1] else (camera, shown)
+    return wrong
 
-    Only what is drawn as it is, unshifted, is said to move.
-    """
-    if not _sound(seen):
+
+def _matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
+    """Points of the body among the paths, where ``curves`` (G, d, 3) times p is how body point p is drawn."""
+    d, fits = picture.dimensions, []
+    shift = np.broadcast_to(np.eye(d), (len(curves), d, d))
+    kinds = [(bound, [path for path in picture.paths if path.bound == bound]) for bound in (True, False)]
+    for bound, paths in kinds:
+        if not paths:
+            continue
+        basis = curves if bound else np.concatenate([curves, shift], axis=2)
+        values = np.stack([path.places for path in paths], axis=2)
+        share = timing.screened(basis, values, laws) / timing.spread(values)
+        fits += [(share[k, v], k, v, basis, values) for v in range(len(paths)) for k in [int(np.argmin(share[:, v]))]]
+    fits.sort(key=lambda fit: float(fit[0]))
+    for share, k, v, basis, values in fits[:TRIES]:
+        if share > HOPEFUL:
+            break
+        fit = timing.fitted(basis, values[:, :, [v]], laws[k])
+        if fit.misfit[0] <= MISFIT * timing.spread(values[:, :, [v]])[0]:
+            return _all_at(fit, kinds, curves, shift)
+    return None
+
+
+def _all_at(fit: timing.Fit, kinds: list[tuple[bool, list[Path]]], curves: Array, shift: Array) -> Match:
+    """Which of the paths are points of the body at the times of ``fit``."""
+    points, followed = [np.zeros((3, 0))], []
+    for bound, paths in kinds:
+        if not paths:
+            continue
+        basis = curves if bound else np.concatenate([curves, shift], axis=2)
+        values = np.stack([path.places for path in paths], axis=2)
+        coefficients = timing.coefficients_at(basis, values, fit.grid)
+        left = np.einsum("fem,mv->fev", basis[fit.grid], coefficients) - values
+        ok = np.sqrt(np.mean(left**2, axis=(0, 1))) <= MISFIT * timing.spread(values)
+        points.append(coefficients[:3, ok])
+        followed += [path for path, good in zip(paths, ok, strict=True) if good]
+    return Match(fit.times, np.concatenate(points, axis=1), followed)
+
+
+def _read(match: Match, motion: Motion) -> Shown:
+    """What the points say: the axis or the body, or another direction."""
+    axis, seen = motion.axis, _range(match.times, motion.n)
+    units = match.points / np.maximum(np.linalg.norm(match.points, axis=0), 1e-300)
+    if axis is None or np.any(units[axis] >= np.sqrt(1 - PARALLEL**2)):
+        return Shown(True, None, f"drawn as it is, {seen}")
+    sizes = np.linalg.svd(units, compute_uv=False)
+    if len(sizes) > 1 and sizes[1] >= SPAN * sizes[0]:
+        return Shown(True, None, f"the body is drawn as it is, {seen}")
+    return _other_direction(units[:, 0], motion)
+
+
+def _other_direction(unit: Array, motion: Motion) -> Shown:
+    assert motion.axis is not None
+    k, asked = int(np.argmax(np.abs(unit))), NAMES[motion.axis]
+    if np.abs(unit[k]) >= np.sqrt(1 - PARALLEL**2):
+        name = f"{'−' if unit[k] < 0 else ''}ê{NAMES[k]}"
+        return Shown(False, "wrong-axis", f"what is drawn follows {name}, not ê{asked}: the axes of the body are the columns of R")
+    if motion.L is not None and cameras.parallel(unit[None], motion.L):
+        sentence = f"what is drawn is R·L, not ê{asked}: L is fixed in space, R belongs to the body"
+        return Shown(False, "moving-angular-momentum", sentence)
+    inside = ", ".join(f"{round(float(x), 2) + 0.0:.2f}" for x in unit)
+    return Shown(False, "wrong-axis", f"what is drawn follows the direction ({inside}) of the body, not ê{asked}")
+
+
+def _draws_momentum(picture: Picture, camera: Array, motion: Motion, match: Match) -> bool:
+    """Whether something drawn stays along L as ``camera`` sees it."""
+    if motion.L is None:
+        return False
+    some, _ = directions(picture, [path.origin for path in match.paths if path.bound])
+    L = camera @ motion.L / np.linalg.norm(motion.L)
+    return bool(np.linalg.norm(L) > PARALLEL) and cameras.parallel(some, L)
+
+
+def _agrees(picture: Picture, camera: Array, motion: Motion, match: Match) -> bool:
+    """Whether what is drawn along L fits the camera: only where L is drawn by another and not by this one it does not."""
+    signed = [sign * other for other in cameras.plain(picture.dimensions) for sign in (1, -1)]
+    own = [camera, -camera]
+    return any(_draws_momentum(picture, M, motion, match) for M in own) or not any(
+        _draws_momentum(picture, M, motion, match) for M in signed
+    )
+
+
+def _otherwise(picture: Picture, motion: Motion, at: Array) -> Iterator[Shown]:
+    """What the paths show where it is not the body at its times, drawn as it is."""
+    axis = motion.axis
+    name = "the body" if axis is None else f"ê{NAMES[axis]}"
+    for camera in cameras.plain(picture.dimensions):
+        curves = np.einsum("ia,gab->gib", camera, motion.R)
+        if len(motion.laws) and _matched(picture, np.einsum("ia,gba->gib", camera, motion.R), motion.laws):
+            yield Shown(False, "transposed-rotation", TRANSPOSED)
+        if len(motion.laws) and _matched(picture, curves, (motion.n - 1) - motion.laws):
+            yield Shown(False, "wrong-motion", "the motion is drawn backwards in time")
+        if axis is not None and len(motion.laws) and _along(picture, np.einsum("ia,ga->gi", camera, motion.w), motion.laws):
+            yield Shown(False, "wrong-motion", f"what is drawn follows ω, not {name}")
+        late = timing.wrong_laws(at, motion.n)
+        tip = None if axis is None else curves[:, :, axis]
+        fit = None if tip is None else _along(picture, tip, late)
+        match = None if fit else _matched(picture, curves, late)
+        if found := fit or (match if match and _read(match, motion).found else None):
+            yield Shown(False, "wrong-frames", f"{name} is drawn, but {timing.said(found.times, at, motion.n)}")
+        elif tip is not None and (shows := _at_any_time(picture, tip, at)):
+            yield Shown(False, "wrong-frames", f"{name} is drawn, but its samples are mistimed: {shows}")
+
+
+def _along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:
+    """The times of a path that is ``curve`` (G, d), scaled."""
+    if not picture.paths:
+        return None
+    basis, values = curve[:, :, None], np.stack([path.places for path in picture.paths], axis=2)
+    whole = timing.spread(values)
+    share = timing.screened(basis, values, laws) / whole
+    for v in np.argsort(share.min(axis=0))[:TRIES]:
+        k = int(np.argmin(share[:, v]))
+        if share[k, v] > HOPEFUL:
+            break
+        fit = timing.fitted(basis, values[:, :, [v]], laws[k])
+        if fit.coefficients[0, 0] > 0 and fit.misfit[0] <= MISFIT * whole[v]:
+            return fit
+    return None
+
+
+def _at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
+    """Which sample a frame shows where a path keeps to ``curve`` (G, d), but at no times that a law allows."""
+    for path in picture.paths:
+        scale = np.sqrt(np.mean(path.places**2) / np.mean(curve**2))
+        for _ in range(4):
+            nearest = np.argmin(np.sum((path.places[:, None] - scale * curve) ** 2, axis=2), axis=1)
+            scale = np.sum(path.places * curve[nearest]) / np.sum(curve[nearest] ** 2)
+        left = np.sqrt(np.mean((path.places - scale * curve[nearest]) ** 2))
+        if scale > 0 and left <= MISFIT * np.sqrt(np.mean((path.places - path.places.mean(axis=0)) ** 2)):
+            k = len(at) // 2
+            return f"frame {at[k, 0]:.0f} of {at[k, 2]:.0f} shows sample {nearest[k] / timing.PER:.0f}"
+    return None
+
+
+def _by_own_camera(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None, Shown | None]:
+    """The student's own camera, and what it shows."""
+    for laws in (motion.laws, timing.wrong_laws(at, motion.n)):
+        if len(laws) and (own := _own_camera(picture, motion, laws)):
+            if laws is motion.laws:
+                return _checked(picture, motion, *own)
+            if np.ptp(own[1]) > UNAMBIGUOUS * motion.n or np.any(np.diff(own[1]) < 0):
+                return None, Shown(False, "wrong-frames", f"the body is drawn, but {timing.said(own[1], at, motion.n)}")
+    return None, None
+
+
+def _own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Array, list[Array]] | None:
+    """A camera, the times of the frames and the origins, found from a drawn direction or from the points of one artist."""
+    for path in picture.paths if motion.axis is not None else []:
+        fit = _timed(motion.R[:, None, :, motion.axis], path.places[:, None, :], laws)
+        camera = cameras.straightened(fit.coefficients.T) if fit else None
+        if fit is not None and camera is not None:
+            return camera, fit.times, [path.origin] if path.bound else []
+    nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
+    for artist in dict.fromkeys(path.artist for path in picture.paths):
+        paths = [path for path in picture.paths if path.artist == artist and not path.bound]
+        if len(paths) < 3:
+            continue
+        values = np.stack([path.places for path in paths], axis=1)
+        fit = _timed(nine, values.reshape(len(values), 1, -1), laws)
+        camera = cameras.of_body(fit.coefficients, nine[fit.grid, 0, :9], values) if fit else None
+        if fit is not None and camera is not None:
+            return camera, fit.times, []
+    return None
+
+
+def _timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:
+    share, whole = timing.screened(basis, drawn, laws), np.linalg.norm(timing.spread(drawn))
+    k = int(np.argmin(np.linalg.norm(share, axis=1)))
+    if np.linalg.norm(share[k]) > HOPEFUL * whole:
+        return None
+    fit = timing.fitted(basis, drawn, laws[k])
+    return fit if np.linalg.norm(fit.misfit) <= MISFIT * whole else None
+
+
+def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, origins: list[Array]) -> tuple[Array | None, Shown]:
+    """A camera is right if it does not mirror, if it draws L too, and if it does not turn about an L that stays."""
+    seen = _range(times, motion.n)
+    if len(camera) == 3 and np.linalg.det(camera) < 0:
+        return None, Shown(False, "mirrored", f"what is drawn is a mirror image of the motion{_swapped(camera)}")
+    if motion.L is not None:
+        L = motion.L / np.linalg.norm(motion.L)
+        some, _ = directions(picture, origins)
+        for plain in cameras.plain(len(camera)):
+            if np.linalg.norm(camera @ L - plain @ L) <= PARALLEL:
+                sentence = "what is drawn is turned about L, as at another time: frame and sample do not belong together"
+                return None, Shown(False, "wrong-frames", sentence)
+            kept = np.linalg.norm(plain @ L) > PARALLEL and cameras.parallel(some, plain @ L)
+            if kept and not cameras.parallel(some, camera @ L) and np.linalg.norm(camera @ L) > PARALLEL:
+                return None, Shown(False, "mirrored", "the body is drawn in other coordinates than L")
+        if len(camera) == 2 and np.linalg.norm(camera @ L) > PARALLEL and not cameras.parallel(some, camera @ L):
+            if cameras.parallel(some, -camera @ L):
+                return None, Shown(False, "wrong-axis", "ê₃ and L are drawn on opposite sides: one of them has the wrong sign")
+            return camera, Shown(None, None, "seen from another side: draw L in the same way, so that the view can be checked")
+    return camera, Shown(True, None, f"seen from another side, {seen}")
+
+
+def _swapped(camera: Array) -> str:
+    whole = np.rint(camera)
+    if np.abs(camera - whole).max() > PARALLEL:
+        return ""
+    moved = [k for k in range(3) if not whole[k, k]]
+    return f": {' and '.join('xyz'[k] for k in moved)} are swapped" if len(moved) == 2 else ": the sign of a coordinate is wrong"
+
+
+def _range(times: Array, n: int) -> str:
+    step = max(timing.SLACK, float(np.diff(np.sort(times)).max()) + 0.5)
+    low, high = times.min(), times.max()
+    return f"all {n} samples" if low <= step and high >= n - 1 - step else f"samples {low:.0f}–{high:.0f} of {n}"
+
+
+def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None = 2) -> Shown:
+    """Whether a direction drawn along L stays there, by the camera that draws the body or else as it is."""
+    if not sound(seen):
         return Shown(None, None, "what came back does not fit together")
-    paths = _paths(seen)
-    if any(_static_along(_drawn_in(paths, plane), L[list(plane)]) for plane in (SPACE, *PLANES)):
-        return Shown(True, None, "a direction along L stays the same")
-    for A in _attitudes(seen, t, R):
-        for turned in (A @ L, np.einsum("fji,j->fi", A, L)):
-            if any(_along(_drawn_in(paths, plane), turned[:, list(plane)]) for plane in (SPACE, *PLANES)):
-                return Shown(
-                    False, "moving-angular-momentum", "L moves with the body: it is fixed in space, and R belongs to the body"
-                )
-    return Shown(None, None, "no direction along L was found in the lines and arrows of the axes")
-
-
-def moving(seen: Arrays) -> Paths:
-    """The paths that do not stand still."""
-    paths = _paths(seen)
-    extent = np.ptp(paths.places, axis=1).max(axis=1, initial=0.0)
-    chosen = extent > np.maximum(MOVES * np.abs(paths.places).max(axis=(1, 2), initial=0.0), 1e-9)
-    return Paths(*(x[chosen] for x in paths))
-
-
-def _sound(seen: Arrays) -> bool:
-    """Whether the arrays agree with each other: each may be forged by itself."""
-    tracks, owners, at = seen["tracks"], seen["owners"], seen["at"]
-    small = np.all(np.abs(tracks) < LARGEST) and np.all(np.abs(at) < LARGEST) and np.all(at[:, 2] >= 1)
-    return bool(tracks.shape[:2] == (len(at), len(owners)) and small)
-
-
-def _drawn_in(paths: Paths, plane: tuple[int, ...]) -> Array:
-    return paths.places[~paths.flat] if len(plane) == 3 else paths.places[paths.flat][:, :, :2]
-
-
-def _static_along(places: Array, direction: Array) -> bool:
-    """Whether one of ``places`` (q, f, d) stays, and stays along ``direction`` (d,)."""
-    if not len(places):
-        return False
-    length = np.linalg.norm(places[:, 0], axis=1)
-    stays = np.ptp(places, axis=1).max(axis=1) <= MOVES * length
-    along = places[:, 0] @ direction >= (1 - 1e-6) * length * np.linalg.norm(direction)
-    return bool(np.any((length > 0) & stays & along))
-
-
-def _along(places: Array, direction: Array) -> bool:
-    """Whether one of ``places`` (q, f, d) is ``direction`` (f, d), scaled."""
-    if not len(places):
-        return False
-    scale = np.einsum("qfd,fd->q", places, direction) / np.sum(direction**2)
-    left = np.mean((places - scale[:, None, None] * direction) ** 2, axis=(1, 2))
-    spread = np.mean((places - places.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2))
-    return bool(np.any((scale > 0) & (spread > 0) & (left <= MISFIT**2 * spread)))
-
-
-def _paths(seen: Arrays) -> Paths:
-    tracks, owners = np.swapaxes(seen["tracks"], 0, 1), seen["owners"]
-    real = owners[:, 1] > 0
-    tracks, owners = tracks[real], owners[real]
-    if not len(tracks):
-        return Paths(np.zeros((0, 1, 3)), np.zeros(0, bool))
-    same = owners[1:, 0] == owners[:-1, 0]
-    steps = tracks[1:][same] - tracks[:-1][same]
-    flat = owners[:, 1] == 2
-    return Paths(np.concatenate([tracks, steps]), np.concatenate([flat, flat[1:][same]]))
-
-
-def _attitudes(seen: Arrays, t: Array, R: Array) -> Iterator[Array]:
-    """R (f, 3, 3) at the frames, for each way in which frames may count time: evenly, by a whole stride, by index, by the time;
-    held at the end or begun anew. Only those that show enough of the motion to tell it from another."""
-    from scipy.interpolate import CubicSpline
-
-    number, value, many = seen["at"].T
-    n, total, spline = len(t), int(many[0]), CubicSpline(np.arange(len(t)), R.reshape(len(t), 9))
-    ways = [number * (n - 1) / max(total - 1, 1)]
-    ways += [number * stride for stride in range(1, n) if total in (-(-n // stride), n // stride)]
-    if np.all(value >= 0) and np.ptp(value) > 0:
-        ways += [value, np.interp(value, t, np.arange(n)), value * (n - 1) / value.max()]
-    for way in ways:
-        for indices in (way,) if way.max() <= n - 1 + 1e-9 else (np.minimum(way, n - 1), way % n):
-            if len(np.unique(indices)) >= LEAST_FRAMES and np.ptp(indices) >= LEAST_PART * (n - 1):
-                yield spline(np.clip(indices, 0, n - 1)).reshape(-1, 3, 3)
-
-
-def _otherwise(attitudes: list[Array], axis: int | None) -> Iterator[tuple[str, str, list[tuple[Array, int | None]]]]:
-    if axis is not None:
-        for other in (k for k in range(3) if k != axis):
-            said = f"what is drawn follows ê{'₁₂₃'[other]}, not ê{'₁₂₃'[axis]}: the axes of the body are the columns of R"
-            yield "wrong-axis", said, [(A, other) for A in attitudes]
-    said = "what is drawn follows the transposed R: R takes body components to space, so ê₃ is R[:, :, 2], its third column"
-    yield "transposed-rotation", said, [(np.swapaxes(A, 1, 2), None) for A in attitudes]
-    yield "wrong-motion", "the motion is drawn backwards in time", [(A[::-1], axis) for A in attitudes]
-
-
-def _attached(paths: Paths, A: Array, axis: int | None) -> bool:
-    """Whether paths are those of points of the body, c + A p, that have a part along ``axis`` or span the plane across it.
-
-    Flat ones are seen in a plane of two coordinates.
-    """
-    solid = paths.places[~paths.flat]
-    if len(solid) and _points_of_body(A, solid, axis):
-        return True
-    flat = paths.places[paths.flat]
-    return bool(len(flat)) and any(_points_of_body(A[:, list(plane)], flat[:, :, :2], axis) for plane in PLANES)
-
-
-def _points_of_body(A: Array, places: Array, axis: int | None) -> bool:
-    f, d = places.shape[1:]
-    design = np.concatenate([A.reshape(f * d, 3), np.tile(np.eye(d), (f, 1))], axis=1)
-    values = places.reshape(len(places), f * d).T
-    fitted, ok = _least_squares(design, values, places)
-    points = fitted[:3, ok]
-    if axis is None or not points.size:
-        return bool(np.any(points))
-    points = points / np.maximum(np.linalg.norm(points, axis=0), 1e-300)
-    across = np.delete(points, axis, axis=0)
-    return bool(np.any(np.abs(points[axis]) >= OWN) or np.linalg.svd(across, compute_uv=False)[-1] >= OWN)
-
-
-def _fits(paths: Paths, direction: Array) -> NDArray[np.bool_]:
-    """For each path whether it is ``direction`` (f, 3) turned as a whole and scaled, or projected onto a plane and shifted."""
-    ok = np.zeros(len(paths.places), dtype=bool)
-    for number, (place, flat) in enumerate(zip(paths.places, paths.flat, strict=True)):
-        if flat:
-            design = np.column_stack([direction, np.ones(len(direction))])
-            ok[number] = bool(_least_squares(design, place[:, :2], place[None, :, :2], together=True)[1])
-        else:
-            turn, _, other = np.linalg.svd(place.T @ direction)
-            proper = turn @ np.diag([1.0, 1.0, np.linalg.det(turn @ other)]) @ other
-            turned = direction @ proper.T
-            scale = float(np.sum(turned * place) / np.sum(turned * turned))
-            misfit = np.sqrt(np.mean((place - scale * turned) ** 2))
-            ok[number] = scale > 0 and misfit <= MISFIT * np.sqrt(np.mean((place - place.mean(axis=0)) ** 2))
-    return ok
-
-
-def _least_squares(design: Array, values: Array, places: Array, together: bool = False) -> tuple[Array, NDArray[np.bool_]]:
-    """The fit, and for each column of ``values`` (or all of them together) whether the path of ``places`` (q, f, d) is met."""
-    fitted = np.linalg.lstsq(design, values, rcond=None)[0]
-    left = (design @ fitted - values) ** 2
-    spread = np.mean((places - places.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2))
-    misfit = np.array([left.mean()]) if together else left.mean(axis=0)
-    return np.asarray(fitted), misfit <= MISFIT**2 * spread
+    drawn, unit = pictures(seen), L / np.linalg.norm(L)
+    enough = len(seen["at"]) >= timing.LEAST_FRAMES and any(picture.paths for picture in drawn)
+    found = _compared(drawn, Motion(seen["at"], t, R, L, axis), seen["at"]).cameras if enough else ()
+    reversed_ = False
+    for picture, camera in zip(drawn, found or (None,) * len(drawn), strict=True):
+        some, sure = directions(picture, [path.origin for path in picture.paths if path.bound])
+        for view in [camera] if camera is not None else cameras.plain(picture.dimensions):
+            if np.linalg.norm(view @ unit) <= PARALLEL:
+                continue
+            if cameras.parallel(some, view @ unit):
+                return Shown(True, None, "a direction along L stays the same")
+            reversed_ = reversed_ or cameras.parallel(sure, -(view @ unit))
+    if reversed_:
+        return Shown(False, "reversed-angular-momentum", "what is drawn points along −L")
+    if enough:
+        motion = Motion(seen["at"], t, R, L, axis)
+        for picture in drawn:
+            for view in cameras.plain(picture.dimensions):
+                for turned in (motion.R @ unit, np.einsum("gji,j->gi", motion.R, unit)):
+                    if len(motion.laws) and _along(picture, turned @ view.T, motion.laws):
+                        said = "L moves with the body: it is fixed in space, and R belongs to the body"
+                        return Shown(False, "moving-angular-momentum", said)
+    return Shown(None, None, "no direction along L was found in the lines and arrows of the axes: draw L as a line or an arrow")

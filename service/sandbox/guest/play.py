@@ -1,15 +1,17 @@
 """In the child: read the job, load the submission, play its scenes one by one, each with its own time budget."""
 
+import importlib
 import linecache
 import signal
 import sys
-import time
 import types
 from collections.abc import Callable
+from time import monotonic, process_time
 from typing import Any
 
 import numpy as np
 
+from ecp.animate import watched
 from ecp.stopped import stopped
 from ecp.strict import is_written, real_array
 
@@ -20,9 +22,31 @@ from .wire import Questions, Writer
 
 Names = dict[str, Any]
 
+WALL = 4  # times its CPU seconds: so long a budget may take by the clock, on a loaded machine or asleep
+LOOK_S = 0.2  # so often a budget is looked at once it may be spent
+PRIVATE = ("ecp.tracks", "ecp.film")  # plays have copies of their own, which a submission does not find by name
+
 
 class OutOfTime(BaseException):
     """The budget of a scene is spent. Not an Exception, so that a broad ``except`` in a submission does not swallow it."""
+
+
+class Budget:
+    """``seconds`` of CPU time from now on, within WALL times as many by the clock."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self._cpu, self._wall = process_time() + seconds, monotonic() + WALL * seconds
+
+    def left(self) -> float:
+        """Seconds left of the one or the other, whichever is less."""
+        return max(0.0, min(self._cpu - process_time(), self._wall - monotonic()))
+
+    def sentence(self) -> str:
+        """Which limit was exceeded."""
+        if process_time() >= self._cpu:
+            return f"your code used more than {self.seconds:g} s of CPU time"
+        return f"your code did not finish within {WALL * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
 
 
 def run(job_fd: int, result_fd: int) -> None:
@@ -31,6 +55,11 @@ def run(job_fd: int, result_fd: int) -> None:
     job = questions.job()
     plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
     write.event("inside")
+    with watched():
+        _run(job, plays, student, questions, write)
+
+
+def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> None:
     recorder = Recorder()
     with recorder.recording():
         _load_submission(student, job, recorder, write)
@@ -63,14 +92,29 @@ def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questi
         for key, array in plays[scene["play"]](student, scene["inputs"]).items():
             write.array(name, key, array)
 
-    ended = _attempt(answer, scene["budget_s"])
+    ended = _attempt(answer, Budget(scene["budget_s"]))
     write.event("scene", scene=name, **ended)
     return ended["ending"] == "finished"
 
 
 def _load_plays(source: str) -> Names:
+    """What plays.py defines. Its numpy, and the kit's modules that judge, are copies: what a submission replaces stays outside."""
+    public = {name: importlib.import_module(name) for name in PRIVATE}
     plays: Names = {"__name__": "plays"}
-    exec(compile(source, "plays.py", "exec"), plays)
+    own = types.ModuleType("numpy")
+    own.__dict__.update(vars(np))
+    try:
+        for name in PRIVATE:
+            del sys.modules[name]
+        for name in PRIVATE:
+            vars(importlib.import_module(name))["np"] = own
+        exec(compile(source, "plays.py", "exec"), plays)
+        plays["np"] = own
+    finally:
+        for name, module in public.items():
+            sys.modules[name] = module
+            parent, _, child = name.rpartition(".")
+            setattr(sys.modules[parent], child, module)
     return plays
 
 
@@ -86,7 +130,7 @@ def _prepare(setup: str) -> Names:
 
 def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> None:
     """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on."""
-    deadline = time.monotonic() + job["load_budget_s"]
+    budget = Budget(job["load_budget_s"])
     for name, source in job["cells"]:
         recorder.cell = name
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
@@ -96,22 +140,23 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
             def load(name: str = name, piece: str = piece) -> None:
                 exec(runnable(piece, name), student)
 
-            ended = _attempt(load, max(0.01, deadline - time.monotonic()))
+            ended = _attempt(load, budget)
             recorder.send(write)
             if ended["ending"] != "finished":
                 write.event("cell", scene=name, **ended)
-            if time.monotonic() > deadline:
+            if not budget.left():
                 return
 
 
-def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:
+def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
     """Run it under an alarm; how it ended, as the fields of an event."""
 
     def ring(signum: int, frame: Any) -> None:
-        raise OutOfTime
+        if not budget.left():
+            raise OutOfTime
 
     signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, budget_s, 0.2)
+    signal.setitimer(signal.ITIMER_REAL, max(0.01, budget.left()), LOOK_S)
     try:
         try:
             with np.errstate(all="ignore"):
@@ -119,7 +164,7 @@ def _attempt(action: Callable[[], None], budget_s: float) -> dict[str, Any]:
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
     except OutOfTime:
-        return {"ending": "timed-out", "code": "timeout", "sentence": f"your code did not finish within {budget_s:g} s"}
+        return {"ending": "timed-out", "code": "timeout", "sentence": budget.sentence()}
     except BaseException as error:
         return stopped(error, _own)
     return {"ending": "finished", "sentence": "finished"}

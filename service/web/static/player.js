@@ -1,9 +1,9 @@
 // The player of a motion: two boxes that turn, the student's beside the exact one. Play, scrub, turn by dragging or by arrow keys.
 
-import { apart, attitude, column, longer, product, times, transposed } from "./turning.js";
+import { apart, attitude, column, longer, product, times, transposed, upright } from "./turning.js";
 
 const CORNERS = [[1, 1], [1, -1], [-1, -1], [-1, 1]];
-const INKS = ["face1", "face2", "face3", "edge", "axis", "momentum", "words", "rule"];
+const INKS = ["face1", "face2", "face3", "edge", "axis", "trail", "momentum", "words", "rule"];
 const LIGHT = [0.35, 0.55, 0.76]; // right, up, towards the eye
 const SIZE = 0.78, TIP = 1.15; // of the box's half diagonal and of an arrow, in the reach of the picture
 const SHORTEST = 8, LONGEST = 20; // seconds a motion is played in
@@ -23,6 +23,7 @@ class Player {
     Object.assign(this, { canvas, motion, at: 0, yaw: -0.6, pitch: 0.35, playing: false, pen: canvas.getContext("2d") });
     this.end = motion.t.at(-1);
     this.rate = this.end / Math.min(Math.max(this.end / 1000, SHORTEST), LONGEST); // ms of the motion in a second
+    this.upright = upright(motion.L); // L is drawn vertical
     this.half = longer(motion.half, SIZE / Math.hypot(...motion.half));
     this.addControls(canvas.closest("figure"));
     this.listen();
@@ -111,7 +112,7 @@ class Player {
     if (!this.wide) return;
     const { pen, wide, high, dense } = this;
     const [c, s, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
-    this.view = [[c, s, 0], [-s * sp, c * sp, cp], [s * cp, -c * cp, sp]]; // right, up, towards the eye; z of space is up
+    this.view = product([[c, s, 0], [-s * sp, c * sp, cp], [s * cp, -c * cp, sp]], this.upright); // right, up, towards the eye
     pen.setTransform(dense, 0, 0, dense, 0, 0);
     pen.clearRect(0, 0, wide, high);
     pen.textAlign = "center";
@@ -180,7 +181,7 @@ class Player {
       const R = time === null ? null : this.attitude(which, time), v = R && times(this.view, column(R, axis));
       if (v) points.push(this.put(longer(v, TIP)));
       if (v && v[2] * side >= 0) continue;
-      if (points.length > 1) this.line(points, this.ink.axis, 1.2);
+      if (points.length > 1) this.line(points, this.ink.trail, 1.2);
       points = points.slice(-1);
     }
     this.pen.globalAlpha = 1;

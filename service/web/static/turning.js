@@ -31,3 +31,8 @@ export function attitude(t, q, time) {
   const next = Math.min(k + 1, many - 1), part = next > k ? (time - t[k]) / (t[next] - t[k]) : 0;
   return matrix([0, 1, 2, 3].map(i => (1 - part) * q[4 * k + i] + part * q[4 * next + i]));
 }
+
+/** The rotation that takes the unit vector to the third axis. */
+export const upright = ([x, y, z]) => (z < -0.999999
+  ? [[1, 0, 0], [0, -1, 0], [0, 0, -1]]
+  : [[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]]);

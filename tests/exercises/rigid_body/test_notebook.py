@@ -33,10 +33,10 @@ def test_it_was_never_run():
     assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in CODE)
 
 
-def test_the_servers_addresses_stand_open_in_two_places_and_nowhere_else():
+def test_the_servers_addresses_and_packages_stand_open_once_each_and_nothing_else():
     assert _source(CODE[0]) == "%pip install -q {{KIT_URL}}"
     assert 'SERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="rigid-body")' in _source(CODE[1])
-    assert re.findall(r"\{\{\w*\}\}", "\n".join(map(_source, CELLS))) == ["{{KIT_URL}}", "{{SERVER}}"]
+    assert re.findall(r"\{\{\w*\}\}", "\n".join(map(_source, CELLS))) == ["{{PACKAGES}}", "{{KIT_URL}}", "{{SERVER}}"]
 
 
 def test_a_solution_cell_holds_one_empty_function_and_every_entry_point_has_one():

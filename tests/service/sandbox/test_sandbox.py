@@ -98,6 +98,15 @@ def test_endings_and_the_next_submission_is_unharmed(either_sandbox, body, endin
     assert either_sandbox.play(job(GOOD)).finished("one")
 
 
+def test_a_budget_is_CPU_time_with_a_longer_limit_by_the_clock(sandbox):
+    def play(statement):
+        return sandbox.play(job(f"import time\ndef f(x):\n    {statement}\n    return [x, x]", scene("one", budget_s=0.2)))
+
+    assert play("time.sleep(0.4)").finished("one"), "a wait, as on a loaded machine, costs no CPU time"
+    assert play("while True: pass").endings["one"].sentence == "your code used more than 0.2 s of CPU time"
+    assert play("time.sleep(9)").endings["one"].sentence.startswith("your code did not finish within 0.8 s")
+
+
 @BY_THE_HOST
 @pytest.mark.parametrize(
     "body", ["import os\ndef f(x):\n    os.write(4, b'J' + bytes(100))", "def f(x):\n    return [1.0, 2.0, 3.0]"]

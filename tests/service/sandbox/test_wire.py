@@ -9,6 +9,7 @@ import pytest
 from ecp.document import document
 from ecp.outcome import Ending
 from exercises.assignment import Blank
+from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.job import Cell, Job, Played
 from service.sandbox.seen import Seen
 from service.sandbox.wire import ProtocolError, Reader, text
@@ -101,6 +102,26 @@ def test_an_answer_is_taken_once_for_each_question():
     assert [one.tolist() for one in reader.answers] == [[1.0, 2.0, 3.0]]
     with pytest.raises(ProtocolError, match="nobody asked for"):
         reader.feed(answer)
+
+
+CLAIM_HEAD = {"kind": "check", "label": "a", "detail": "", "unfit": "", "left_out": "", "cell": "cell 1", "numbers": {}}
+CLAIM = array(CLAIM_HEAD | {"arrays": {"condition": []}}, struct.pack("<d", 1.0)).replace(b"A", b"C", 1)
+DEFINED = event(event="defined", names=[], claims_left_out=7)
+
+
+def test_claims_are_taken_while_the_cells_run_up_to_a_number():
+    _, seen = read(*[CLAIM] * MOST_CLAIMS, DEFINED, at_once=False)
+    assert [check.line for check in seen.claims] == ["✓  a   [True]"] * MOST_CLAIMS and seen.claims_left_out == 7
+    left_out = [event(event="defined", names=[], claims_left_out=many) for many in (-1, 1.5, True, "7", 1 << 60)]
+    for frames in ([DEFINED, CLAIM], [CLAIM] * (MOST_CLAIMS + 1), [CLAIM[:-1], DEFINED], *([one] for one in left_out)):
+        with pytest.raises(ProtocolError):
+            read(*frames)
+
+
+def test_each_child_claims_the_same_again():
+    first, other = (read(*[CLAIM] * many)[1] for many in (2, 3))
+    first.add(other)
+    assert len(first.claims) == 2
 
 
 def test_a_diagnosis_code_is_one_that_a_guest_may_name():

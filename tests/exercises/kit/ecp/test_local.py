@@ -117,6 +117,7 @@ def test_the_text_tells_where_and_how_far_off_and_the_html_shows_figures(shown):
 def test_what_stops_the_code_is_told_with_its_own_line(shown):
     told = shown["stopped"]
     assert "[not measured: ZeroDivisionError: division by zero]" in told["lines"]
+    assert told["text"].startswith("One cause explains 3 checks not measured:\n1. raises: ZeroDivisionError: division by zero\n")
     assert told["text"].count("in euler_eqs") == 1 and "plays.py" not in told["text"]
 
 

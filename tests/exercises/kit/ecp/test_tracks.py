@@ -1,14 +1,16 @@
 """What the kit sees of a drawing and of a function's parameters, and the check word with a scale."""
 
+import time
+
 import numpy as np
 import pytest
-from matplotlib.animation import FuncAnimation
+from matplotlib.animation import Animation, FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from ecp import film, judge, strict, tracks
+from ecp import animate, film, judge, strict, tracks
 from ecp.strict import WrongAnswer
 
 
@@ -130,3 +132,37 @@ def test_invisible_artists_and_logarithmic_axes_are_not_followed():
     axes.plot([1, 2], [1, 2])
     axes.set_xscale("log")
     assert tracks.drawn(figure) == [] and tracks.painted(figure) == 1
+
+
+def test_drawing_is_limited_in_cpu_time():
+    figure, axes = _axes(False)
+    (line,) = axes.plot([0, 1], [0, 0])
+
+    def rest(k):
+        time.sleep(0.02)
+        line.set_ydata([0, k])
+
+    def work(k):
+        end = time.process_time() + 0.2
+        while time.process_time() < end:
+            pass
+
+    began = time.process_time()
+    film.watch(FuncAnimation(figure, rest, frames=12), seconds=60.0)
+    drawing = time.process_time() - began
+    film.watch(FuncAnimation(figure, rest, frames=12), seconds=drawing + 0.2)
+    with pytest.raises(WrongAnswer, match=r"0\.1 s of CPU time were allowed"):
+        film.watch(FuncAnimation(figure, work, frames=12), seconds=0.1)
+
+
+def test_what_is_saved_or_rendered_is_kept_and_not_rendered(tmp_path):
+    figure, _ = _axes(False)
+    save = Animation.save
+    with animate.watched():
+        for render in (lambda anim: anim.save(tmp_path / "a.gif"), Animation.to_jshtml, Animation.to_html5_video, animate.show):
+            animate.shown.clear()
+            anim = FuncAnimation(figure, lambda k: (), frames=12)
+            anim._draw_was_started = True  # or matplotlib warns that nobody looked at it
+            render(anim)
+            assert animate.shown == [anim]
+    assert list(tmp_path.iterdir()) == [] and Animation.save is save

@@ -1,36 +1,54 @@
-"""Paths of drawn points beside the motion: in any style, and the wrong ones told apart."""
+"""Paths of drawn points beside the motion: in any style and at any frame rate, and the wrong ones told apart."""
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import reference
 from exercises.rigid_body.public.watched import body_shown, momentum_shown
+from exercises.rigid_body.scenes import SCENES, TILT
 
-T = np.linspace(0.0, 4.0, 96)
-W0, I = (0.9, 0.0, 1.4), (1.0, 1.0, 1.6)
-R = reference.motion(W0, I, T, need="orientation").R
-L = reference.angular_momentum(W0, I)
-VIEW = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
-VIEW = VIEW * np.sign(np.linalg.det(VIEW))
+FILM = next(scene for scene in SCENES if scene.name == "film")
+T, R, L = (np.array(FILM.inputs[name]) for name in ("t", "R", "L"))
+UNIT = L / np.linalg.norm(L)
+N = len(T)
+ALL = np.arange(N)
+TUMBLE = np.array(next(scene for scene in SCENES if scene.name == "tumble-film").inputs["R"])
+VIEW = Rotation.from_rotvec([0.3, 0.9, -0.5]).as_matrix()
+ISOMETRIC = np.array([[-1, 1, 0], [-1, -1, 2]]) / np.array([[np.sqrt(2)], [np.sqrt(6)]])
+CABINET = np.array([[1, -0.35, 0], [0, -0.35, 1]])
+SPACE = np.eye(3)
+XY, XZ, YX = np.eye(3)[[0, 1]], np.eye(3)[[0, 2]], np.eye(3)[[1, 0]]
 
 
-def watched(*paths, dimensions=3, at=None):
-    """What the driver brings back for these paths (f, 3) or (f, 2), each its own artist."""
-    frames = len(paths[0])
-    tracks = np.zeros((frames, len(paths), 3))
+def frames(*artists, values=None):
+    """What the driver brings back for artists (points, f, 2 or 3), each a list of paths, in one axes."""
+    total = len(artists[0][0])
+    followed = np.unique(np.linspace(0, total - 1, min(48, total)).round().astype(int))
+    paths = [path for artist in artists for path in artist]
+    tracks = np.zeros((len(followed), len(paths), 3))
     for number, path in enumerate(paths):
-        tracks[:, number, : path.shape[1]] = path
-    number = np.arange(frames) if at is None else at
-    counted = np.column_stack([number, number, np.full(frames, frames)]).astype(float)
-    owners = np.array([[k, dimensions] for k in range(len(paths))], dtype=float)
-    return {"tracks": tracks, "owners": owners, "at": counted, "cost": np.array([frames, 1.0, 0.0, 0.0, 0.0])}
+        tracks[:, number, : path.shape[1]] = path[followed]
+    owners = [[k, artist[0].shape[1], 0] for k, artist in enumerate(artists) for _ in artist]
+    named = followed if values is None else np.asarray(values)[followed]
+    at = np.column_stack([followed, named, np.full(len(followed), total)]).astype(float)
+    return {"tracks": tracks, "owners": np.array(owners, float), "at": at, "cost": np.array([total, 1.0, 0.0, 0.0, 0.0])}
+
+
+def watched(*paths):
+    """Each path its own artist."""
+    return frames(*([path] for path in paths))
 
 
 def line(tip, tail=0.0):
-    """The two ends of one artist."""
-    seen = watched(tip, np.zeros_like(tip) + tail)
-    seen["owners"][:, 0] = 0
-    return seen
+    """An artist from ``tail`` to ``tip`` (f, d)."""
+    return [np.zeros_like(tip) + tail, tip + tail]
+
+
+def scene(tip, L=UNIT, camera=SPACE, momentum=True, values=None):
+    """An arrow along ``tip`` (f, 3) and one along L, drawn by ``camera``."""
+    arrows = [line(tip @ camera.T)] + ([line(np.tile(camera @ L, (len(tip), 1)))] if momentum else [])
+    return frames(*arrows, values=values)
 
 
 TIP = R[:, :, 2]
@@ -42,86 +60,225 @@ CORNER = R @ np.array([1.0, 0.7, 0.2])
     [
         watched(TIP),
         watched(0.8 * TIP + [1.0, 2.0, 3.0]),
-        line(TIP),
-        line(TIP @ VIEW.T),
-        watched(CORNER),
-        watched(TIP[:, :2], dimensions=2),
-        watched(TIP[:, [2, 0]] * 3.0, dimensions=2),
-        watched((TIP @ VIEW.T)[:, :2], dimensions=2),
+        frames(line(TIP)),
+        frames(line(TIP @ VIEW.T)),
+        watched(CORNER, R @ np.array([-1.0, 0.7, 0.2])),
+        watched(TIP[:, :2]),
+        watched(TIP[:, [2, 0]] * 3.0),
+        frames(line(TIP, tail=[2.0, 1.0, 0.0])),
+        frames([TIP, -TIP]),
+        frames([np.tile(TIP[0], (N, 1)), TIP]),
         watched(R[:, :, 0], R[:, :, 1]),
         watched(TIP[::2]),
         watched(TIP + 0.005 * np.random.default_rng(2).normal(size=TIP.shape)),
     ],
-    ids=["tip", "scaled", "line", "turned", "corner", "plane", "other plane", "projected", "disc", "every second", "shaky"],
+    ids=["tip", "scaled", "line", "turned", "body", "plane", "other plane", "foot", "rod", "trail", "disc", "half", "shaky"],
 )
 def test_right_drawings(seen):
-    assert body_shown(seen, T, R, 2).found is True
+    shown = body_shown(seen, T, R, 2, L)
+    assert shown.found is True, shown
 
 
-@pytest.mark.parametrize(
-    ("seen", "code"),
-    [
-        (line(R[:, :, 0]), "wrong-axis"),
-        (line(R[:, :, 1]), "wrong-axis"),
-        (line(R[:, 2, :]), "transposed-rotation"),
-        (line(TIP[::-1]), "wrong-motion"),
-        (line(np.random.default_rng(3).normal(size=TIP.shape)), "wrong-motion"),
-        (line(np.column_stack([np.cos(3 * T), np.sin(3 * T), 0 * T])), "wrong-motion"),
-        (watched(R[:, 2, :2], dimensions=2), "transposed-rotation"),
-    ],
-    ids=["e1", "e2", "transposed", "backwards", "noise", "about z", "transposed flat"],
-)
-def test_wrong_drawings(seen, code):
-    shown = body_shown(seen, T, R, 2)
-    assert shown.found is False and shown.code == code
+@pytest.mark.parametrize("camera", [np.eye(3), VIEW, XY, XZ, YX, ISOMETRIC, CABINET, -XY], ids=str)
+def test_one_camera_for_the_axis_and_for_L(camera):
+    seen = scene(TIP, camera=camera)
+    assert body_shown(seen, T, R, 2, L).found is True
+    assert momentum_shown(seen, T, R, L).found is True
+    reversed_ = scene(TIP, L=-UNIT, camera=camera)
+    assert not (body_shown(reversed_, T, R, 2, L).found and momentum_shown(reversed_, T, R, L).found)
 
 
-def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
-    still = watched(np.ones_like(TIP))
-    nothing = still | {"tracks": np.zeros((96, 1, 3)), "owners": np.zeros((1, 2))}
-    for seen in (still, nothing):
-        assert body_shown(seen, T, R, 2).found is False and body_shown(seen, T, R, 2).code is None
-        assert body_shown(seen | {"cost": np.array([96, 1, 0, 0, 1.0])}, T, R, 2).found is None
-    assert momentum_shown(nothing, T, R, L).found is None
+def played(total, way):
+    """The sample that each of ``total`` frames shows, with fractions where the student interpolates."""
+    k = np.arange(total)
+    return {
+        "rounded down": lambda: np.linspace(0, N - 1, total).astype(int),
+        "rounded": lambda: np.rint(np.linspace(0, N - 1, total)).astype(int),
+        "share": lambda: k * N // total,
+        "clipped": lambda: np.minimum(np.ceil(k * N / total).astype(int), N - 1),
+        "every so many": lambda: np.arange(0, N, max(1, N // total)),
+        "resampled": lambda: np.linspace(0, N - 1, total),
+        "without the end": lambda: np.linspace(0, N - 1, total, endpoint=False),
+    }[way]()
 
 
-@pytest.mark.parametrize("stride", [2, 7, 9])
-def test_every_so_many_samples(stride):
-    assert body_shown(watched(TIP[::stride]), T, R, 2).found is True
+WAYS = ("rounded down", "rounded", "share", "clipped", "every so many", "resampled", "without the end")
+
+
+def interpolated(samples):
+    """ê₃ (f, 3) as a student would interpolate it."""
+    return np.column_stack([np.interp(samples, ALL, TIP[:, k]) for k in range(3)])
+
+
+def assert_every_frame_rate_passes(totals):
+    refused = []
+    for total in totals:
+        for way in WAYS:
+            samples = played(total, way)
+            for camera, values in ((np.eye(3), None), (XY, samples)):
+                shown = body_shown(scene(interpolated(samples), camera=camera, values=values), T, R, 2, L)
+                refused += [] if shown.found else [(total, way, shown.sentence)]
+    assert refused == []
+
+
+def test_any_number_of_frames():
+    assert_every_frame_rate_passes((10, 11, 17, 30, 37, 50, 95, 97, 150, 193, 600))
+
+
+@pytest.mark.exhaustive
+def test_every_number_of_frames():
+    assert_every_frame_rate_passes(range(10, 601))
 
 
 def test_held_at_the_end_and_begun_anew():
     for order in (np.minimum(np.arange(120), 95), np.arange(150) % 96):
-        assert body_shown(watched(TIP[order], at=np.arange(len(order))), T, R, 2).found is True
+        assert body_shown(watched(TIP[order]), T, R, 2, L).found is True
+
+
+def test_frame_values_of_uneven_steps():
+    order = np.unique(np.rint(95 * np.linspace(0, 1, 60) ** 2).astype(int))
+    assert body_shown(watched(TIP[order]), T, R, 2, L).found is False
+    assert body_shown(frames([TIP[order]], values=order), T, R, 2, L).found is True
+    assert body_shown(frames([TIP[order]], values=T[order]), T, R, 2, L).found is True
+
+
+def test_a_part_that_shows_a_full_turn_passes_and_is_said():
+    for part in (ALL[:70], ALL[20:90]):
+        shown = body_shown(scene(TIP[part]), T, R, 2, L)
+        assert shown.found is True and f"samples {part[0]}–{part[-1]} of 96" in shown.sentence
+
+
+WRONG = {
+    "e1": (R[:, :, 0], "wrong-axis", "follows ê₁, not ê₃"),
+    "e2": (R[:, :, 1], "wrong-axis", "follows ê₂, not ê₃"),
+    "minus": (-TIP, "wrong-axis", "follows −ê₃, not ê₃"),
+    "other": (R @ np.array([0.6, 0.0, 0.8]), "wrong-axis", "the direction (0.60, 0.00, 0.80) of the body"),
+    "R L": (R @ UNIT, "moving-angular-momentum", "what is drawn is R·L"),
+    "transposed": (R[:, 2, :], "transposed-rotation", "transposed R"),
+    "omega": (L - 0.84 * TIP, "wrong-motion", "follows ω"),
+    "backwards": (TIP[::-1], "wrong-motion", "backwards in time"),
+    "noise": (np.random.default_rng(3).normal(size=TIP.shape), "wrong-motion", "does not move with the body"),
+    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "wrong-motion", "does not move with the body"),
+    "swapped": (TIP[:, [1, 0, 2]], "mirrored", "x and y are swapped"),
+    "mirrored": (TIP * [1, -1, 1], "mirrored", "the sign of a coordinate is wrong"),
+    "cyclic": (TIP[:, [1, 2, 0]], "mirrored", "other coordinates than L"),
+    "turned": (TIP @ Rotation.from_rotvec(0.7 * UNIT).as_matrix().T, "wrong-frames", "samples are mistimed"),
+    "shifted": (TIP + [0, 0.2, 0.4], "wrong-motion", "does not move with the body"),
+    "first ten": (TIP[ALL % 10], "wrong-frames", "shows only samples 0–9 of 96 again and again"),
+    "first tenth": (TIP[ALL // 10], "wrong-frames", "shows only samples 0–9 of 96"),
+    "half speed": (TIP[ALL // 2], "wrong-frames", "shows only samples 0–47 of 96"),
+    "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, the others stand still"),
+    "twice": (TIP[2 * ALL % 96], "wrong-frames", "begins again after frame"),
+    "late": (TIP[(ALL + 40) % 96], "wrong-frames", "begins again after frame"),
+    "shuffled": (TIP[np.random.default_rng(0).permutation(96)], "wrong-frames", "its samples are mistimed: frame"),
+}
+FLAT = {"mirrored", "swapped", "cyclic"}
+
+
+@pytest.mark.parametrize("camera", [np.eye(3), XY, XZ], ids=["3d", "xy", "xz"])
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_drawings(name, camera):
+    tip, code, sentence = WRONG[name]
+    seen = frames(line(tip @ camera.T), line(np.tile(camera @ UNIT, (N, 1))))
+    shown = body_shown(seen, T, R, 2, L)
+    if name in ("mirrored", "shifted") and len(camera) == 2 and np.array_equal(tip @ camera.T, TIP @ camera.T):
+        assert shown.found is True, "what is wrong is not to be seen in this plane"
+    else:
+        assert shown.found is False and shown.code == code, shown
+        assert sentence in shown.sentence or (name in FLAT and "coordinates" in shown.sentence), shown.sentence
+
+
+@pytest.mark.parametrize(
+    "name", ["double speed", "twice", "half speed", "first ten", "e1", "R L", "transposed", "omega", "shuffled", "late"]
+)
+def test_wrong_drawings_by_the_students_own_camera(name):
+    tip, code, _ = WRONG[name]
+    shown = body_shown(scene(tip, camera=ISOMETRIC), T, R, 2, L)
+    assert shown.found is False and shown.code in (code, "wrong-motion"), shown
+
+
+def test_a_view_that_nothing_confirms_is_not_judged():
+    shown = body_shown(scene(TIP, camera=ISOMETRIC, momentum=False), T, R, 2, L)
+    assert shown.found is None and "draw L" in shown.sentence
+    opposite = body_shown(scene(-TIP, camera=ISOMETRIC @ np.eye(3)), T, R, 2, L)
+    assert opposite.found is False and "opposite sides" in opposite.sentence
+
+
+def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
+    still = watched(np.ones_like(TIP))
+    nothing = still | {"tracks": np.zeros((48, 1, 3)), "owners": np.zeros((1, 3))}
+    for seen in (still, nothing):
+        assert body_shown(seen, T, R, 2, L).found is False and body_shown(seen, T, R, 2, L).code is None
+        assert body_shown(seen | {"cost": np.array([96, 1, 0, 0, 1.0])}, T, R, 2, L).found is None
+    assert momentum_shown(nothing, T, R, L).found is None
 
 
 def test_a_few_frames_show_nothing():
-    assert body_shown(line(np.random.default_rng(4).normal(size=(3, 3))), T, R, 2).found is False
-    part = body_shown(watched(TIP[:9]), T, R, 2)
-    assert part.found is False and "too short" in part.sentence
+    few = body_shown(watched(TIP[::12]), T, R, 2, L)
+    assert few.found is False and "too short" in few.sentence
+    part = body_shown(watched(TIP[:12]), T, R, 2, L)
+    assert part.found is False and "only samples 0–11 of 96" in part.sentence
 
 
 def test_forged_arrays_are_no_fault():
-    good = line(TIP)
-    for forged in ({"owners": np.zeros((5, 2))}, {"at": np.zeros((3, 3))}, {"tracks": np.full((96, 2, 3), 1e200)}):
-        assert body_shown(good | forged, T, R, 2).found is False
+    good = scene(TIP)
+    for forged in ({"owners": np.zeros((5, 3))}, {"at": np.zeros((3, 3))}, {"tracks": np.full((48, 4, 3), 1e200)}):
+        assert body_shown(good | forged, T, R, 2, L).found is False
         assert momentum_shown(good | forged, T, R, L).found is None
+    rng = np.random.default_rng(5)
+    for scale in (1e-300, 1.0, 1e90):
+        wild = {"tracks": scale * rng.normal(size=(48, 4, 3)), "at": np.abs(scale * rng.normal(size=(48, 3))) + 1}
+        assert body_shown(good | wild, T, R, 2, L).found is not True
+        assert momentum_shown(good | wild, T, R, L).found is not True
 
 
-def test_a_box_seen_from_elsewhere():
-    edges = np.stack([R @ corner for corner in ([1, 0.7, 0.2], [-1, 0.7, 0.2], [-1, -0.7, 0.2])])
-    seen = watched(*[(e @ VIEW.T)[:, :2] for e in edges], dimensions=2)
-    seen["owners"][:, 0] = 0
-    assert body_shown(seen, T, R, None).found is True
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-0.7, 0.7) for z in (-0.2, 0.2)])
+
+
+@pytest.mark.parametrize("camera", [np.eye(3), VIEW, XY, ISOMETRIC], ids=str)
+@pytest.mark.parametrize("axis", [None, 2])
+def test_a_box_seen_from_anywhere(camera, axis):
+    attitudes = TUMBLE if axis is None else R
+    box = np.einsum("ia,fab,cb->cfi", camera, attitudes, CORNERS)
+    own = len(camera) == 2 and axis == 2 and camera is ISOMETRIC
+    arrow = [line(np.tile(camera @ UNIT, (N, 1)))] if own else []
+    assert body_shown(frames(list(box), *arrow), T, attitudes, axis, None if axis is None else L).found is True
+
+
+@pytest.mark.parametrize(
+    ("attitudes", "code"),
+    [
+        (np.swapaxes(TUMBLE, 1, 2), "transposed-rotation"),
+        (TUMBLE[::-1], "wrong-motion"),
+        (TUMBLE[2 * ALL % 96], "wrong-frames"),
+        (TUMBLE[ALL // 3], "wrong-frames"),
+        (Rotation.from_rotvec(np.outer(3 * T, [0, 0, 1])).as_matrix(), "wrong-motion"),
+    ],
+    ids=["transposed", "backwards", "twice", "a third", "about z"],
+)
+def test_wrong_boxes(attitudes, code):
+    box = np.einsum("fab,cb->cfa", attitudes, CORNERS)
+    shown = body_shown(frames(list(box)), T, TUMBLE, None)
+    assert shown.found is False and shown.code == code, shown
 
 
 def test_momentum():
-    fixed = np.tile(L / np.linalg.norm(L), (96, 1))
-    assert momentum_shown(line(fixed), T, R, L).found is True
-    for moving in (R @ L, np.einsum("fji,j->fi", R, L)):
-        assert momentum_shown(line(moving), T, R, L).code == "moving-angular-momentum"
-    assert momentum_shown(line(TIP), T, R, L).found is None
-    flat = watched(fixed[:, [0, 2]], dimensions=2)
+    fixed = np.tile(UNIT, (N, 1))
+    assert momentum_shown(frames(line(TIP), line(fixed)), T, R, L).found is True
+    for moving in (R @ UNIT, np.einsum("fji,j->fi", R, UNIT)):
+        assert momentum_shown(frames(line(TIP), line(moving)), T, R, L).code == "moving-angular-momentum"
+    missing = momentum_shown(frames(line(TIP)), T, R, L)
+    assert missing.found is None and "draw L" in missing.sentence
+    assert momentum_shown(frames(line(TIP), line(-fixed)), T, R, L).code == "reversed-angular-momentum"
+    assert momentum_shown(frames(line(TIP), [fixed, 0 * fixed]), T, R, L).found is True, "a line drawn from its tip"
+    assert momentum_shown(frames(line(TIP), [-fixed, fixed]), T, R, L).found is True, "a line to both sides"
+    flat = frames(line(TIP[:, [0, 2]]), line(fixed[:, [0, 2]]))
     assert momentum_shown(flat, T, R, L).found is True
-    short = watched(TIP[::8, :2] * 1.0, dimensions=2)
+    short = watched(TIP[::8, :2] * 1.0)
     assert momentum_shown(short, T, R, L).found is not False, "a short arc accuses nobody"
+
+
+def test_the_scene_starts_away_from_every_axis_and_plane():
+    assert np.abs(UNIT).min() > 0.1 and np.abs(TIP[0]).min() > 0.1
+    exact = reference.motion((0.9, 0.0, 1.4), (1.0, 1.0, 1.6), T, need="orientation").R
+    assert np.allclose(R, TILT @ exact)

@@ -1,0 +1,163 @@
+"""Which sample of a motion each frame of an animation shows.
+
+A student may round indices down, repeat or skip samples, or resample to real time. So the time of a frame is free by ``SLACK``
+samples about a law (an even run from one sample to another, or the frame values read as indices or as times), but it never runs
+back. What remains is a strict comparison with the exact curve.
+
+Times are counted in samples of the motion; a ``basis`` (G, e, m) holds m functions of time for e equations on a grid of
+``PER`` points a sample, and ``drawn`` (f, e, v) v paths in f frames: drawn ≈ basis · coefficients at the time of each frame.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: under 1 % of any path here
+SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
+HELD = 0.25  # part of the frames that may hold the end, where the frames before do not advance by one sample each
+LEAST_FRAMES = 10
+
+
+class Fit(NamedTuple):
+    """``times`` (f,) in samples, ``coefficients`` (m, v), ``misfit`` (v,): root mean square over frames and equations."""
+
+    times: Array
+    grid: Indices
+    coefficients: Array
+    misfit: Array
+
+
+def laws(at: Array, t: Array, turned: Array) -> Array:
+    """Sample numbers (k, f) that the followed frames may show: all of the motion, or a part of at least one full turn.
+
+    ``at`` (f, 3): number and value of each frame, and how many there are; ``t`` (n,); ``turned`` (n,): turns since the start.
+    """
+    number, value, total = at[:, 0], at[:, 1], at[0, 2]
+    n = len(t)
+    last, part = n - 1, np.arange(n)
+    first_turn = np.searchsorted(turned, min(1.0, turned[-1]) - 1e-9)
+    fractions = [number / max(total - 1, 1)]
+    indices = [number]
+    if np.all(value >= 0) and value[-1] > value[0] and np.all(np.diff(value) >= 0):
+        steps = np.diff(value)
+        if np.ptp(steps) > 1e-6 * steps.max():
+            fractions.append((value - value[0]) / (value[-1] - value[0]))
+        indices += [value, np.interp(value, t, part)]
+    elif np.all(value >= 0) and np.ptp(value) > 0:
+        indices.append(value)
+    ends = np.arange(first_turn, last / (1 - HELD))
+    found = [end * x for x in fractions for end in ends]
+    for index in indices:
+        found += [np.minimum(index, last), index % n]
+    for stride in range(1, 1 + int(last / max(total - 1, 1))):
+        reach = stride * (total - 1)
+        found += [start + stride * number for start in part if start + reach <= last]
+    found = np.clip(np.array(found), 0, last)
+    start, end = found.min(axis=1), found.max(axis=1)
+    turns = np.interp(end + SLACK, part, turned) - np.interp(start - SLACK, part, turned)
+    return found[turns >= min(1.0, turned[-1])]
+
+
+def screened(basis: Array, drawn: Array, laws: Array) -> Array:
+    """For each law the root mean square (k, v) that is left of each path, with the times of the laws as they are."""
+    e, m, v = *basis.shape[1:], drawn.shape[2]
+    design = basis[_on_grid(laws, len(basis))].reshape(len(laws), -1, m)
+    values = drawn.reshape(-1, v)
+    products = np.swapaxes(design, 1, 2)
+    normal = products @ design
+    normal += 1e-10 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(m)
+    right = products @ values
+    left = np.sum(values**2, axis=0) - np.sum(np.linalg.solve(normal, right) * right, axis=1)
+    return np.asarray(np.sqrt(np.maximum(left, 0) / (len(drawn) * e)))
+
+
+def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
+    """Times within SLACK of the law, in order, and the coefficients that fit the paths best, in turn until neither changes."""
+    if law[-1] < law[0]:
+        back = fitted(basis, drawn[::-1], law[::-1])
+        return back._replace(times=back.times[::-1], grid=back.grid[::-1])
+    half = int(SLACK * PER)
+    nominal = _on_grid(law, len(basis))
+    choices = np.clip(nominal[:, None] + np.arange(-half, half + 1), 0, len(basis) - 1)
+    anew = np.concatenate([[True], np.diff(law) < 0])  # where a law begins again, time may go back
+    grid = nominal
+    for _ in range(8):
+        coefficients = coefficients_at(basis, drawn, grid)
+        curve = basis @ coefficients
+        costs = np.sum((drawn[:, None] - curve[choices]) ** 2, axis=(2, 3))
+        chosen = _in_order(costs, choices, anew)
+        if np.array_equal(chosen, grid):
+            break
+        grid = chosen
+    coefficients = coefficients_at(basis, drawn, grid)
+    left = drawn - basis[grid] @ coefficients
+    return Fit(grid / PER, grid, coefficients, np.sqrt(np.mean(left**2, axis=(0, 1))))
+
+
+def coefficients_at(basis: Array, drawn: Array, grid: Indices) -> Array:
+    """Coefficients (m, v) by least squares where each frame's time is given as a place on the grid."""
+    design = basis[grid].reshape(-1, basis.shape[2])
+    return np.asarray(np.linalg.lstsq(design, drawn.reshape(-1, drawn.shape[2]), rcond=None)[0])
+
+
+def spread(drawn: Array) -> Array:
+    """Root mean square (v,) of each path about its mean, over frames and equations."""
+    return np.asarray(np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2, axis=(0, 1))))
+
+
+def _on_grid(times: Array, size: int) -> Indices:
+    return np.clip(np.rint(times * PER).astype(int), 0, size - 1)
+
+
+def _in_order(costs: Array, choices: Indices, anew: NDArray[np.bool_]) -> Indices:
+    """The cheapest choice for each frame with times that never run back but where a law begins ``anew``; costs (f, c)."""
+    total, came = costs[0], []
+    for k in range(1, len(costs)):
+        if anew[k]:
+            before = np.full(costs.shape[1], int(np.argmin(total)))
+        else:
+            least = np.minimum.accumulate(total)
+            at = np.maximum.accumulate(np.where(total <= least, np.arange(len(total)), 0))
+            place = np.searchsorted(choices[k - 1], choices[k], side="right") - 1
+            before = np.where(place >= 0, at[np.maximum(place, 0)], -1)
+        total = costs[k] + np.where(before >= 0, total[before], np.inf)
+        came.append(before)
+    chosen = [int(np.argmin(total))]
+    for before in reversed(came):
+        chosen.append(int(before[chosen[-1]]))
+    return choices[np.arange(len(choices)), chosen[::-1]]
+
+
+def wrong_laws(at: Array, n: int) -> Array:
+    """Sample numbers (k, f) of usual mistakes: a part that is too short, a part or all of it again and again, another speed."""
+    number, value, total = at[:, 0], at[:, 1], at[0, 2]
+    last = n - 1
+    found = [end * number / max(total - 1, 1) for end in range(1, n)]
+    found += [np.minimum(end * number / max(total - 1, 1), last) for end in range(n, 6 * n)]
+    indices = [number, value] if np.all(value >= 0) and np.ptp(value) > 0 and np.all(value == np.rint(value)) else [number]
+    for index in indices:
+        found += [index % part for part in range(2, n)]
+        found += [(speed * index) % n for speed in (0.5, 2, 3, 4, 5)]
+        found += [start + index * 1.0 for start in range(1, n)]
+        found += [(start + index) % n for start in range(1, n)]
+    return np.clip(np.array(found), 0, last)
+
+
+def said(times: Array, at: Array, n: int) -> str:
+    """What is wrong with the ``times`` (f,) of the followed frames, for a report."""
+    number, total = at[:, 0], int(at[0, 2])
+    low, high = times.min(), times.max()
+    if high - low < n / 2:
+        again = " again and again" if np.any(np.diff(times) < -SLACK) else ""
+        return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{again}"
+    if np.any(np.diff(times) < -SLACK):
+        k = int(np.argmax(np.diff(times) < -SLACK))
+        return f"the animation begins again after frame {number[k]:.0f} of {total}: show the motion once, from its start to its end"
+    first = int(np.argmax(times >= high - 0.5))
+    if number[first] < (1 - HELD) * (total - 1):
+        return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, the others stand still"
+    return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn"

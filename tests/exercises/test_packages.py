@@ -1,0 +1,28 @@
+"""Packages of the sandbox: which are installed, in words, and how an assignment declares more."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exercises import packages
+from exercises.assignment import InvalidAssignment
+
+
+def test_every_sandbox_has_numpy_scipy_and_matplotlib():
+    assert packages.versions()["numpy"] == np.__version__ and not packages.missing(packages.SANDBOX)
+    assert re.fullmatch(
+        r"numpy [\d.]+, scipy [\d.]+, matplotlib [\d.]+ and the standard library of Python 3\.\d+", packages.listing()
+    )
+
+
+def test_what_is_installed_is_listed_and_what_is_not_is_missing():
+    assert packages.missing(["iniconfig", "no-such-package", ""]) == ["no-such-package", ""]
+    assert ", iniconfig " in packages.listing(["iniconfig"]) and "no-such" not in packages.listing(["no-such-package"])
+
+
+@pytest.mark.parametrize("declared", [("",), (1,), "sympy"])
+def test_an_assignment_declares_names(rigid_body, declared):
+    with pytest.raises(InvalidAssignment, match=r"packages is .*, not a tuple of names"):
+        replace(rigid_body, packages=declared)

@@ -19,6 +19,7 @@ from ecp.strict import WrongAnswer, exchanged, real_array, takes
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
+UNBOUNDED = 30.0  # times the first |ω|; energy allows the root of the largest moment over the smallest, under 6 here
 CALLED = ("t", "w", "I")
 TIMED = 500
 MOST_OWN = 4000  # samples of a notebook's own motion
@@ -63,17 +64,22 @@ def pointwise(student, inputs):
 def trajectory(student, inputs):
     """The motion that ``euler_eqs`` drives: ω alone, or with the attitude where ``orientation`` is asked for."""
     times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
-    start, rates, _ = driven(student["euler_eqs"], inputs)
-    y = _integrate(rates, start, times)
+    start, rates, calls = driven(student["euler_eqs"], inputs)
+    try:
+        y = _integrate(rates, start, times)
+    except WrongAnswer:
+        if math.hypot(*calls[1]) > UNBOUNDED * math.hypot(*start[:3]):
+            raise WrongAnswer("unbounded", "ω grows without bound (energy is not conserved)") from None
+        raise
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
 def driven(function, inputs):
-    """Start and right-hand side of the motion that ``function`` drives, and a list with the number of its calls."""
-    moments, calls = np.asarray(inputs["I"], dtype=float), [0]
+    """Start and right-hand side of the motion that ``function`` drives, and a list: the number of its calls, and the last ω."""
+    moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
     def spin_rate(t, w):
-        calls[0] += 1
+        calls[:] = calls[0] + 1, w
         if calls[0] > MOST_CALLS:
             raise WrongAnswer(None, f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
         rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")

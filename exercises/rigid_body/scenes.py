@@ -5,11 +5,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 import reference
 from exercises.assignment import Blank, Inputs, Scene
+from exercises.rigid_body import probes
 from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.drive import DRIVE
 from exercises.rigid_body.own_motion import own_motion
@@ -18,7 +19,10 @@ from exercises.rigid_body.public.setting import BODY, BOX, NUDGE, SPIN, SPIN_TIM
 Array = NDArray[np.float64]
 
 BOOK = reference.box_moments(*BOX)
-PROBES, REPEATS, RETIMED, NODES = 32, 8, 8, 10  # at random; of these once more; at another time; along each exact motion
+TURN_SAMPLES, UNEVEN = 600, 0.5  # of a given precession; the longest of its uneven steps is four times the shortest
+SWAY, SWAYS = 0.006, 2.5  # relative variation of an uneven rate of turn, and its periods: a half number of them
+UNEQUAL = 8  # boxes of which no two moments are nearly equal
+BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # given to box_moments and to principal_moments
 SENSED = 60  # times at which a motion's sensitivity is summed up
 
 
@@ -56,58 +60,59 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def _probes(rng: np.random.Generator) -> Inputs:
-    """Random points, some twice, some again at another time, and points along the exact motions: shuffled (t, ω, I) in rows."""
-    edges = rng.uniform(0.4, 2.0, (PROBES, 3))
-    moments = np.array([reference.box_moments(6.0, *edge) for edge in edges])
-    rows = np.column_stack([rng.uniform(0.0, 20.0, PROBES), rng.uniform(-3.0, 3.0, (PROBES, 3)), moments])
-    along = [_along(scene.inputs, rng) for scene in TRAJECTORIES]
-    retimed = rows[REPEATS : REPEATS + RETIMED].copy()
-    retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
-    rows = rng.permutation(np.concatenate([rows, rows[:REPEATS], retimed, *along]))
-    return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
-
-
-def _along(inputs: Any, rng: np.random.Generator) -> Array:
-    w = reference.motion(inputs["w0"], inputs["I"], rng.uniform(0.0, inputs["t_end"], NODES)).w
-    told = rng.uniform(0.0, inputs["t_end"], NODES)  # not the time at which the motion is there: a student could use that
-    return np.column_stack([told, w.T, np.tile(inputs["I"], (NODES, 1))])
-
-
-def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
-    """The rates, and beside them what was subtracted from what: rounding is a fraction of (I₂ + I₃)|ω₂ω₃|/I₁, and so on."""
-    w, I = np.abs(inputs["w"]), np.asarray(inputs["I"])
-    whole = (np.roll(I, -1, 1) + np.roll(I, -2, 1)) * np.roll(w, -1, 1) * np.roll(w, -2, 1) / I
-    scale = np.maximum(whole, 1e-6 * whole.max(axis=1, keepdims=True))
-    return {"wdot": reference.euler_rhs(np.asarray(inputs["w"]).T, I.T).T, "scale": scale}
+    """The points of probes.py, also along the fixed motions."""
+    return probes.draw(rng, [motion.inputs for motion in TRAJECTORIES if not callable(motion.inputs)])
 
 
 def _boxes(rng: np.random.Generator) -> Inputs:
-    """Eight boxes (m, a, b, c) with no two moments nearly equal, where eigenvalues by the characteristic polynomial lose digits."""
-    boxes: list[Array] = []
-    while len(boxes) < 8:
-        box = np.array([rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3)])
-        if np.diff(np.sort(reference.box_moments(*box))).min() > 0.05 * reference.box_moments(*box).max():
-            boxes.append(box)
+    """Boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars, large and small ones."""
+    boxes: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
+    for m, a, b, c in (_unequal_box(rng) for _ in range(2)):
+        long, thin = 20 * max(a, b, c), min(a, b, c) / 20
+        boxes += [(m, a, a, a), (m, b, a, a), (m, a, b, a), (m, a, a, b), (m, a, b, thin), (m, long, b, c)]
+    sizes = [(1e3, 1e3), (1e-3, 1e-3), (1e-3, 1e3), (1e3, 1e-3)]
+    boxes += [np.array(_unequal_box(rng)) * [mass, *[length] * 3] for mass, length in sizes]
     return {"boxes": np.array(boxes)}
 
 
+def _unequal_box(rng: np.random.Generator) -> tuple[float, ...]:
+    while True:
+        box = (rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3))
+        if np.diff(np.sort(reference.box_moments(*box))).min() > 0.05 * reference.box_moments(*box).max():
+            return box
+
+
 def _exact_boxes(inputs: Inputs) -> Mapping[str, Array]:
-    return {"moments": np.array([reference.box_moments(*row) for row in np.asarray(inputs["boxes"])])}
+    boxes = np.asarray(inputs["boxes"])
+    moments = np.array([reference.box_moments(*row) for row in boxes])
+    return {"moments": moments, "exact": moments, "at": boxes}
 
 
 def _tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
-    turns = [np.linalg.qr(rng.random((3, 3)))[0] for _ in boxes]
-    return {"tensors": [reference.box_tensor(m, a, b, c, R).tolist() for (m, a, b, c), R in zip(boxes, turns, strict=True)]}
+    return {"tensors": [reference.box_tensor(m, a, b, c, _rotation(rng)).tolist() for m, a, b, c in boxes]}
+
+
+def _rotation(rng: np.random.Generator) -> Array:
+    Q = np.linalg.qr(rng.random((3, 3)))[0]
+    return np.asarray(Q * np.linalg.det(Q))
 
 
 def _drawn_tensors(rng: np.random.Generator) -> Inputs:
-    return _tilted(np.asarray(_boxes(rng)["boxes"]), rng)
+    """Tilted boxes, as they are, diagonal already, and of other sizes.
+
+    No two moments are nearly equal: there the roots of the characteristic polynomial lose half their digits or become complex.
+    """
+    boxes = np.array([_unequal_box(rng) for _ in range(UNEQUAL)])
+    given = [*np.asarray(_tilted(boxes, rng)["tensors"]), *(np.diag(reference.box_moments(*box)) for box in boxes[:2])]
+    given += [size * tensor for size, tensor in zip((1e2, 1e-2), given, strict=False)]
+    return {"tensors": np.array(given)}
 
 
 def _exact_tensors(inputs: Inputs) -> Mapping[str, Array]:
     tensors = np.asarray(inputs["tensors"])
+    moments = reference.principal_moments(tensors)
     invariants = {"trace": np.trace(tensors, axis1=1, axis2=2), "determinant": np.linalg.det(tensors)}
-    return {"moments": reference.principal_moments(tensors)} | invariants
+    return {"moments": moments} | invariants
 
 
 def spun(axis: int) -> tuple[float, ...]:
@@ -130,20 +135,36 @@ def _largest_growth(axis: int) -> float:
 
 
 def _given_precession(rng: np.random.Generator) -> Inputs:
-    return _precessing(rng, rng.uniform(1.1, 1.9))
+    """Even turning at uneven times: the last steps are several times as long as the first, or the other way round."""
+    rate, samples = _top(rng, rng.uniform(1.1, 1.9)), np.linspace(0.0, 1.0, TURN_SAMPLES)
+    uneven = (1 - UNEVEN) * samples + UNEVEN * samples**3
+    return _turning(rng, rate, uneven if rng.random() < 0.5 else 1 - uneven[::-1], 0.0)
 
 
 def _given_retrograde(rng: np.random.Generator) -> Inputs:
-    return _precessing(rng, rng.uniform(0.3, 0.8))
+    """Backward turning, at even times, that runs faster and slower; its mean, its slope and its median are the same."""
+    rate = _top(rng, rng.uniform(0.3, 0.8))
+    return _turning(rng, rate, np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY)
 
 
-def _precessing(rng: np.random.Generator, i3: float) -> Inputs:
-    """ω of a symmetric top for two to five turns, so that a phase that is not unwrapped jumps."""
-    i1, w3, transverse, phase, whole = rng.uniform([1.0, 1.0, 0.1, 0.0, 2.2], [2.0, 4.0, 0.8, 6.0, 5.0])
-    rate = reference.free_precession_rate((i1, i1, i1 * i3), w3)
-    t = np.linspace(0.0, whole * 2 * np.pi / abs(rate), 1500)
-    w = np.array([transverse * np.cos(rate * t + phase), transverse * np.sin(rate * t + phase), np.full_like(t, w3)])
-    return {"t": t, "w": w}
+def _top(rng: np.random.Generator, i3: float) -> tuple[float, float]:
+    """Precession rate and ω₃ of a symmetric top with I₃ = ``i3`` I₁."""
+    w3 = rng.uniform(1.0, 4.0)
+    return reference.free_precession_rate((1.0, 1.0, i3), w3), w3
+
+
+def _turning(rng: np.random.Generator, top: tuple[float, float], part: Array, sway: float) -> Inputs:
+    """ω (3, n) over two to three turns, so that a phase that is not unwrapped jumps, at times (n,) that do not start at zero.
+
+    ``part`` (n,) runs from 0 to 1. The rate of turn varies by ``sway`` in two and a half periods about the middle: it is odd
+    there, so every way of taking the mean, a slope, a total, a median, gives the same number.
+    """
+    (rate, w3), transverse, phase, turns = top, rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
+    duration = turns * 2 * np.pi / abs(rate)
+    ahead = sway * rate * duration / (2 * np.pi * SWAYS) * np.cos(2 * np.pi * SWAYS * (part - 0.5))
+    angle = phase + rate * duration * part + ahead
+    w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
+    return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
 
 
 def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
@@ -191,13 +212,23 @@ TRAJECTORIES = (
     _spin("spin-max", 2),
     _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
 )
-ASKED = PROBES + REPEATS + RETIMED + NODES * len(TRAJECTORIES)
+ASKED = probes.asked(len(TRAJECTORIES))
 
 SCENES = (
-    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((8, 3))}, _exact_boxes, 1.0),
+    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((BOXES, 3))}, _exact_boxes, 1.0, known=("exact", "at")),
     Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
-    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((8, 3))}, _exact_tensors, 1.0),
-    Scene("probes", "pointwise", "euler_eqs", _probes, {"wdot": Blank((ASKED, 3))}, _exact_rates, 2.0, twice=True),
+    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((TENSORS, 3))}, _exact_tensors, 1.0),
+    Scene(
+        "probes",
+        "pointwise",
+        "euler_eqs",
+        _probes,
+        {"wdot": Blank((ASKED, 3))},
+        probes.exact,
+        2.0,
+        known=("exact", "at_w", "at_I"),
+        twice=True,
+    ),
     *TRAJECTORIES,
     *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in DRAWN.items()),
     Scene("rate", "precession", "precession_rate", _given_precession, {"rate": Blank(())}, _exact_precession, 1.0),

@@ -27,6 +27,8 @@ from service.sandbox.seen import Fault, Seen
 log = logging.getLogger(__name__)
 Tell = Callable[[str, int, int], None]
 """Called with the phase, the scene's place in order and the number of scenes."""
+Causes = Callable[[str], list[Diagnosis]]
+"""The diagnoses of the numbers that the scene of that name brought back."""
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 
@@ -69,7 +71,8 @@ def grade(
     crossed = cross_check(assignment, attempt, sandbox, seed)
     _add_what_is_known(assignment, seen, truths)
     covered = asked if numbers is not None else attempted(asked, seen.defined)
-    sections = [_judge(e, assignment, attempt, crossed) for e in covered]
+    causes = functools.cache(lambda scene: _diagnosed(assignment, scene, inputs[scene], seen.arrays[scene]))
+    sections = [_judge(e, assignment, attempt, crossed, causes) for e in covered]
     told = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
     figures, animations = pictures(covered, shown)
@@ -180,7 +183,7 @@ def _add_what_is_known(assignment: Assignment, seen: Seen, truths: Mapping[str, 
         arrays |= {known: truths[name][known] for known in assignment.scene(name).known}
 
 
-def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed: CrossCheck) -> ExerciseReport:
+def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed: CrossCheck, causes: Causes) -> ExerciseReport:
     outcomes, seen = [], attempt.seen
     for check in exercise.made(seen.defined, lambda scene: assignment.scene(scene).function):
         scenes = [assignment.scene(name) for name in check.scenes]
@@ -190,7 +193,7 @@ def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed
                 outcome = check.failed("the same questions in another order got other answers")
             outcome.diagnosis = [_unsteady(unsteady)]
         elif outcome.verdict is not Verdict.PASS:
-            outcome.diagnosis = _likely(scenes, assignment, seen, attempt.inputs)
+            outcome.diagnosis = _likely(scenes, seen, causes)
         outcome.hidden = assignment.hidden(check)
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
@@ -235,12 +238,12 @@ def _diagnosed(assignment: Assignment, scene: str, inputs: Inputs, arrays: Array
         return []
 
 
-def _likely(scenes: list[Scene], assignment: Assignment, seen: Seen, inputs: Mapping[str, Inputs]) -> list[Diagnosis]:
+def _likely(scenes: list[Scene], seen: Seen, causes: Causes) -> list[Diagnosis]:
     """The likely cause: what the numbers of a scene or of the one before it single out, else how it ended."""
     for scene in scenes:
         for name in (scene.after, scene.name):
-            if name in seen.arrays and (found := _diagnosed(assignment, name, inputs[name], seen.arrays[name])):
-                return found
+            if name in seen.arrays and (found := causes(name)):
+                return list(found)
     for scene in scenes:
         for name in (scene.after, scene.name):
             ending = seen.endings.get(name or "")

@@ -30,7 +30,7 @@ SENTENCES = {
 # What a guest may name as the cause of an ending; everything else is found out on the host.
 GUEST_CODES = frozenset(
     ["missing-function", "timeout", "memory", "syntax-error", "raises", "returns-nothing", "wrong-shape", "mutates-input"]
-    + ["not-finite", "no-animation", "too-many-frames", "signature", "swapped-arguments"]
+    + ["not-finite", "unbounded", "no-animation", "too-many-frames", "signature", "swapped-arguments"]
 )
 
 

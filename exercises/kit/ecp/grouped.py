@@ -26,7 +26,7 @@ class Cause:
     @property
     def likely(self) -> str:
         """ "likely " where the diagnosis was inferred from numbers, "" where it is how the code ended."""
-        return "likely " if any(o.cause != self.diagnosis.sentence for o in self.outcomes()) else ""
+        return "likely " if any(self.diagnosis.sentence not in (o.cause or "") for o in self.outcomes()) else ""
 
     def where(self) -> list[str]:
         """One line for each exercise: the labels of its checks."""

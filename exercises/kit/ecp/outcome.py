@@ -7,7 +7,8 @@ from typing import ClassVar
 
 from ecp.judge import Verdict, line
 
-NEARLY = 1e-3  # a margin above this may be a matter of the tolerance
+NEARLY = 0.01  # a margin above this may be a matter of a few roundings,
+SMALL = 1e-6  # if the tolerance that would pass is not larger than this
 
 
 class Ending(StrEnum):
@@ -95,22 +96,22 @@ class Outcome:
         if not self.margin:
             return found
         found.append(f"{1 / self.margin:.3g} times the allowed difference")
-        if self.margin > NEARLY and not self.diagnosis and (would := self._would_pass()):
+        if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
             found.append(f"no known slip gives these numbers: perhaps the tolerance is merely too tight; it would pass at {would}")
         return found
 
     def _would_pass(self) -> str | None:
-        """The tolerance with which this ✗ would be a ✓."""
-        tolerance, larger = self.tolerance, 1.0001 / (self.margin or 1.0)
-        if tolerance.rtol:
-            return f"rtol = {tolerance.rtol * larger:.2g}, atol = {(tolerance.atol or 0.0) * larger:.2g}"
-        name = "limit" if tolerance.limit is not None else "atol"
-        value = tolerance.limit if tolerance.limit is not None else tolerance.atol
-        return f"{name} = {value * larger:.2g}" if value else None
+        """The tolerances with which this ✗ would be a ✓; None where they would be more than a few roundings."""
+        larger, tolerance = 1.0001 / (self.margin or 1.0), self.tolerance
+        allowed = {"rtol": tolerance.rtol, "atol": tolerance.atol, "limit": tolerance.limit}
+        needed = {name: value * larger for name, value in allowed.items() if value}
+        if not needed or max(needed.values()) > SMALL:
+            return None
+        return ", ".join(f"{name} = {value:.2g}" for name, value in needed.items())
 
     def causes(self) -> list[Diagnosis]:
         """The likely causes that the line itself does not state; none of a ✓."""
-        return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence != self.cause]
+        return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
 
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
         """The line, and for anything but ✓ what helps to find the discrepancy, indented below it.

@@ -5,12 +5,15 @@ from numpy.typing import NDArray
 
 import reference
 from ecp.outcome import Diagnosis
-from exercises.rigid_body.causes.form import AGREEMENT, Form
+from exercises.rigid_body.causes.agreement import AGREEMENT, ROUNDING
+from exercises.rigid_body.causes.form import Form, ordinary
 from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, SPIN, Slip, slips, told
+from exercises.rigid_body.probes import scale
 
 Array = NDArray[np.float64]
 MOST_TERMS = 2
 WHOLE = 10 * AGREEMENT
+NOTHING = 1e-11  # of the largest term
 
 
 def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[list[Form | None]]) -> list[Diagnosis]:
@@ -18,7 +21,7 @@ def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[l
 
     ``columns`` are the forms of the components that are some.
     """
-    truth = reference.euler_rhs(w.T, moments.T).T
+    truth, slack = reference.euler_rhs(w.T, moments.T).T, ROUNDING * scale(w, moments)
     found: list[Slip] = []
     sizes: dict[str, list[str]] = {}
     for k in range(3):
@@ -30,7 +33,7 @@ def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[l
             found += shortest
             continue
         names, terms = _terms(k, t, w, moments)
-        fitted = _fit(wdot[:, k], np.column_stack([truth[:, k], *terms]))
+        fitted = _fit(wdot[:, k], np.column_stack([truth[:, k], *terms]), *ordinary(w, moments), slack[:, k])
         if fitted is None or not 0 < np.count_nonzero(fitted[1:]) <= MOST_TERMS:
             return []
         found += _multiple(float(fitted[0]), k)
@@ -77,20 +80,23 @@ def _terms(k: int, t: Array, w: Array, moments: Array) -> tuple[list[str], list[
     return list(named), list(named.values())
 
 
-def _fit(column: Array, design: Array) -> Array | None:
-    """Least squares, cleared of what is nothing; None if it does not reproduce ``column`` to rounding."""
-    scale = np.linalg.norm(design, axis=0)
-    used = np.flatnonzero(scale)
+def _fit(column: Array, design: Array, rows: NDArray[np.intp], weight: Array, slack: Array) -> Array | None:
+    """Least squares at the points ``rows``, cleared of what is nothing; None if it does not reproduce ``column`` to rounding.
+
+    ``slack`` (n,) is the rounding of the right value at each point."""
+    weighted = design[rows] * weight[:, None]
+    lengths = np.linalg.norm(weighted, axis=0)
+    used = np.flatnonzero(lengths)
     for _ in range(design.shape[1]):  # drop what is nothing, until only what is there is fitted
-        fitted = np.linalg.lstsq(design[:, used] / scale[used], column, rcond=None)[0]
+        fitted = np.linalg.lstsq(weighted[:, used] / lengths[used], column[rows] * weight, rcond=None)[0]
         if not fitted.size or not np.all(np.isfinite(fitted)):
             return None  # numbers beyond arithmetic
-        kept = used[np.abs(fitted) > 1e-9 * np.abs(fitted).max()]
+        kept = used[np.abs(fitted) > NOTHING * np.abs(fitted).max()]
         if len(kept) == len(used):
             break
         used = kept
-    if np.abs(design[:, used] / scale[used] @ fitted - column).max() > AGREEMENT * np.abs(column).max():
-        return None
     sizes = np.zeros(design.shape[1])
-    sizes[used] = fitted / scale[used]
+    sizes[used] = fitted / lengths[used]
+    if np.any(np.abs(design @ sizes - column) > WHOLE * (np.abs(design) @ np.abs(sizes)) + slack):
+        return None
     return sizes

@@ -14,9 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from exercises.rigid_body.causes.agreement import AGREEMENT
+
 Array = NDArray[np.float64]
 
-AGREEMENT = 1e-11  # of the largest value: the same algebra agrees to rounding or not at all
+LEAST_POINTS = 10  # a fit of three weights to fewer points says too little
+ORDINARY = (1e-2, 1e2)  # sizes of |ω| and I to which forms are fitted; they are confirmed at all points
 PRODUCTS: tuple[tuple[int, ...], ...] = (
     *itertools.combinations_with_replacement(range(3), 2),
     *((a,) for a in range(3)),
@@ -45,29 +48,47 @@ class Form(NamedTuple):
 
 
 class Points:
-    """The probes, prepared once for all fits: ω and I (n, 3)."""
+    """The probes, prepared once for all fits: ω and I (n, 3).
+
+    A fit uses the ``ordinary`` points, with each divided by |ω|² through ``weight``; every point has to confirm it.
+    """
 
     def __init__(self, w: Array, moments: Array) -> None:
         products = np.array([np.prod(w[:, list(axes)], axis=1) for axes in PRODUCTS])
         divisors = np.array([_divisor(moments, axes) for axes in DIVISORS])
         designs = products[:, None, :, None] * moments / divisors[None, :, :, None]
         self._cells = list(itertools.product(PRODUCTS, DIVISORS))
-        designs = designs.reshape(len(self._cells), *moments.shape)
-        self._q, r = np.linalg.qr(designs)
-        self._back = np.linalg.inv(r)
+        self._designs = designs.reshape(len(self._cells), *moments.shape)
+        self.ordinary, self.weight = ordinary(w, moments)
+        if len(self.ordinary) >= LEAST_POINTS:
+            self._q, r = np.linalg.qr(self._designs[:, self.ordinary] * self.weight[:, None])
+            self._back = np.linalg.inv(r)
 
     def forms(self, column: Array, agreement: float = AGREEMENT) -> list[Form | None]:
         """Every form that gives ``column`` (n,) to ``agreement``; for a column of zeros None alone."""
-        largest = float(np.abs(column).max())
-        if largest == 0:
+        if not column.any():
             return [None]
-        along = np.einsum("cnk,n->ck", self._q, column)
-        left = np.abs(column - np.einsum("cnk,ck->cn", self._q, along)).max(axis=1)
+        if len(self.ordinary) < LEAST_POINTS:
+            return []
+        weighted = column[self.ordinary] * self.weight
+        along = np.einsum("cnk,n->ck", self._q, weighted)
+        left = np.abs(weighted - np.einsum("cnk,ck->cn", self._q, along)).max(axis=1)
         found: dict[Form | None, None] = {}
-        for cell in np.flatnonzero(left <= agreement * largest):
+        for cell in np.flatnonzero(left <= agreement * np.abs(weighted).max()):
             weights = self._back[cell] @ along[cell]
-            found[_plain(*self._cells[cell], weights, 10 * agreement)] = None
+            terms = self._designs[cell] * weights
+            if np.all(np.abs(terms.sum(axis=1) - column) <= 10 * agreement * np.abs(terms).sum(axis=1)):
+                found[_plain(*self._cells[cell], weights, 10 * agreement)] = None
         return list(found)
+
+
+def ordinary(w: Array, moments: Array) -> tuple[NDArray[np.intp], Array]:
+    """Indices (m,) of the points with ω and I of ordinary size and no ω zero; and 1/|ω|² (m,) there."""
+    low, high = ORDINARY
+    speed = np.linalg.norm(w, axis=1)
+    sized = (speed > low) & (speed < high) & np.all(w != 0, axis=1) & np.all((moments > low) & (moments < high), axis=1)
+    chosen = np.flatnonzero(sized)
+    return chosen, 1 / speed[chosen] ** 2
 
 
 def _divisor(moments: Array, axes: tuple[int, ...]) -> Array:

@@ -1,6 +1,7 @@
 """The likely cause behind wrong moments, of a box from its edges or of a tensor."""
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,27 +15,56 @@ Array = NDArray[np.float64]
 AGREEMENT = 1e-10
 EDGES = ("a", "b", "c")
 MOMENT = ("I₁", "I₂", "I₃")
+DIAGONAL = "the diagonal of the tensor: the principal moments are its eigenvalues"
+MASSLESS = "does not hold the mass m"
 
 
 def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     """For ``box_moments``, (n, 3) for the boxes (m, a, b, c) asked: an order, a convention, or what each moment is made of."""
     boxes = np.asarray(inputs["boxes"], dtype=float)
     truth = np.array([reference.box_moments(*row) for row in boxes])
-    if _same(moments, truth):
-        return []
     if empty := _nothing(moments, "box_moments"):
         return empty
-    for order in itertools.permutations(range(3)):
-        if _same(moments, truth[:, order]):
-            stands = ", ".join(MOMENT[k] for k in order)
-            return [_cause("moment-order", f"the right moments in the wrong order: {stands}; the first belongs to the edge a")]
-    if _same(moments, np.sort(truth, axis=1)):
-        return [_cause("moment-order", "the right moments, but sorted: the first belongs to the edge a whatever its size")]
+    if _same(moments, truth):
+        return []
+    for code, sentence, value in _box_mistakes(boxes, truth):
+        if _same(moments, value):
+            return [_cause(code, sentence)]
     found = [_read(boxes, moments[:, k], k) for k in range(3)]
     if any(cause is None for cause in found):
         return []
     told = {c.sentence: c for cause in found if cause for c in cause}
+    massless = [cause for cause in told.values() if cause.sentence.endswith(MASSLESS)]
+    if len(massless) == 3:
+        return [_cause("missing-term", "the moments do not hold the mass m"), *(c for c in told.values() if c not in massless)]
     return list(told.values())
+
+
+def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]]:
+    m, squares = boxes[:, :1], boxes[:, 1:] ** 2
+    first, second = squares[:, [1, 0, 0]], squares[:, [2, 2, 1]]
+    for order in itertools.permutations(range(3)):
+        stands = ", ".join(MOMENT[k] for k in order)
+        said = f"the right moments in the wrong order: {stands}; the first belongs to the edge a"
+        yield "moment-order", said, truth[:, order]
+    sorted_ = "the right moments, but sorted: the first belongs to the edge a whatever its size"
+    yield "moment-order", sorted_, np.sort(truth, axis=1)
+    yield "wrong-power", "the square roots of the moments instead of the moments", np.sqrt(truth)
+    yield "wrong-quantity", "the inverse moments instead of the moments", 1 / truth
+    yield "wrong-quantity", "the radii of gyration √(I/m) instead of the moments", np.sqrt(truth / m)
+    yield "floor-division", "the moments are cut to whole numbers: look for floor division (//) or int", np.floor(truth)
+    yield "floor-division", "m is divided by 12 with //, which drops the fraction: use /", m // 12 * (first + second)
+    for place, value in (("m/12·b² + c²", m / 12 * first + second), ("b² + c²·m/12", first + m / 12 * second)):
+        yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
+    yield "missing-brackets", "I₁ is computed as m·b² + c²/12, and so on: (b² + c²) needs its brackets", m * first + second / 12
+    unsquared = "the edges are not squared: I₁ holds b + c where b² + c² belongs"
+    yield "wrong-power", unsquared, m / 12 * (np.sqrt(first) + np.sqrt(second))
+    yield "wrong-power", "I₁ holds the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
+    volume = np.prod(boxes[:, 1:], axis=1, keepdims=True)
+    yield "wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume
+    yield "wrong-quantity", "the right moments over the volume abc: m is the mass, not the density", truth / volume
+    exchanged = np.array([reference.box_moments(row[3], *row[:3]) for row in boxes])
+    yield "swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged
 
 
 def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
@@ -43,15 +73,48 @@ def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
     if empty := _nothing(seen, "principal_moments"):
         return empty
-    if _same(seen, np.sort(np.diagonal(tensors, axis1=1, axis2=2), axis=1)):
-        return [_cause("diagonal-only", "the diagonal of the tensor: the principal moments are its eigenvalues")]
-    factor = float(np.sum(seen * truth) / np.sum(truth * truth))
-    if not _same(seen, truth) and _same(seen, factor * truth):
-        return [_factor(factor)]
-    for name, value in (("the square roots of the moments", np.sqrt(truth)), ("the inverse moments", np.sort(1 / truth, axis=1))):
-        if _same(seen, value):
-            return [_cause("wrong-quantity", f"{name} instead of the moments themselves")]
+    if _same(seen, truth):
+        return []
+    for code, sentence, value in _tensor_mistakes(tensors, truth):
+        if _same(seen, np.sort(value, axis=1)):
+            return [_cause(code, sentence)]
+    factor = float(np.sum(seen * truth / truth**2) / seen.size)
+    if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
+        return [_cause("constant-factor", f"{factor:.10g} times the right value: look for a factor that does not belong")]
+    _, axes = np.linalg.eigh(tensors)
+    sizes = np.sort(np.abs(moments), axis=1)
+    for vectors in (axes, np.swapaxes(axes, 1, 2)):
+        if np.all(np.any(np.all(np.abs(np.sort(np.abs(vectors), axis=1) - sizes[:, :, None]) < 1e-6, axis=1), axis=1)):
+            return [_cause("wrong-quantity", "a principal axis (an eigenvector), not the moments: np.linalg.eigh returns both")]
     return []
+
+
+def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, Array]]:
+    instead = "instead of the moments themselves"
+    third = np.repeat(truth.mean(axis=1, keepdims=True), 3, axis=1)
+    yield "diagonal-only", DIAGONAL, np.diagonal(tensors, axis1=1, axis2=2)
+    yield "sign-reversed", "the opposite sign: moments of inertia are positive", -truth
+    yield "wrong-quantity", f"the square roots of the moments {instead}", np.sqrt(truth)
+    yield "wrong-quantity", f"the inverse moments {instead}", 1 / truth
+    yield "wrong-quantity", f"the squares of the moments {instead}", truth**2
+    yield "wrong-quantity", "a third of the trace, three times: only the sum of the moments is right", third
+    yield "wrong-quantity", "the lengths of the columns of the tensor: its eigenvalues are due", np.linalg.norm(tensors, axis=1)
+    yield "wrong-quantity", "the sums of the rows of the tensor: its eigenvalues are due", tensors.sum(axis=1)
+    signless = "the eigenvalues of the absolute values of the tensor: its signs are lost"
+    yield "absolute-value", signless, np.linalg.eigvalsh(np.abs(tensors))
+    for name, size in (
+        ("their length", np.linalg.norm(truth, axis=1)),
+        ("their sum", truth.sum(axis=1)),
+        ("the largest", truth[:, -1]),
+        ("the smallest", truth[:, 0]),
+        ("the middle one", truth[:, 1]),
+    ):
+        yield "normalised", f"the right moments divided by {name}", truth / size[:, None]
+    whole = "the tensor is cut to whole numbers: look for an array of integers"
+    yield "precision-loss", whole, np.linalg.eigvalsh(np.trunc(tensors))
+    yield "precision-loss", "the moments are cut to whole numbers", np.trunc(truth)
+    for places in range(9):
+        yield "precision-loss", f"the moments are rounded to {places} decimal places", np.round(truth, places)
 
 
 def _nothing(moments: Array, function: str) -> list[Diagnosis]:
@@ -69,11 +132,13 @@ def _read(boxes: Array, column: Array, k: int) -> list[Diagnosis] | None:
     made_of = np.column_stack([edges[:, a] * edges[:, b] for a, b in pairs])
     for mass, without in ((m, False), (np.ones_like(m), True)):
         design = made_of * mass[:, None]
-        weights = np.linalg.lstsq(design, column, rcond=None)[0] * 12
-        if np.abs(design @ weights / 12 - column).max() > AGREEMENT * np.abs(column).max():
+        weight = 1 / (mass * (edges**2).sum(axis=1))  # so that boxes of every size count alike
+        weights = np.linalg.lstsq(design * weight[:, None], column * weight, rcond=None)[0] * 12
+        terms = design * weights / 12
+        if np.any(np.abs(terms.sum(axis=1) - column) > AGREEMENT * np.abs(terms).sum(axis=1)):
             continue
         weights[np.abs(weights) < 1e-8 * np.abs(weights).max()] = 0.0
-        lacks = [_cause("missing-term", f"{MOMENT[k]} does not hold the mass m")] if without else []
+        lacks = [_cause("missing-term", f"{MOMENT[k]} {MASSLESS}")] if without else []
         return [*lacks, *_weighed(dict(zip(pairs, weights.tolist(), strict=True)), k)]
     return None
 
@@ -86,19 +151,31 @@ def _weighed(weights: dict[tuple[int, int], float], k: int) -> list[Diagnosis]:
         return [] if np.isclose(first, 1, rtol=1e-9) else [_factor(first)]
     if used == due and np.isclose(first, -second, rtol=1e-9):
         return [_cause("sign-flipped", f"{MOMENT[k]} holds {EDGES[i]}² − {EDGES[j]}² where {EDGES[i]}² + {EDGES[j]}² belongs")]
+    if used == due:
+        by = f"{EDGES[i]}² by {first:.6g} and {EDGES[j]}² by {second:.6g}"
+        return [_cause("constant-factor", f"{MOMENT[k]} weighs {by}, in units of m/12, where both weights are 1")]
     is_ = " + ".join(f"{EDGES[a]}²" if a == b else f"{EDGES[a]}{EDGES[b]}" for a, b in sorted(used))
     code = "missing-term" if used < due else "cyclic-order" if all(a == b for a, b in used) else "extra-term"
     return [_cause(code, f"{MOMENT[k]} is made of {is_} where {EDGES[i]}² + {EDGES[j]}² belongs")]
 
 
 def _factor(factor: float) -> Diagnosis:
-    known = {12.0: "the division by 12 is missing", 4.0: "m/12 belongs to full edges, m/3 to half edges"}
+    known = {
+        12.0: "the division by 12 is missing",
+        4.0: "m/12 belongs to full edges, m/3 to half edges",
+        2.0: "m/12 is due, not m/6",
+        0.25: "m/12 belongs to full edges: were they halved?",
+        2.4: "m/5 belongs to the semi-axes of an ellipsoid",
+        0.6: "m/20 belongs to the axes of an ellipsoid, m/12 to the edges of a box",
+    }
     hint = known.get(round(factor, 9), "look for a factor that does not belong")
     return _cause("constant-factor", f"{factor:.10g} times the right value: {hint}")
 
 
 def _same(seen: Array, expected: Array) -> bool:
-    return bool(np.all(np.abs(seen - expected) <= AGREEMENT * np.abs(expected).max()))
+    """Whether all moments (n, 3) agree, each to rounding of the largest of its body."""
+    with np.errstate(all="ignore"):
+        return bool(np.all(np.abs(seen - expected) <= AGREEMENT * np.abs(expected).max(axis=1, keepdims=True)))
 
 
 def _cause(code: str, sentence: str) -> Diagnosis:

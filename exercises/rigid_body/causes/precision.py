@@ -7,39 +7,43 @@ from numpy.typing import NDArray
 
 import reference
 from ecp.outcome import Diagnosis
+from exercises.rigid_body.probes import scale
 
 Array = NDArray[np.float64]
 
-SMALL = 1e-6  # of the largest rate: beyond this noise is no loss of digits
+SMALL = 1e-6  # of the scale of a point: beyond this noise is no loss of digits
 ROUNDING = 1e-13
 SINGLE = 1e-6  # what single precision leaves of agreement
 
 
 def precision_lost(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
     """The diagnosis where the right equations were worked out with too few digits, and with how many."""
-    truth = reference.euler_rhs(w.T, moments.T).T
-    largest = np.abs(truth).max()
-    worst = float(np.abs(wdot - truth).max() / largest)
-    if not worst > ROUNDING:
+    truth, size = reference.euler_rhs(w.T, moments.T).T, scale(w, moments)
+    if not np.any(np.abs(wdot - truth) > ROUNDING * size):
         return []
     for name, answer in _hypotheses(w, moments):
-        if np.abs(wdot - answer).max() <= ROUNDING * largest:
+        if np.all(np.abs(wdot - answer) <= ROUNDING * size):
             return [lost(name)]
-    if worst < 10 * SINGLE and in_single(wdot):
+    if np.all(np.abs(wdot - truth) < 10 * SINGLE * size) and in_single(wdot):
         return [lost("the answer is in single precision (float32)")]
-    for what, cut in (("cut to whole numbers: look for an array of integers", np.trunc), ("rounded to whole numbers", np.round)):
-        if np.array_equal(wdot, cut(truth)):
+    for what, cut in (
+        ("cut to whole numbers: look for an array of integers", np.trunc),
+        ("rounded to whole numbers", np.round),
+        ("in half precision (float16)", lambda x: x.astype(np.float16).astype(float)),
+    ):
+        if np.all(np.abs(wdot - cut(truth)) <= ROUNDING * size):
             return [lost(f"the answer is {what}")]
     for places in range(1, 13):
-        if np.array_equal(np.round(wdot, places), wdot) and np.abs(wdot - truth).max() <= 0.51 * 10.0**-places:
+        if np.all(np.abs(wdot - np.round(truth, places)) <= ROUNDING * size):
             return [lost(f"the answer is rounded to {places} decimal places")]
     return []
 
 
 def digits_kept(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
     """The diagnosis where the right equations shine through noise: how many digits agree."""
-    truth = reference.euler_rhs(w.T, moments.T).T
-    worst = float(np.abs(wdot - truth).max() / np.abs(truth).max())
+    truth, size = reference.euler_rhs(w.T, moments.T).T, scale(w, moments)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        worst = float(np.where(wdot == truth, 0.0, np.abs(wdot - truth) / size).max())
     return [lost(f"only {int(-np.log10(worst))} of them are right")] if ROUNDING < worst < SMALL else []
 
 
@@ -63,5 +67,7 @@ def _hypotheses(w: Array, moments: Array) -> Iterator[tuple[str, Array]]:
 
 def _cuts() -> Iterator[tuple[str, Callable[[Array], Array]]]:
     yield "cut to single precision (float32)", lambda x: x.astype(np.float32).astype(float)
-    for places in range(2, 11):
+    yield "cut to whole numbers", np.trunc
+    yield "rounded to whole numbers", np.round
+    for places in range(1, 11):
         yield f"rounded to {places} decimal places", lambda x, places=places: np.round(x, places)  # type: ignore[misc]

@@ -9,11 +9,15 @@ from numpy.typing import NDArray
 import reference
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
+from exercises.rigid_body.causes.agreement import Mask, agree, same
 from exercises.rigid_body.causes.extra import extra_terms
-from exercises.rigid_body.causes.form import AGREEMENT, Form, Points, relabelled
+from exercises.rigid_body.causes.form import LEAST_POINTS, Form, Points, relabelled
 from exercises.rigid_body.causes.hard_coded import same_body
+from exercises.rigid_body.causes.partly import nearly_right, partly_right
 from exercises.rigid_body.causes.precision import SINGLE, digits_kept, in_single, lost, precision_lost
-from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, Slip, slips, told
+from exercises.rigid_body.causes.sectors import described
+from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, Slip, read, slips, told
+from exercises.rigid_body.causes.table import readings, table
 
 Array = NDArray[np.float64]
 Order = tuple[int, int, int]
@@ -25,9 +29,27 @@ MOST_SLIPS = 4
 def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
     """Diagnoses for the rates (n, 3) at the probes ``inputs``; none where the truth came back or nothing singles one out."""
     t, w, moments = (np.asarray(inputs[name], dtype=float) for name in ("t", "w", "I"))
-    if not np.all(np.isfinite(wdot)):
-        return [_cause("not-finite", "euler_eqs returns values that are not finite: look for a division by zero or an overflow")]
-    if _same(wdot, reference.euler_rhs(w.T, moments.T).T):
+    finite: Mask = np.asarray(np.all(np.isfinite(wdot), axis=1))
+    if np.all(finite):
+        return _finite(t, w, moments, wdot)
+    if found := _something_else(w, moments, wdot):
+        return found
+    rest = _finite(t[finite], w[finite], moments[finite], wdot[finite]) if finite.sum() > LEAST_POINTS else []
+    return [*(cause for cause in rest if cause.code != "partly-right"), _not_finite(w, moments, finite)]
+
+
+def _not_finite(w: Array, moments: Array, finite: Mask) -> Diagnosis:
+    at = int(np.argmin(finite))
+    place = described(~finite, finite, w, moments)
+    if place is None and finite.any():
+        spin, body = (", ".join(f"{x:.4g}" for x in numbers[at]) for numbers in (w, moments))
+        place = f"ω = ({spin}) and I = ({body}), for example"
+    where = f" where {place}" if place else ""
+    return _cause("not-finite", f"euler_eqs returns values that are not finite{where}: look for a division by zero or an overflow")
+
+
+def _finite(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    if same(wdot, reference.euler_rhs(w.T, moments.T).T, w, moments):
         return precision_lost(wdot, w, moments)
     if _depends_on_time(t, w, moments, wdot):
         return [_cause("time-dependent", "euler_eqs answers differently at another t: torque-free equations do not depend on time")]
@@ -45,8 +67,21 @@ def _slips(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
         again = [Points(w, sorted_moments).forms(column) for column in wdot.T]
         if all(again) and (slips_left := _fewest(again)) is not None:
             return [_cause("moment-order", sentence), *slips_left]
-    found = extra_terms(wdot, t, w, moments, columns)
-    return found or _in_single(points, wdot) or digits_kept(wdot, w, moments)
+    found = _of_the_table(w, moments, wdot, columns) or extra_terms(wdot, t, w, moments, columns)
+    found = found or _in_single(points, wdot) or digits_kept(wdot, w, moments)
+    return found or partly_right(w, moments, wdot) or nearly_right(w, moments, wdot)
+
+
+def _of_the_table(w: Array, moments: Array, wdot: Array, columns: list[list[Form | None]]) -> list[Diagnosis]:
+    """Diagnoses where each component that is no form is a mistake of the table."""
+    mistakes, chosen = table(w, moments, wdot), list[Slip]()
+    for k, forms in enumerate(columns):
+        found = read(forms, k) or readings(mistakes, wdot[:, k], w, moments, k)
+        if not found or (not forms and len({slip[0].code for slip in found}) > 1):
+            return []
+        shortest: list[Slip] = min(found, key=len)
+        chosen += shortest
+    return told(chosen)
 
 
 def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:
@@ -56,17 +91,18 @@ def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:
 
 
 def _something_else(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    if not wdot.any():
+        return [_cause("returns-zero", "euler_eqs returns zeros whatever it is asked")]
     for code, sentence, answer in _whole(w, moments):
-        if _same(wdot, answer):
+        if same(wdot, answer, w, moments):
             return [_cause(code, sentence)]
-        if _same(wdot, -answer):
+        if same(wdot, -answer, w, moments):
             return [_cause(code, sentence), _cause("sign-reversed", "and all three components have the opposite sign")]
     return []
 
 
 def _whole(w: Array, moments: Array) -> Iterator[tuple[str, str, Array]]:
     momentum = moments * w
-    yield "returns-zero", "euler_eqs returns zeros whatever it is asked", np.zeros_like(w)
     for name, answer in (("ω", w), ("I", moments), ("L = Iω", momentum)):
         yield "returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", answer
     swapped = reference.euler_rhs(moments.T, w.T).T
@@ -132,14 +168,8 @@ def _depends_on_time(t: Array, w: Array, moments: Array, wdot: Array) -> bool:
     """Whether one (ω, I) asked at two times got two answers, but at the same time the same one."""
     _, first, which = np.unique(np.column_stack([w, moments]), axis=0, return_index=True, return_inverse=True)
     first = first[which.ravel()]
-    apart, later = np.abs(wdot - wdot[first]).max(axis=1) > AGREEMENT * np.abs(wdot).max(), t != t[first]
+    apart, later = ~agree(wdot, wdot[first], w, moments).all(axis=1), t != t[first]
     return bool(np.any(apart & later) and not np.any(apart & ~later))
-
-
-def _same(seen: Array, expected: Array) -> bool:
-    if not np.all(np.isfinite(expected)):
-        return False
-    return bool(np.all(np.abs(seen - expected) <= AGREEMENT * max(np.abs(expected).max(), np.abs(seen).max())))
 
 
 def _cause(code: str, sentence: str) -> Diagnosis:

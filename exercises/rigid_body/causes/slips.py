@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
+import numpy as np
+
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.form import NORM, OTHERS, TOTAL, Form
 
@@ -10,6 +12,22 @@ COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")
 SPIN = ("ω₁", "ω₂", "ω₃")
 MOMENT = ("I₁", "I₂", "I₃")
 DIFFERENCE = ("(I₂ − I₃)", "(I₃ − I₁)", "(I₁ − I₂)")
+DEGREE, RPM = np.pi / 180, 2 * np.pi / 60
+ROUNDED = 2e-4  # relative: what 57.3 or 3.14 for π is off by at most, or nearly so
+UNITS = (
+    (1 / DEGREE, "180/π = 57.2958 turns radians into degrees"),
+    (DEGREE, "π/180 turns degrees into radians"),
+    (1 / DEGREE**2, "(180/π)², as if ω were in degrees per second"),
+    (DEGREE**2, "(π/180)², as if ω were turned from degrees into radians"),
+    (RPM, "2π/60 turns revolutions per minute (rpm) into rad/s"),
+    (1 / RPM, "60/2π turns rad/s into revolutions per minute (rpm)"),
+    (RPM**2, "(2π/60)², as if ω were turned from revolutions per minute (rpm) into rad/s"),
+    (1 / RPM**2, "(60/2π)², as if ω were in revolutions per minute (rpm)"),
+    (2 * np.pi, "2π turns revolutions into radians"),
+    (1 / (2 * np.pi), "1/2π turns radians into revolutions"),
+    (4 * np.pi**2, "(2π)², as if ω were turned from revolutions per second into rad/s"),
+    (1 / (4 * np.pi**2), "1/(2π)², as if ω were in revolutions per second"),
+)
 ALL = {
     "sign": ("sign-reversed", "all three components have the opposite sign: the motion runs backwards in time"),
     "no division": ("missing-division", "no component is divided by its moment: what is returned is a torque, not ω̇"),
@@ -34,6 +52,11 @@ def slips(form: Form | None, k: int) -> list[Slip] | None:
         return [Slip("missing-component", "zero", 0.0, k, f"{COMPONENT[k]} is always zero")]
     weighed = _weights(form, k)
     return None if weighed is None else [*_product(form, k), *weighed]
+
+
+def read(forms: Iterable[Form | None], k: int) -> list[list[Slip]]:
+    """What is wrong with each of the forms that can be read as component ``k``."""
+    return [found for form in forms if (found := slips(form, k)) is not None]
 
 
 def told(found: Iterable[Slip]) -> list[Diagnosis]:
@@ -122,6 +145,11 @@ def _scaled(factor: float, k: int) -> list[Slip]:
         return []
     if factor == -1:
         return [Slip("sign-flipped", "sign", 0.0, k, f"{COMPONENT[k]} has the opposite sign: check {DIFFERENCE[k]}")]
+    for known, what in UNITS:
+        if abs(abs(factor) / known - 1) < ROUNDED:
+            sense = " and the opposite sign" if factor < 0 else ""
+            said = f"{COMPONENT[k]} is {factor:.7g} times the right value: {what}{sense}; ω is in rad/s, ω̇ in rad/s²"
+            return [Slip("units", "factor", factor, k, said)]
     sentence = f"{COMPONENT[k]} is {factor:.10g} times the right value: look for a factor that does not belong"
     return [Slip("constant-factor", "factor", factor, k, sentence)]
 

@@ -65,12 +65,3 @@ def test_the_tolerance_is_the_product_it_says():
     assert allowed.limit == pytest.approx(10 * 1e-11 * 60, rel=1e-2)
     assert allowed.reason == "rtol 1e-11 × (sensitivity 40 + 20 rad turned) × safety 10"
     assert allowance.RTOL == plays.RTOL
-
-
-def test_probes_ask_some_points_twice_and_some_at_another_time(rigid_body):
-    drawn = draw_inputs(rigid_body.scene("probes"), 3)
-    rows = np.column_stack([drawn["t"], drawn["w"], drawn["I"]])
-    points, counts = np.unique(rows, axis=0, return_counts=True)
-    assert (counts == 2).sum() == 8
-    _, again = np.unique(points[:, 1:], axis=0, return_counts=True)
-    assert (again == 2).sum() == 8

@@ -128,8 +128,8 @@ Exercise 2. Euler's equations
      worst at ω₁, t = 8.093 s
      1.49e+08 times the allowed difference
      cause 1: returns-zero
-✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.648049 (limit 1e-13)]
-     worst at ω̇₁, probe 78 of 128
+✗  euler_eqs agrees with Euler's equations point by point   [max|Δ|/scale = 0.647715 (limit 1e-13)]
+     worst at ω̇₁, ω = (-0.8238, -0.9413, 1.059), I = (1.953, 0.3448, 1.769): got 0, expected 0.727
      6.48e+12 times the allowed difference
      cause 1: returns-zero
 ✗  ω(t) of a body not seen before follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]

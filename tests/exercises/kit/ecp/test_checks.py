@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from ecp.checks import below, close, conserved, holds
 from ecp.judge import Verdict
@@ -26,8 +27,23 @@ def test_close_reads_seen_and_truth_and_names_the_place():
     assert bad.text().split("\n")[1:] == [
         "     worst at row 1 of 2",
         "     10 times the allowed difference",
-        "     no known slip gives these numbers: perhaps the tolerance is merely too tight; it would pass at atol = 1",
     ]
+
+
+@pytest.mark.parametrize(
+    ("error", "would_pass"),
+    [(2e-9, "rtol = 1e-09, atol = 1e-09"), (9e-8, "rtol = 4.5e-08, atol = 4.5e-08"), (3e-7, None), (1.0, None)],
+)
+def test_a_larger_tolerance_is_named_only_where_a_few_roundings_are_missing(error, would_pass):
+    check = close("id", "label", "s", measured=lambda s: s["x"] + error, expected=1.0, rtol=5e-10, atol=5e-10, reason="why")
+    notes = check.judge([{"x": np.array(1.0)}], []).notes()
+    assert [note.partition("would pass at ")[2] for note in notes if "would pass" in note] == ([would_pass] if would_pass else [])
+
+
+@pytest.mark.parametrize(("tolerance", "error"), [(1e-3, 2e-3), (60.0, 61.0), (1e-7, 5e-6)])
+def test_no_larger_tolerance_is_named_for_counts_and_gross_errors(tolerance, error):
+    check = below("id", "label", "s", measured=lambda s: error, limit=tolerance, reason="why")
+    assert not any("would pass" in note for note in check.judge([{}], []).notes())
 
 
 def test_values_that_are_not_finite_fail_whatever_the_word():

@@ -36,6 +36,12 @@ def test_a_single_failure_has_its_cause_first_and_no_header():
     assert text.startswith("1. likely sign-flipped: ω̇₂ has the opposite sign\n     exercise 1: label b\n\nExercise 1.")
 
 
+def test_a_line_that_states_its_cause_does_not_refer_to_it():
+    cause = f"f is not defined; cell 1 stopped with {STOPPED.sentence}"
+    text = report([outcome("a", "unmeasured", cause=cause, diagnosis=[STOPPED])]).text()
+    assert text.startswith("1. raises: ValueError: no\n") and "cause 1" not in text and "likely" not in text
+
+
 def test_one_check_with_two_diagnoses_is_counted_once():
     assert report([failed("a", SIGN, ORDER), failed("b", SIGN, ORDER)]).text().startswith("2 causes explain 2 failures:\n")
 

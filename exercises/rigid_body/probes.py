@@ -1,0 +1,98 @@
+"""The points (t, ω, I) at which ``euler_eqs`` is called, and how exact its answer has to be at each of them.
+
+Random points meet each order of the moments with each octant of ω. Special points follow: on axes and planes, at rest, with
+equal moments, and with very large and very small numbers. A right function may be written in many ways, so what is allowed is
+relative to the largest product Iω² of the point itself.
+"""
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+import reference
+from exercises.assignment import Inputs
+
+Array = NDArray[np.float64]
+Rng = np.random.Generator
+
+ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
+PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # at random; again; at another time; along each motion
+SPECIAL = 20
+EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
+AT_REST = 1e-20  # rad/s², the scale where ω = 0: a right rate is exactly zero there
+APART = 0.05  # least relative distance of two moments that are not equal
+
+
+def asked(motions: int) -> int:
+    """The number of points beside ``motions`` exact motions."""
+    return PROBES + REPEATS + RETIMED + SPECIAL + NODES * motions
+
+
+def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
+    """Points in random order: ``t`` (n,) in s, ``w`` (n, 3) in rad/s, ``I`` (n, 3) in kg m².
+
+    Some random points are repeated, some at another time. Others lie along ``motions``.
+    """
+    rows = _timed([_random(rng, order, signs) for order in ORDERS for signs in OCTANTS], rng)
+    again = rng.permutation(PROBES)[: REPEATS + RETIMED]
+    retimed = rows[again[REPEATS:]].copy()
+    retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
+    along = [_along(motion, rng) for motion in motions]
+    rows = rng.permutation(np.concatenate([rows, rows[again[:REPEATS]], retimed, _timed(_special(rng), rng), *along]))
+    return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
+
+
+def exact(inputs: Inputs) -> Mapping[str, Array]:
+    """The rates ``wdot`` (n, 3), the ``scale`` (n, 3) of their rounding, and the points themselves as ``at_w`` and ``at_I``."""
+    w, I = np.asarray(inputs["w"], dtype=float), np.asarray(inputs["I"], dtype=float)
+    rates = reference.euler_rhs(w.T, I.T).T
+    return {"wdot": rates, "exact": rates, "scale": scale(w, I), "at_w": w, "at_I": I}
+
+
+def scale(w: Array, I: Array) -> Array:
+    """The largest product Iω² of each point over each moment (n, 3): every spelling rounds to a fraction of it."""
+    return np.asarray(np.maximum(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I, AT_REST))
+
+
+def _random(rng: Rng, order: tuple[int, ...], signs: tuple[float, ...]) -> tuple[Array, Array]:
+    spin = 10 ** rng.uniform(-1.0, 1.5) * rng.uniform(0.2, 1.0, 3)
+    return spin * signs, np.sort(_moments(rng))[list(order)]
+
+
+def _moments(rng: Rng) -> Array:
+    while True:
+        moments = reference.box_moments(6.0, *rng.uniform(0.4, 2.0, 3))
+        if np.diff(np.sort(moments)).min() > APART * moments.max():
+            return moments
+
+
+def _special(rng: Rng) -> list[tuple[Array, Array]]:
+    def spin() -> Array:
+        return np.asarray(rng.uniform(0.5, 3.0, 3) * rng.choice([-1.0, 1.0], 3))
+
+    axes = np.eye(3)
+    found = [(axis * spin(), _moments(rng)) for axis in axes]
+    found += [((1 - axis) * spin(), _moments(rng)) for axis in axes]
+    found += [(np.where(axis > 0, 1e-3 * spin(), spin()), _moments(rng)) for axis in axes]
+    found.append((np.zeros(3), _moments(rng)))
+    for axis in axes:
+        equal = rng.uniform(0.5, 3.0)
+        found.append((spin(), np.where(axis > 0, equal * rng.choice([rng.uniform(0.3, 0.8), rng.uniform(1.2, 1.9)]), equal)))
+    found.append((spin(), np.full(3, rng.uniform(0.5, 3.0))))
+    for faster, heavier in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, -1), (-1, 1)):
+        size, weight = 10.0 ** (np.array([faster, heavier]) * rng.uniform(*EXTREME, 2))
+        found.append((size * spin(), weight * _moments(rng)))
+    return found
+
+
+def _timed(points: list[tuple[Array, Array]], rng: Rng) -> Array:
+    spins, moments = (np.array(column) for column in zip(*points, strict=True))
+    return np.column_stack([rng.uniform(0.0, 20.0, len(points)), spins, moments])
+
+
+def _along(motion: Inputs, rng: Rng) -> Array:
+    w = reference.motion(motion["w0"], motion["I"], rng.uniform(0.0, motion["t_end"], NODES)).w
+    told = rng.uniform(0.0, motion["t_end"], NODES)  # not the time at which the motion is there: a student could use that
+    return np.column_stack([told, w.T, np.tile(motion["I"], (NODES, 1))])

@@ -1,0 +1,79 @@
+"""Wrong moments of boxes and tensors get their code, whatever the size of the box."""
+
+import numpy as np
+import pytest
+
+from exercises.rigid_body.causes import diagnose_scene
+from service.grading.grade import draw_inputs
+
+BOXES = {
+    "4 * I": ("constant-factor", "m/3 to half edges"),
+    "2 * I": ("constant-factor", "not m/6"),
+    "I / 4": ("constant-factor", "were they halved"),
+    "I * 12 / 5": ("constant-factor", "ellipsoid"),
+    "I / m": ("missing-term", "do not hold the mass m"),
+    "I[::-1]": ("moment-order", "I₃, I₂, I₁"),
+    "np.sort(I)": ("moment-order", "sorted"),
+    "np.sqrt(I)": ("wrong-power", "square roots"),
+    "I // 1": ("floor-division", "whole numbers"),
+    "np.array([m / 12 * b * b + c * c, m / 12 * a * a + c * c, m / 12 * a * a + b * b])": ("missing-brackets", "m/12·b² + c²"),
+    "np.array([I[0], m / 12 * (3 * a * a + c * c), I[2]])": ("constant-factor", "I₂ weighs a² by 3 and c² by 1"),
+    "np.array([a * a, b * b, c * c]) * m / 12": ("cyclic-order", "I₁ is made of a²"),
+    "np.array([(b + c) ** 2, (a + c) ** 2, (a + b) ** 2]) * m / 12": ("extra-term", "bc"),
+}
+TENSORS = {
+    "np.diag(T)": ("diagonal-only", "diagonal"),
+    "np.linalg.eigh(T)[1][:, 0]": ("wrong-quantity", "eigenvector"),
+    "np.linalg.eigh(T)[1][1]": ("wrong-quantity", "eigenvector"),
+    "np.sqrt(e)": ("wrong-quantity", "square roots"),
+    "e ** 2": ("wrong-quantity", "squares"),
+    "1 / e": ("wrong-quantity", "inverse"),
+    "-e": ("sign-reversed", "positive"),
+    "e / np.linalg.norm(e)": ("normalised", "their length"),
+    "e / e[0]": ("normalised", "the smallest"),
+    "np.full(3, np.trace(T) / 3)": ("wrong-quantity", "third of the trace"),
+    "np.linalg.norm(T, axis=0)": ("wrong-quantity", "columns"),
+    "T.sum(axis=1)": ("wrong-quantity", "rows"),
+    "3 * e": ("constant-factor", "3 times"),
+}
+
+
+def box(answer, row):
+    m, a, b, c = row
+    I = m / 12 * np.array([b * b + c * c, a * a + c * c, a * a + b * b])
+    return eval(answer, {"np": np, "m": m, "a": a, "b": b, "c": c, "I": I})
+
+
+@pytest.mark.parametrize("answer", BOXES)
+def test_boxes(answer, rigid_body):
+    code, said = BOXES[answer]
+    given = draw_inputs(rigid_body.scene("boxes"), 4)
+    found = diagnose_scene("boxes", given, {"moments": np.array([box(answer, row) for row in given["boxes"]])})
+    assert {cause.code for cause in found} == {code} and any(said in cause.sentence for cause in found)
+
+
+@pytest.mark.parametrize("scene", ["tensor", "tensors"])
+@pytest.mark.parametrize("answer", TENSORS)
+def test_tensors(answer, scene, rigid_body):
+    code, said = TENSORS[answer]
+    given = draw_inputs(rigid_body.scene(scene), 4)
+    tensors = [np.asarray(T) for T in given["tensors"]]
+    answers = [eval(answer, {"np": np, "T": T, "e": np.linalg.eigvalsh(T)}) for T in tensors]
+    found = diagnose_scene(scene, given, {"moments": np.array(answers)})
+    assert [cause.code for cause in found] == [code] and said in found[0].sentence
+
+
+def test_eigenvalues_of_absolute_values(rigid_body):
+    given = draw_inputs(rigid_body.scene("tensors"), 4)
+    (cause,) = diagnose_scene("tensors", given, {"moments": np.linalg.eigvalsh(np.abs(given["tensors"]))})
+    assert cause.code == "absolute-value"
+
+
+def test_right_or_unknown_moments_have_no_cause(rigid_body):
+    boxes, tensors = (draw_inputs(rigid_body.scene(name), 4) for name in ("boxes", "tensors"))
+    right = np.array([box("I", row) for row in boxes["boxes"]])
+    assert diagnose_scene("boxes", boxes, {"moments": right}) == []
+    assert diagnose_scene("boxes", boxes, {"moments": right * (1 + 0.1 * np.sin(right))}) == []
+    e = np.linalg.eigvalsh(tensors["tensors"])
+    assert diagnose_scene("tensors", tensors, {"moments": e[:, ::-1]}) == []
+    assert diagnose_scene("tensors", tensors, {"moments": e * (1 + 0.1 * np.sin(e))}) == []

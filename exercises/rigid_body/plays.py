@@ -7,6 +7,7 @@ before the submission runs, so that replacing ``solve_ivp`` changes nothing here
 import math
 import re
 import time
+import traceback
 import types
 
 import numpy as np
@@ -139,11 +140,27 @@ def animation(student, inputs):
     name, arguments = inputs["function"], inputs["arguments"]
     takes(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
-    anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
+    ecp.animate.made.clear()
+    unkept = False
+    try:
+        anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
+    except Exception as error:
+        if len(ecp.animate.made) != 1 or not _lacks_a_file(error):
+            raise
+        anim, unkept = ecp.animate.made[0], True
     if not isinstance(anim, Animation) and ecp.animate.shown:
         anim = ecp.animate.shown[-1]
     own = getattr(student[name], "own", None) if isinstance(student[name], FromCell) else None
-    return watch(anim, float(inputs["seconds"])) | (own or NOT_OWN)
+    seen = watch(anim, float(inputs["seconds"]))
+    return seen | {"cost": np.array([*seen["cost"], unkept])} | (own or NOT_OWN)
+
+
+def _lacks_a_file(error):
+    """Whether an animation could not be written, rendered or read again: no fault of its motion, the sandbox keeps no files."""
+    if isinstance(error, OSError) or (isinstance(error, AssertionError) and ecp.animate.shown):
+        return True
+    frames = traceback.walk_tb(error.__traceback__)
+    return any(frame.f_globals.get("__name__") == "matplotlib.animation" for frame, _ in frames)
 
 
 class FromCell:

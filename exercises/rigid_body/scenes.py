@@ -192,10 +192,10 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
 TILT = Rotation.from_rotvec([0.5, -0.6, 0.4]).as_matrix()
 FILM = {
     "frames": Blank((24, 360, 480, 3), "uint8", up_to=True),
-    "tracks": Blank((48, 256, 3), up_to=True),
+    "tracks": Blank((600, 256, 3), up_to=True),
     "owners": Blank((256, 3), up_to=True),
-    "at": Blank((48, 3), up_to=True),
-    "cost": Blank((5,)),
+    "at": Blank((600, 3), up_to=True),
+    "cost": Blank((6,)),
     "own_R": Blank((4000, 3, 3), up_to=True),
     "own_t": Blank((4000, 1), up_to=True),
     "own_I": Blank((8, 3), up_to=True),

@@ -6,7 +6,10 @@ from typing import Any
 
 shown: list[Any] = []
 """The last animation handed to :func:`show`; a grader reads it, a notebook never needs it."""
-RENDERING = ("save", "to_jshtml", "to_html5_video")
+made: list[Any] = []
+"""The animations made since a check began to watch."""
+RENDERING = {"save": None, "to_jshtml": '<div class="animation"><img src="">no frames here</div>', "to_html5_video": "<video></video>"}
+"""What rendering returns while a check watches: the same kind of text, without frames."""
 _watchers: list[None] = []
 
 
@@ -27,24 +30,34 @@ def show(anim: Any) -> Any:
 def watched() -> Iterator[None]:
     """Within, what is shown, saved or made into a player is kept in :data:`shown` and not rendered: that takes too long.
 
-    ``Animation.save``, ``to_jshtml`` and ``to_html5_video`` write nothing and return an empty string.
+    ``Animation.save``, ``to_jshtml`` and ``to_html5_video`` write nothing and return what RENDERING says. Animations are kept in
+    :data:`made`.
     """
     from matplotlib.animation import Animation
 
-    rendering = {name: getattr(Animation, name) for name in RENDERING}
+    originals = {name: getattr(Animation, name) for name in (*RENDERING, "__init__")}
 
-    def keep(anim: Any, *args: Any, **kwargs: Any) -> str:
-        shown[:] = [anim]
-        return ""
+    def kept(text: str | None) -> Any:
+        def keep(anim: Any, *args: Any, **kwargs: Any) -> str | None:
+            shown[:] = [anim]
+            return text
 
-    for name in RENDERING:
-        setattr(Animation, name, keep)
+        return keep
+
+    def make(anim: Any, *args: Any, **kwargs: Any) -> None:
+        originals["__init__"](anim, *args, **kwargs)
+        made.append(anim)
+
+    for name, text in RENDERING.items():
+        setattr(Animation, name, kept(text))
+    Animation.__init__ = make  # type: ignore[method-assign]
     _watchers.append(None)
     try:
         yield
     finally:
         _watchers.pop()
-        for name, original in rendering.items():
+        made.clear()
+        for name, original in originals.items():
             setattr(Animation, name, original)
 
 

@@ -13,7 +13,7 @@ from ecp.strict import WrongAnswer
 from ecp.tracks import Drawn, drawn, painted
 
 FRAME_CAP = 600
-STILLS, FOLLOWED, POINTS = 24, 48, 256  # pictures kept, frames whose points are kept, points kept
+STILLS, POINTS = 24, 256  # pictures kept, points kept of every frame
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
 
@@ -22,9 +22,9 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     """Draw every frame once, in order, because drawing may depend on earlier ones. Returns
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
-    - ``tracks`` (f, p, 3): where the artists put their points in f ≤ FOLLOWED frames, in data coordinates
+    - ``tracks`` (f, p, 3): where the artists put their points in each of f ≤ FRAME_CAP frames, in data coordinates
     - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point) and their number
-    - ``at`` (f, 3): for each of those frames its number, the value the animation calls it by (−1: none), and how many there are
+    - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and how many there are
     - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
     Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds`` of CPU time.
@@ -61,9 +61,8 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
                     pictures = {k: picture for k, picture in pictures.items() if k % stride == 0}
     if not values:
         raise WrongAnswer("no-animation", "the animation has no frames")
-    followed = _spread(len(values), FOLLOWED)
-    at = [[number, values[number], len(values)] for number in followed]
-    tracks, owners = _tracks([paths[number] for number in followed])
+    at = [[number, value, len(values)] for number, value in enumerate(values)]
+    tracks, owners = _tracks(paths)
     left_open = plt.fignum_exists(getattr(figure, "number", -1))
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
     kept = [pictures[k] for k in sorted(pictures)]

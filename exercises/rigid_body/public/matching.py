@@ -86,8 +86,8 @@ def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
     for share, k, v, basis, values in fits[:TRIES]:
         if share > HOPEFUL:
             break
-        fit = timing.fitted(basis, values[:, :, [v]], laws[k])
-        if fit.misfit[0] <= MISFIT * timing.spread(values[:, :, [v]])[0]:
+        fit = timing.found(basis, values[:, :, [v]], laws[k], MISFIT * timing.spread(values[:, :, [v]])[0])
+        if fit:
             return _all_at(fit, kinds, curves, shift)
     return None
 
@@ -102,7 +102,8 @@ def _all_at(fit: timing.Fit, kinds: list[tuple[bool, list[Path]]], curves: Array
         values = np.stack([path.places for path in paths], axis=2)
         coefficients = timing.coefficients_at(basis, values, fit.grid)
         left = np.einsum("fem,mv->fev", basis[fit.grid], coefficients) - values
-        ok = np.sqrt(np.mean(left**2, axis=(0, 1))) <= MISFIT * timing.spread(values)
+        whole, worst = timing.misfits(left)
+        ok = timing.Fit(fit.times, fit.grid, coefficients, whole, worst).within(MISFIT * timing.spread(values))
         points.append(coefficients[:3, ok])
         followed += [path for path, good in zip(paths, ok, strict=True) if good]
     return Match(fit.times, np.concatenate(points, axis=1), followed)
@@ -119,14 +120,15 @@ def along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:
         k = int(np.argmin(share[:, v]))
         if share[k, v] > HOPEFUL:
             break
-        fit = timing.fitted(basis, values[:, :, [v]], laws[k])
-        if fit.coefficients[0, 0] > 0 and fit.misfit[0] <= MISFIT * whole[v]:
+        fit = timing.found(basis, values[:, :, [v]], laws[k], MISFIT * whole[v])
+        if fit and fit.coefficients[0, 0] > 0:
             return fit
     return None
 
 
 def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
-    """Return which sample a frame shows where a path keeps to ``curve`` (G, d), but at no times that a law allows."""
+    """Return what the most mistimed frame shows, where a path keeps to ``curve`` (G, d) but at no times that a law allows."""
+    even = at[:, 0] / np.maximum(at[:, 2] - 1, 1) * (len(curve) - 1)
     for path in picture.paths:
         scale = np.sqrt(np.mean(path.places**2) / np.mean(curve**2))
         for _ in range(4):
@@ -134,8 +136,11 @@ def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
             scale = np.sum(path.places * curve[nearest]) / np.sum(curve[nearest] ** 2)
         left = np.sqrt(np.mean((path.places - scale * curve[nearest]) ** 2))
         if scale > 0 and left <= MISFIT * np.sqrt(np.mean((path.places - path.places.mean(axis=0)) ** 2)):
-            k = len(at) // 2
-            return f"frame {at[k, 0]:.0f} of {at[k, 2]:.0f} shows sample {nearest[k] / timing.PER:.0f}"
+            distance = np.linalg.norm(path.places[:, None] - scale * curve, axis=2)
+            same = distance <= distance.min(axis=1, keepdims=True) + 2 * MISFIT * scale * np.linalg.norm(curve[0])
+            off = np.where(same, np.abs(np.arange(len(curve)) - even[:, None]), np.inf)  # the curve may return to a place
+            k = int(np.argmax(off.min(axis=1)))
+            return f"frame {at[k, 0]:.0f} of {at[k, 2]:.0f} shows sample {np.argmin(off[k]) / timing.PER:.0f}"
     return None
 
 
@@ -164,5 +169,4 @@ def _timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:
     k = int(np.argmin(np.linalg.norm(share, axis=1)))
     if np.linalg.norm(share[k]) > HOPEFUL * whole:
         return None
-    fit = timing.fitted(basis, drawn, laws[k])
-    return fit if np.linalg.norm(fit.misfit) <= MISFIT * whole else None
+    return timing.found(basis, drawn, laws[k], float(MISFIT * whole))

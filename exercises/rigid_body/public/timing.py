@@ -20,15 +20,23 @@ PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: u
 SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
 HELD = 0.25  # part of the frames that may hold the end, where the frames before do not advance by one sample each
 LEAST_FRAMES = 10
+SPARSE = 48  # frames that decide between laws, before all frames are compared
+WORST = 4.0  # times the misfit of all frames: what a single frame may have
 
 
 class Fit(NamedTuple):
-    """``times`` (f,) in samples, ``coefficients`` (m, v), ``misfit`` (v,): root mean square over frames and equations."""
+    """``times`` (f,) in samples, ``coefficients`` (m, v), ``misfit`` (v,): root mean square over frames and equations,
+    ``worst`` (v,): the largest of one frame."""
 
     times: Array
     grid: Indices
     coefficients: Array
     misfit: Array
+    worst: Array
+
+    def within(self, limit: Array) -> Array:
+        """Return which paths (v,) stay within ``limit`` (v,), in all and, WORST times as far, in each frame."""
+        return np.asarray((self.misfit <= limit) & (self.worst <= WORST * limit))
 
 
 def laws(at: Array, t: Array, turned: Array) -> Array:
@@ -47,7 +55,7 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
         if np.ptp(steps) > 1e-6 * steps.max():
             fractions.append((value - value[0]) / (value[-1] - value[0]))
         indices += [value, np.interp(value, t, part)]
-    elif np.all(value >= 0) and np.ptp(value) > 0:
+    elif np.all(value >= 0) and _begins_again(value):
         indices.append(value)
     ends = np.arange(first_turn, last / (1 - HELD))
     found = [end * x for x in fractions for end in ends]
@@ -62,8 +70,23 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
     return found[turns >= min(1.0, turned[-1])]
 
 
+def _begins_again(value: Array) -> bool:
+    """Whether frame values (f,) rise from the first to the last, and then again from the first: they never count down."""
+    steps = np.diff(value)
+    falls, reach = steps < 0, 2 * steps.max(initial=0.0)
+    low, high = value.min() + reach, value.max() - reach
+    return bool(np.any(steps > 0) and np.all(value[1:][falls] <= low) and np.all(value[:-1][falls] >= high) and low < high)
+
+
+def sparse(frames: int) -> Indices:
+    """At most SPARSE of ``frames``, evenly spread."""
+    return np.unique(np.rint(np.linspace(0, frames - 1, min(SPARSE, frames))).astype(int))
+
+
 def screened(basis: Array, drawn: Array, laws: Array) -> Array:
-    """For each law the root mean square (k, v) that is left of each path, with the times of the laws as they are."""
+    """For each law the root mean square (k, v) that is left of each path in SPARSE frames, at the times of the law as they are."""
+    few = sparse(len(drawn))
+    laws, drawn = laws[:, few], drawn[few]
     e, m, v = *basis.shape[1:], drawn.shape[2]
     design = basis[_on_grid(laws, len(basis))].reshape(len(laws), -1, m)
     values = drawn.reshape(-1, v)
@@ -73,6 +96,18 @@ def screened(basis: Array, drawn: Array, laws: Array) -> Array:
     right = products @ values
     left = np.sum(values**2, axis=0) - np.sum(np.linalg.solve(normal, right) * right, axis=1)
     return np.asarray(np.sqrt(np.maximum(left, 0) / (len(drawn) * e)))
+
+
+def found(basis: Array, drawn: Array, law: Array, limit: float) -> Fit | None:
+    """Return the fit of all paths together where it stays within ``limit``, first in a few frames and then in all."""
+    few = sparse(len(drawn))
+    whole = None
+    for part in (few, np.arange(len(drawn))) if len(few) < len(drawn) else (few,):
+        fit = fitted(basis, drawn[part], law[part])
+        whole = fit._replace(misfit=np.linalg.norm(fit.misfit, keepdims=True), worst=np.linalg.norm(fit.worst, keepdims=True))
+        if not whole.within(np.array([limit])).all():
+            return None
+    return whole
 
 
 def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
@@ -95,7 +130,13 @@ def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
         grid = chosen
     coefficients = coefficients_at(basis, drawn, grid)
     left = drawn - basis[grid] @ coefficients
-    return Fit(grid / PER, grid, coefficients, np.sqrt(np.mean(left**2, axis=(0, 1))))
+    return Fit(grid / PER, grid, coefficients, *misfits(left))
+
+
+def misfits(left: Array) -> tuple[Array, Array]:
+    """Root mean square (v,) of what is ``left`` (f, e, v), over all frames and in the worst of them."""
+    each = np.mean(left**2, axis=1)
+    return np.sqrt(np.mean(each, axis=0)), np.sqrt(np.max(each, axis=0))
 
 
 def coefficients_at(basis: Array, drawn: Array, grid: Indices) -> Array:

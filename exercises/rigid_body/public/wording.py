@@ -87,11 +87,13 @@ def _moves(seen: Arrays) -> tuple[bool, str]:
 
 
 def _cost(seen: Arrays) -> list[str]:
-    frames, drawing, clearing, left_open, _ = seen["cost"]
+    frames, drawing, clearing, left_open, _, unkept = seen["cost"]
     hints = []
     if clearing > SLOW * drawing and clearing > 1e-3 * frames:
         part = "more than half" if clearing > drawing / 2 else "about a third"
         hints.append(f"clearing the axes takes {part} of the drawing time: keep the artists and set their data instead")
     if left_open:
         hints.append("the figure stays open, and a notebook shows it once more as a still: plt.close(fig) before you return")
+    if unkept:
+        hints.append("the sandbox keeps no files: your function stopped at one, so the animation that it had made is judged")
     return hints

@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
+from matplotlib.animation import FuncAnimation, writers
 
+from ecp import animate
 from ecp.strict import WrongAnswer
 from exercises.rigid_body import plays
 
@@ -32,3 +35,45 @@ def test_other_ends_keep_their_own_words(rigid_body):
     assert refusal(lambda t, w, I: w * np.nan, rigid_body).code == "not-finite"
     stalled = refusal(lambda t, w, I: 1e3 * np.sign(np.sin(1e7 * t)) * w / abs(w), rigid_body)
     assert stalled.code is None and "stalled" in str(stalled)
+
+
+def animated(rigid_body, before=None, after=None):
+    """What the play of the film brings for a function that may do something ``before`` and ``after`` it makes its animation."""
+
+    def animate_precession(t, R, L):
+        fig, ax = plt.subplots(figsize=(1, 1))
+        (line,) = ax.plot([0, 1], [0, 1])
+        if before:
+            before()
+        anim = FuncAnimation(fig, lambda k: line.set_data([0, R[k, 0, 2]], [0, R[k, 1, 2]]), frames=12, cache_frame_data=False)
+        anim._draw_was_started = True  # or matplotlib warns that nobody looked at it
+        if after:
+            after(anim)
+        plt.close(fig)
+        return anim
+
+    with animate.watched():
+        return plays.animation({"animate_precession": animate_precession}, rigid_body.scene("film").inputs)
+
+
+def refuse(error):
+    raise error
+
+
+def test_an_animation_that_could_not_be_written_or_read_again_is_judged(rigid_body):
+    assert animated(rigid_body)["cost"][5] == 0
+    for after in (
+        lambda anim: refuse(FileNotFoundError("no usable temporary directory")),
+        lambda anim: (anim.save("a.gif"), refuse(AssertionError())),
+        lambda anim: writers["no such writer"],
+    ):
+        seen = animated(rigid_body, after=after)
+        assert seen["cost"][5] == 1 and seen["cost"][0] == 12
+    assert animated(rigid_body, after=lambda anim: "<img" in anim.to_jshtml() or refuse(AssertionError()))["cost"][5] == 0
+
+
+def test_other_errors_of_an_animation_stay_errors(rigid_body):
+    with pytest.raises(NameError):
+        animated(rigid_body, after=lambda anim: refuse(NameError("ani")))
+    with pytest.raises(OSError, match="before"):
+        animated(rigid_body, before=lambda: refuse(OSError("before")))

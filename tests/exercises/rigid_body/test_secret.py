@@ -97,4 +97,4 @@ def test_a_picture_moves_if_enough_of_it_changes(rigid_body, changed, verdict):
     check = next(check for check in rigid_body.checks() if check.id == "6-moves")
     frames = np.zeros((3, 360, 480, 3), dtype=np.uint8)
     frames[1].reshape(-1, 3)[:changed] = 255
-    assert check.judge([{"frames": frames, "cost": np.zeros(5)}], [{}]).verdict is verdict
+    assert check.judge([{"frames": frames, "cost": np.zeros(6)}], [{}]).verdict is verdict

@@ -1,5 +1,7 @@
 """Paths of drawn points beside the motion: in any style and at any frame rate, and the wrong ones told apart."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -24,7 +26,7 @@ XY, XZ, YX = np.eye(3)[[0, 1]], np.eye(3)[[0, 2]], np.eye(3)[[1, 0]]
 def frames(*artists, values=None):
     """What the driver brings back for artists (points, f, 2 or 3), each a list of paths, in one axes."""
     total = len(artists[0][0])
-    followed = np.unique(np.linspace(0, total - 1, min(48, total)).round().astype(int))
+    followed = np.arange(total)
     paths = [path for artist in artists for path in artist]
     tracks = np.zeros((len(followed), len(paths), 3))
     for number, path in enumerate(paths):
@@ -32,7 +34,7 @@ def frames(*artists, values=None):
     owners = [[k, artist[0].shape[1], 0] for k, artist in enumerate(artists) for _ in artist]
     named = followed if values is None else np.asarray(values)[followed]
     at = np.column_stack([followed, named, np.full(len(followed), total)]).astype(float)
-    return {"tracks": tracks, "owners": np.array(owners, float), "at": at, "cost": np.array([total, 1.0, 0.0, 0.0, 0.0])}
+    return {"tracks": tracks, "owners": np.array(owners, float), "at": at, "cost": np.array([total, 1.0, 0.0, 0.0, 0.0, 0.0])}
 
 
 def watched(*paths):
@@ -142,6 +144,23 @@ def test_frame_values_of_uneven_steps():
     assert body_shown(frames([TIP[order]], values=T[order]), T, R, 2, L).found is True
 
 
+def test_frame_values_that_count_down_run_backwards():
+    shown = body_shown(scene(TIP[::-1], values=ALL[::-1]), T, R, 2, L)
+    assert shown.found is False and "backwards in time" in shown.sentence
+    twice = np.tile(ALL[::2], 2)
+    assert body_shown(scene(TIP[twice], values=twice), T, R, 2, L).found is True
+
+
+def test_a_few_wrong_frames_are_wrong():
+    total = 400
+    tips = interpolated(np.linspace(0, N - 1, total))
+    assert body_shown(scene(tips), T, R, 2, L).found is True
+    astray = tips.copy()
+    astray[201:204] = 2 * (tips @ UNIT)[201:204, None] * UNIT - tips[201:204]  # across the cone
+    shown = body_shown(scene(astray), T, R, 2, L)
+    assert shown.found is False and re.search("frame 20[1-3] of 400 shows sample", shown.sentence), shown
+
+
 def test_a_part_that_shows_a_full_turn_passes_and_is_said():
     for part in (ALL[:70], ALL[20:90]):
         shown = body_shown(scene(TIP[part]), T, R, 2, L)
@@ -206,7 +225,7 @@ def test_a_view_that_nothing_confirms_is_not_judged():
 
 def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
     still = watched(np.ones_like(TIP))
-    nothing = still | {"tracks": np.zeros((48, 1, 3)), "owners": np.zeros((1, 3))}
+    nothing = still | {"tracks": np.zeros((N, 1, 3)), "owners": np.zeros((1, 3))}
     for seen in (still, nothing):
         assert body_shown(seen, T, R, 2, L).found is False and body_shown(seen, T, R, 2, L).code is None
         assert body_shown(seen | {"cost": np.array([96, 1, 0, 0, 1.0])}, T, R, 2, L).found is None
@@ -222,12 +241,12 @@ def test_a_few_frames_show_nothing():
 
 def test_forged_arrays_are_no_fault():
     good = scene(TIP)
-    for forged in ({"owners": np.zeros((5, 3))}, {"at": np.zeros((3, 3))}, {"tracks": np.full((48, 4, 3), 1e200)}):
+    for forged in ({"owners": np.zeros((5, 3))}, {"at": np.zeros((3, 3))}, {"tracks": np.full((N, 4, 3), 1e200)}):
         assert body_shown(good | forged, T, R, 2, L).found is False
         assert momentum_shown(good | forged, T, R, L).found is None
     rng = np.random.default_rng(5)
     for scale in (1e-300, 1.0, 1e90):
-        wild = {"tracks": scale * rng.normal(size=(48, 4, 3)), "at": np.abs(scale * rng.normal(size=(48, 3))) + 1}
+        wild = {"tracks": scale * rng.normal(size=(N, 4, 3)), "at": np.abs(scale * rng.normal(size=(N, 3))) + 1}
         assert body_shown(good | wild, T, R, 2, L).found is not True
         assert momentum_shown(good | wild, T, R, L).found is not True
 

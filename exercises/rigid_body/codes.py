@@ -36,6 +36,7 @@ CODES = (
     "reversed-angular-momentum",
     "wrong-motion",
     "wrong-frames",
+    "wrong-proportions",
     "mirrored",
     "too-many-frames",
     "missing-brackets",

@@ -8,7 +8,7 @@ shown: list[Any] = []
 """The last animation handed to :func:`show`; a grader reads it, a notebook never needs it."""
 made: list[Any] = []
 """The animations made since a check began to watch."""
-RENDERING = {"save": None, "to_jshtml": '<div class="animation"><img src="">no frames here</div>', "to_html5_video": "<video></video>"}
+RENDERING = {"save": None, "to_jshtml": '<div class="animation"><img src=""></div>', "to_html5_video": "<video></video>"}
 """What rendering returns while a check watches: the same kind of text, without frames."""
 _watchers: list[None] = []
 

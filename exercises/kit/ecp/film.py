@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.strict import WrongAnswer
-from ecp.tracks import Drawn, drawn, painted
+from ecp.tracks import Drawn, drawn, painted, unordered
 
 FRAME_CAP = 600
 STILLS, POINTS = 24, 256  # pictures kept, points kept of every frame
@@ -23,7 +23,8 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
     - ``tracks`` (f, p, 3): where the artists put their points in each of f ≤ FRAME_CAP frames, in data coordinates
-    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point) and their number
+    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
+      for points without order) and their number
     - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and how many there are
     - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
@@ -111,6 +112,11 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
             columns.append(np.stack([p[:many] for p in points]))
             owners += [[len(columns), first.dimensions, first.key[0]]] * many
             ranks += range(many)
+    for key, sets in unordered(paths).items():
+        columns.append(np.stack([d.points for d in sets]))
+        many = columns[-1].shape[1]
+        owners += [[len(columns), -sets[0].dimensions, key[0]]] * many
+        ranks += range(many)
     tracks = np.concatenate([np.zeros((len(paths), 1, 3)), *columns], axis=1)
     owned = np.array([[0, 0, 0], *owners], dtype=float)
     tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0

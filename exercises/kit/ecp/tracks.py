@@ -57,6 +57,30 @@ def drawn(figure: Any) -> list[Drawn]:
     return found
 
 
+def unordered(frames: list[list[Drawn]]) -> dict[tuple[int, str], list[Drawn]]:
+    """For artists of a kind whose points may change their order or number, the distinct points of all of them in each frame.
+
+    They are as many in each frame, the first one repeated; by axes and kind, where that are 3 to MOST_POINTS.
+    """
+    found: dict[tuple[int, str], list[Drawn]] = {}
+    for key in dict.fromkeys(d.key[:2] for d in frames[0]):
+        there = [[d for d in frame if d.key[:2] == key] for frame in frames]
+        points = [_distinct(np.concatenate([np.zeros((0, 3)), *(d.points for d in artists)])) for artists in there]
+        counts = [[len(d.points) for d in artists] for artists in there]
+        changes = "Poly" in key[1] or any(count != counts[0] for count in counts)
+        most, least = max(map(len, points)), min(map(len, points))
+        if changes and least >= 3 and most < MOST_POINTS:
+            same = [np.concatenate([p, np.repeat(p[:1], most - len(p), axis=0)]) for p in points]
+            found[key] = [there[0][0]._replace(points=p) for p in same]
+    return found
+
+
+def _distinct(points: Array) -> Array:
+    finite = points[np.all(np.isfinite(points), axis=1)]
+    size = np.abs(finite).max(initial=0.0)
+    return finite[np.unique(np.rint(finite / size * 1e6), axis=0, return_index=True)[1]] if size else finite[:1]
+
+
 def painted(figure: Any) -> int:
     """How many pictures without points stand in the figure, and axes whose coordinates are not even."""
     from matplotlib.collections import QuadMesh

@@ -17,6 +17,7 @@ def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
         return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
     tumble = "L" not in inputs
     L = None if tumble else np.asarray(inputs["L"])
+    half = np.asarray(inputs["half"]) if tumble else None
     momentum = None if L is None else momentum_shown(seen, t, R, L)
-    shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if tumble else 2, L)
+    shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if tumble else 2, L, half=half)
     return [Diagnosis(code=shown.code, sentence=shown.sentence, confidence=1.0)] if shown.code else []

@@ -17,14 +17,17 @@ MOST_SAMPLES = 400  # of a motion: laws grow with their square
 
 
 class Motion:
-    """R (n, 3, 3) at times ``t`` (n,), and L (3,) where it is drawn, with the curves and laws an animation is compared with."""
+    """R (n, 3, 3) at times ``t`` (n,), with the curves and laws an animation is compared with.
 
-    def __init__(self, at: Array, t: Array, R: Array, L: Array | None, axis: int | None) -> None:
+    L (3,) and the half edges ``half`` (3,) of the box, where they are drawn.
+    """
+
+    def __init__(self, at: Array, t: Array, R: Array, L: Array | None, axis: int | None, *, half: Array | None = None) -> None:
         from scipy.interpolate import CubicSpline
 
         n = len(t)
         spline, samples = CubicSpline(np.arange(n), R.reshape(n, 9)), np.arange((n - 1) * timing.PER + 1) / timing.PER
-        self.L, self.axis, self.n = L, axis, n
+        self.L, self.axis, self.half, self.n = L, axis, half, n
         self.R = spline(samples).reshape(-1, 3, 3)
         spin = np.swapaxes(self.R, 1, 2) @ spline(samples, 1).reshape(-1, 3, 3)
         self.w = np.einsum("gij,gj->gi", self.R, spin[:, [2, 0, 1], [1, 2, 0]])  # in space, up to its unit
@@ -72,9 +75,7 @@ def fewer(at: Array, t: Array, R: Array) -> tuple[Array, Array, Array]:
 
 def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
     """Return the points of the body among the paths, where ``curves`` (G, d, 3) times p is how body point p is drawn."""
-    d, fits = picture.dimensions, []
-    shift = np.broadcast_to(np.eye(d), (len(curves), d, d))
-    kinds = [(bound, [path for path in picture.paths if path.bound == bound]) for bound in (True, False)]
+    fits, (kinds, shift) = [], _kinds(picture, curves)
     for bound, paths in kinds:
         if not paths:
             continue
@@ -88,25 +89,38 @@ def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
             break
         fit = timing.found(basis, values[:, :, [v]], laws[k], MISFIT * timing.spread(values[:, :, [v]])[0])
         if fit:
-            return _all_at(fit, kinds, curves, shift)
+            return _all_at(fit.grid, kinds, curves, shift)
     return None
 
 
-def _all_at(fit: timing.Fit, kinds: list[tuple[bool, list[Path]]], curves: Array, shift: Array) -> Match:
-    """Which of the paths are points of the body at the times of ``fit``."""
+def matched_at(picture: Picture, curves: Array, times: Array) -> Match:
+    """Return the points of the body among the paths at ``times`` (f,)."""
+    kinds, shift = _kinds(picture, curves)
+    return _all_at(timing.on_grid(times, len(curves)), kinds, curves, shift)
+
+
+def _kinds(picture: Picture, curves: Array) -> tuple[list[tuple[bool, list[Path]]], Array]:
+    """The paths from a fixed end and the others, and the functions of time that are these's constant shift."""
+    d = picture.dimensions
+    kinds = [(bound, [path for path in picture.paths if path.bound == bound]) for bound in (True, False)]
+    return kinds, np.broadcast_to(np.eye(d), (len(curves), d, d))
+
+
+def _all_at(grid: timing.Indices, kinds: list[tuple[bool, list[Path]]], curves: Array, shift: Array) -> Match:
+    """Which of the paths are points of the body at the times of ``grid``."""
     points, followed = [np.zeros((3, 0))], []
     for bound, paths in kinds:
         if not paths:
             continue
         basis = curves if bound else np.concatenate([curves, shift], axis=2)
         values = np.stack([path.places for path in paths], axis=2)
-        coefficients = timing.coefficients_at(basis, values, fit.grid)
-        left = np.einsum("fem,mv->fev", basis[fit.grid], coefficients) - values
+        coefficients = timing.coefficients_at(basis, values, grid)
+        left = np.einsum("fem,mv->fev", basis[grid], coefficients) - values
         whole, worst = timing.misfits(left)
-        ok = timing.Fit(fit.times, fit.grid, coefficients, whole, worst).within(MISFIT * timing.spread(values))
+        ok = timing.Fit(grid / timing.PER, grid, coefficients, whole, worst).within(MISFIT * timing.spread(values))
         points.append(coefficients[:3, ok])
         followed += [path for path, good in zip(paths, ok, strict=True) if good]
-    return Match(fit.times, np.concatenate(points, axis=1), followed)
+    return Match(grid / timing.PER, np.concatenate(points, axis=1), followed)
 
 
 def along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:

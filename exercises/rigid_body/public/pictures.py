@@ -25,11 +25,12 @@ class Path(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """One axes of ``dimensions`` 2 or 3: its paths, and for each artist the points (s, d) that stay."""
+    """One axes of ``dimensions`` 2 or 3: its paths, for each artist the points (s, d) that stay, and sets (f, s, d)."""
 
     dimensions: int
     paths: list[Path]
     still: list[Array]
+    sets: list[Array]
 
 
 def sound(seen: Arrays) -> bool:
@@ -43,7 +44,7 @@ def pictures(seen: Arrays) -> list[Picture]:
     """Sort the points of ``seen`` by axes and artist; 2-D and 3-D axes never share a picture."""
     tracks, owners = np.swapaxes(seen["tracks"], 0, 1), seen["owners"]
     found = []
-    for axes, dimensions in np.unique(owners[owners[:, 1] > 0][:, [2, 1]], axis=0):
+    for axes, dimensions in np.unique(np.abs(owners[owners[:, 1] != 0][:, [2, 1]]), axis=0):
         paths: list[Path] = []
         still: list[Array] = []
         here = (owners[:, 2] == axes) & (owners[:, 1] == dimensions)
@@ -60,7 +61,9 @@ def pictures(seen: Arrays) -> list[Picture]:
                     paths.append(Path(int(artist), place, False, np.zeros(d)))
                 else:
                     paths += [Path(int(artist), place - end, True, end) for end in points[~moves, 0][:FIRST_STILL]]
-        found.append(Picture(d, paths, still))
+        sets = (owners[:, 2] == axes) & (owners[:, 1] == -dimensions)
+        unordered = [np.swapaxes(tracks[sets & (owners[:, 0] == n)], 0, 1)[:, :, :d] for n in np.unique(owners[sets, 0])]
+        found.append(Picture(d, paths, still, unordered))
     return found
 
 

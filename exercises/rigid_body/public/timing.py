@@ -88,7 +88,7 @@ def screened(basis: Array, drawn: Array, laws: Array) -> Array:
     few = sparse(len(drawn))
     laws, drawn = laws[:, few], drawn[few]
     e, m, v = *basis.shape[1:], drawn.shape[2]
-    design = basis[_on_grid(laws, len(basis))].reshape(len(laws), -1, m)
+    design = basis[on_grid(laws, len(basis))].reshape(len(laws), -1, m)
     values = drawn.reshape(-1, v)
     products = np.swapaxes(design, 1, 2)
     normal = products @ design
@@ -115,16 +115,13 @@ def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
     if law[-1] < law[0]:
         back = fitted(basis, drawn[::-1], law[::-1])
         return back._replace(times=back.times[::-1], grid=back.grid[::-1])
-    half = int(SLACK * PER)
-    nominal = _on_grid(law, len(basis))
-    choices = np.clip(nominal[:, None] + np.arange(-half, half + 1), 0, len(basis) - 1)
-    anew = np.concatenate([[True], np.diff(law) < 0])  # where a law begins again, time may go back
-    grid = nominal
+    near = choices(law, len(basis))
+    grid = on_grid(law, len(basis))
     for _ in range(8):
         coefficients = coefficients_at(basis, drawn, grid)
         curve = basis @ coefficients
-        costs = np.sum((drawn[:, None] - curve[choices]) ** 2, axis=(2, 3))
-        chosen = _in_order(costs, choices, anew)
+        costs = np.sum((drawn[:, None] - curve[near]) ** 2, axis=(2, 3))
+        chosen = in_order(costs, near, law)
         if np.array_equal(chosen, grid):
             break
         grid = chosen
@@ -150,12 +147,20 @@ def spread(drawn: Array) -> Array:
     return np.asarray(np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2, axis=(0, 1))))
 
 
-def _on_grid(times: Array, size: int) -> Indices:
+def choices(law: Array, size: int) -> Indices:
+    """Places (f, c) on the grid within SLACK of the law (f,)."""
+    half = int(SLACK * PER)
+    return np.asarray(np.clip(on_grid(law, size)[:, None] + np.arange(-half, half + 1), 0, size - 1))
+
+
+def on_grid(times: Array, size: int) -> Indices:
+    """The nearest places on the grid of ``size`` points."""
     return np.clip(np.rint(times * PER).astype(int), 0, size - 1)
 
 
-def _in_order(costs: Array, choices: Indices, anew: NDArray[np.bool_]) -> Indices:
-    """The cheapest choice for each frame with times that never run back but where a law begins ``anew``; costs (f, c)."""
+def in_order(costs: Array, choices: Indices, law: Array) -> Indices:
+    """The cheapest choice for each frame with times that never run back but where the law (f,) begins again; costs (f, c)."""
+    anew = np.concatenate([[True], np.diff(law) < 0])
     total, came = costs[0], []
     for k in range(1, len(costs)):
         if anew[k]:

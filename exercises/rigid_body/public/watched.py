@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ecp.checks import Arrays
 
-from . import cameras, timing
-from .matching import Match, Motion, along, at_any_time, fewer, matched, own_camera
+from . import boxes, cameras, timing
+from .matching import Match, Motion, along, at_any_time, fewer, matched, matched_at, own_camera
 from .pictures import Picture, directions, pictures, sound
 
 Array = NDArray[np.float64]
@@ -24,6 +24,8 @@ PARALLEL = 0.03  # sine of the angle from the body axis
 SPAN = 0.1  # of the length of two directions that show the body's attitude together
 UNAMBIGUOUS = 0.45  # of the motion: a shorter arc of any curve looks like one of ê₃'s by some camera
 NAMES = "₁₂₃"
+SIGNS, SWAPS = ((-1, 1, 1), (1, -1, 1), (1, 1, -1)), ([1, 0, 2], [2, 1, 0], [0, 2, 1])
+MIRRORS = [np.diag(signs) for signs in SIGNS] + [np.eye(3)[swap] for swap in SWAPS]
 TRANSPOSED = "what is drawn follows the transposed R: R takes body components to space, so ê₃ is R[:, :, 2], its third column"
 
 
@@ -38,20 +40,23 @@ class Shown(NamedTuple):
     cameras: tuple[Array | None, ...] = ()
 
 
-def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | None = None) -> Shown:
+def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | None = None, *, half: Array | None = None) -> Shown:
     """Return whether something follows body axis ``axis``, or for None any point of the body; ``R`` (n, 3, 3) at times ``t`` (n,).
 
-    With L (3,) given, what is drawn along it must fit the same camera.
+    With L (3,) given, what is drawn along it must fit the same camera. Where the body is a box with half edges ``half`` (3,), its
+    corners may be drawn in any order, and what is drawn as a box has the proportions of this one.
     """
     if not sound(seen):
         return Shown(False, None, "what came back does not fit together")
     drawn, painted = pictures(seen), seen["cost"][4] > 0
     if not any(picture.paths for picture in drawn):
-        return Shown(None if painted else False, None, "nothing that moves was found in lines, arrows, polygons and markers")
+        code = "static" if any(picture.still for picture in drawn) and not painted else None
+        found = None if painted else False
+        return Shown(found, code, "nothing drawn moves but text: does update change lines, arrows, polygons or markers?")
     if len(seen["at"]) < timing.LEAST_FRAMES:
         return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
     at, t, R = fewer(seen["at"], t, R)
-    shown = _compared(drawn, Motion(at, t, R, L, axis), at)
+    shown = _compared(drawn, Motion(at, t, R, L, axis, half=half), at)
     if painted and not shown.found:
         return Shown(None, None, "what moves beside the painted picture says nothing about the body")
     return shown
@@ -69,6 +74,8 @@ def _compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
             wrong += [shown for picture in drawn for shown in _otherwise(picture, motion, at)]
         if wrong:
             return wrong[0]._replace(cameras=found)
+        if look is _as_it_is and (box := _box(drawn, motion)):
+            return box
     return Shown(False, "wrong-motion", "what moves does not move with the body")
 
 
@@ -98,12 +105,32 @@ def _read(match: Match, motion: Motion) -> Shown:
     """What the points say: the axis or the body, or another direction."""
     axis, seen = motion.axis, _range(match.times, motion.n)
     units = match.points / np.maximum(np.linalg.norm(match.points, axis=0), 1e-300)
+    edges = None if axis is not None or motion.half is None else boxes.edges(match.points)
+    if edges is not None and motion.half is not None and boxes.disproportionate(edges, motion.half):
+        sentence = f"the box is drawn with edges as {_ratio(edges)}, but half says {_ratio(motion.half)}"
+        return Shown(False, "wrong-proportions", sentence)
     if axis is None or np.any(units[axis] >= np.sqrt(1 - PARALLEL**2)):
         return Shown(True, None, f"drawn as it is, {seen}")
     sizes = np.linalg.svd(units, compute_uv=False)
     if len(sizes) > 1 and sizes[1] >= SPAN * sizes[0]:
         return Shown(True, None, f"the body is drawn as it is, {seen}")
     return _other_direction(units[:, 0], motion)
+
+
+def _ratio(lengths: Array) -> str:
+    return " : ".join(f"{x:.3g}" for x in lengths / lengths.max())
+
+
+def _box(drawn: list[Picture], motion: Motion) -> Shown | None:
+    """What points drawn in no order show of a box."""
+    if motion.half is None or not len(motion.laws):
+        return None
+    for picture in drawn:
+        if found := boxes.box_seen(picture, motion.R, motion.half, motion.laws):
+            return Shown(True, None, f"the box is drawn, {_range(found[1], motion.n)}")
+        if boxes.box_seen(picture, np.swapaxes(motion.R, 1, 2), motion.half, motion.laws):
+            return Shown(False, "transposed-rotation", TRANSPOSED)
+    return None
 
 
 def _other_direction(unit: Array, motion: Motion) -> Shown:
@@ -163,6 +190,8 @@ def _by_own_camera(picture: Picture, motion: Motion, at: Array) -> tuple[Array |
     """The student's own camera, and what it shows."""
     for laws in (motion.laws, timing.wrong_laws(at, motion.n)):
         if len(laws) and (own := own_camera(picture, motion, laws)):
+            if laws is motion.laws and motion.axis is None:
+                return own[0], _checked_box(picture, motion, own[0], own[1])
             if laws is motion.laws:
                 return _checked(picture, motion, *own)
             if np.ptp(own[1]) > UNAMBIGUOUS * motion.n or np.any(np.diff(own[1]) < 0):
@@ -190,6 +219,14 @@ def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, orig
                 return None, Shown(False, "wrong-axis", "ê₃ and L are drawn on opposite sides: one of them has the wrong sign")
             return camera, Shown(None, None, "seen from another side: draw L in the same way, so that the view can be checked")
     return camera, Shown(True, None, f"seen from another side, {seen}")
+
+
+def _checked_box(picture: Picture, motion: Motion, camera: Array, times: Array) -> Shown:
+    """A box is centrally symmetric: its mirror image by a camera −M looks the same as the box turned by M."""
+    if len(camera) == 3 and any(np.abs(camera + mirror).max() <= PARALLEL for mirror in MIRRORS):
+        sentence = f"a mirror image{_swapped(-camera)}? The box turned by 180° looks the same: draw x, y and z as they are"
+        return Shown(None, "mirrored", sentence)
+    return _read(matched_at(picture, np.einsum("ia,gab->gib", camera, motion.R), times), motion)
 
 
 def _swapped(camera: Array) -> str:

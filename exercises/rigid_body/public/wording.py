@@ -59,7 +59,7 @@ def film(number: str, scene: str, function: str, axis: int | None, what: str) ->
     """An animation moves, and something drawn follows body axis ``axis``, or for None the body."""
 
     def follows(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
-        shown = body_shown(seen, truth["t"], truth["R"], axis, truth.get("L"))
+        shown = body_shown(seen, truth["t"], truth["R"], axis, truth.get("L"), half=truth.get("half"))
         return shown.found, shown.sentence
 
     return (

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.animation import Animation, FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -166,3 +167,16 @@ def test_what_is_saved_or_rendered_is_kept_and_not_rendered(tmp_path):
             render(anim)
             assert animate.shown == [anim]
     assert list(tmp_path.iterdir()) == [] and Animation.save is save
+
+
+def test_polygons_of_changing_number_are_points_without_order():
+    figure, ax = _axes(False)
+    squares = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]], [[1, 0], [2, 0], [2, 1], [1, 1]]], float)
+    faces = ax.add_collection(PolyCollection([]))
+    anim = FuncAnimation(figure, lambda k: faces.set_verts(squares[[k % 2]] + k if k % 3 else squares[::-1] + k), frames=12)
+    seen = film.watch(anim, seconds=60.0)
+    loose = seen["tracks"][:, seen["owners"][:, 1] == -2, :2]
+    assert loose.shape == (12, 6, 2)
+    for k, points in enumerate(loose):
+        drawn = (squares[[k % 2]] if k % 3 else squares) + k
+        assert {tuple(p) for p in points} == {tuple(p) for p in drawn.reshape(-1, 2)}

@@ -1,0 +1,120 @@
+"""The corners of a box drawn in any order: faces sorted by depth, or only those that the viewer sees.
+
+Such points have no paths, for the artist lists others from frame to frame. As a set they are corners of the box in the attitude of
+their frame, seen by one camera.
+"""
+
+from functools import cache
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import cameras, timing
+from .matching import MISFIT
+from .pictures import Picture
+
+Array = NDArray[np.float64]
+
+TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and how many of them are fitted
+COARSE = 12
+ROUNDS = 6
+FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is no corner
+UNEVEN = 1.05  # largest ratio between the scales of two edges
+
+
+def edges(points: Array) -> Array | None:
+    """Return the half edges (3,) of the box whose corners are among body points (3, v), or None where they make no box."""
+    size = np.abs(points).max(initial=0.0)
+    corners = points[:, np.abs(points).min(axis=0) > FLAT * size]
+    if not corners.size:
+        return None
+    half = np.median(np.abs(corners), axis=1)
+    signs = {tuple(corner) for corner in np.sign(corners).T}
+    box = len(signs) >= 4 and np.all(np.abs(np.abs(corners).T - half) <= MISFIT * size)
+    return np.asarray(half) if box else None
+
+
+def disproportionate(drawn: Array, half: Array) -> bool:
+    """Return whether half edges ``drawn`` (3,) differ from ``half`` by more than a common scale."""
+    scale = drawn / half
+    return bool(scale.max() > UNEVEN * scale.min())
+
+
+def box_seen(picture: Picture, R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
+    """Return the camera (d, 3) and times (f,) at which a set of points is of corners of the box; R (G, 3, 3) on the times' grid."""
+    corners = R @ (np.array(list(product((-1, 1), repeat=3))) * half).T  # (G, 3, 8)
+    for drawn in picture.sets:
+        span = drawn.max(axis=1) - drawn.min(axis=1)
+        centre = np.median(drawn.min(axis=1) + span / 2, axis=0)
+        if span.min(axis=0).max() > 0 and (found := _of_set(drawn - centre, corners, laws)):
+            return found
+    return None
+
+
+def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | None:
+    few = np.unique(np.rint(np.linspace(0, len(drawn) - 1, COARSE)).astype(int))
+    for plain in cameras.plain(drawn.shape[2]):
+        seen = np.einsum("ia,gak->gik", plain, corners)
+        costs = [_off(drawn[few], seen[timing.on_grid(law[few], len(corners))], free=True).mean() for law in laws]
+        if found := _fitted(drawn, corners, plain, laws[int(np.argmin(costs))]):
+            return found
+    if drawn.shape[2] == 3:
+        return None  # a rotated and a mirrored box are the same set
+    law, around = _even(laws), _around()
+    some = corners[timing.on_grid(law[few], len(corners))]
+    costs = [_off(drawn[few], np.einsum("ia,gak->gik", camera, some), free=True).mean() for camera in around]
+    fits = (_fitted(drawn, corners, around[k], law) for k in np.argsort(costs)[:REFINED])
+    return next((fit for fit in fits if fit), None)
+
+
+@cache
+def _around() -> Array:
+    """Cameras (TRIED, 2, 3) from all sides."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.random(TRIED, random_state=0).as_matrix()[:, :2])
+
+
+def _even(laws: Array) -> Array:
+    """The law (f,) that is nearest to an even run through all samples."""
+    return np.asarray(laws[int(np.argmin(np.abs(laws - np.linspace(0, laws.max(), laws.shape[1])).max(axis=1)))])
+
+
+def _off(drawn: Array, seen: Array, free: bool = False) -> Array:
+    """Mean square distance (f,) of points (f, s, d) to the nearest of the corners (f, d, 8), with ``free`` in any size."""
+    if free:
+        seen = seen * np.sqrt(np.mean(drawn**2) / max(float(np.mean(seen**2)), 1e-300))
+    distances = np.sum((drawn[:, :, :, None] - seen[:, None]) ** 2, axis=2)
+    return np.asarray(distances.min(axis=2).mean(axis=1))
+
+
+def _fitted(drawn: Array, corners: Array, camera: Array, law: Array) -> tuple[Array, Array] | None:
+    """Fit camera and times in turn, first in a few frames and then in all."""
+    few = timing.sparse(len(drawn))
+    camera = camera * np.sqrt(np.mean(drawn**2) / np.mean(np.einsum("ia,gak->gik", camera, corners) ** 2))
+    whole = np.sqrt(np.mean(drawn**2))
+    for part in (few, np.arange(len(drawn))):
+        grid = timing.on_grid(law[part], len(corners))
+        for _ in range(ROUNDS):
+            camera = _refined(drawn[part], corners[grid], camera)
+            grid = _timed(drawn[part], np.einsum("ia,gak->gik", camera, corners), law[part])
+        off = np.sqrt(_off(drawn[part], np.einsum("ia,gak->gik", camera, corners[grid])))
+        if np.sqrt(np.mean(off**2)) > MISFIT * whole or off.max() > timing.WORST * MISFIT * whole:
+            return None
+    straight = cameras.straightened(camera)
+    return None if straight is None else (straight, grid / timing.PER)
+
+
+def _refined(drawn: Array, corners: Array, camera: Array) -> Array:
+    """The camera that fits best where each point is the corner nearest to it now."""
+    seen = np.einsum("ia,gak->gik", camera, corners)
+    nearest = np.argmin(np.sum((drawn[:, :, :, None] - seen[:, None]) ** 2, axis=2), axis=2)
+    own = np.take_along_axis(corners, nearest[:, None, :], axis=2)
+    return np.linalg.lstsq(own.transpose(0, 2, 1).reshape(-1, 3), drawn.reshape(-1, drawn.shape[2]), rcond=None)[0].T
+
+
+def _timed(drawn: Array, seen: Array, law: Array) -> timing.Indices:
+    choices = timing.choices(law, len(seen))
+    costs = np.stack([_off(drawn, seen[choice]) for choice in choices.T], axis=1)
+    return timing.in_order(costs, choices, law)

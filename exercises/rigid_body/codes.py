@@ -34,6 +34,7 @@ CODES = (
     "transposed-rotation",
     "moving-angular-momentum",
     "reversed-angular-momentum",
+    "wrong-angular-momentum",
     "wrong-motion",
     "wrong-frames",
     "wrong-proportions",

@@ -50,7 +50,7 @@ def watched() -> Iterator[None]:
 
     for name, text in RENDERING.items():
         setattr(Animation, name, kept(text))
-    Animation.__init__ = make  # type: ignore[method-assign]
+    Animation.__init__ = make  # type: ignore[method-assign, assignment]
     _watchers.append(None)
     try:
         yield

@@ -112,10 +112,10 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
             columns.append(np.stack([p[:many] for p in points]))
             owners += [[len(columns), first.dimensions, first.key[0]]] * many
             ranks += range(many)
-    for key, sets in unordered(paths).items():
+    for (axes, _), sets in unordered(paths).items():
         columns.append(np.stack([d.points for d in sets]))
         many = columns[-1].shape[1]
-        owners += [[len(columns), -sets[0].dimensions, key[0]]] * many
+        owners += [[len(columns), -sets[0].dimensions, axes]] * many
         ranks += range(many)
     tracks = np.concatenate([np.zeros((len(paths), 1, 3)), *columns], axis=1)
     owned = np.array([[0, 0, 0], *owners], dtype=float)

@@ -20,4 +20,6 @@ def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
     half = np.asarray(inputs["half"]) if tumble else None
     momentum = None if L is None else momentum_shown(seen, t, R, L)
     shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if tumble else 2, L, half=half)
+    if momentum and not shown.code:
+        shown = momentum
     return [Diagnosis(code=shown.code, sentence=shown.sentence, confidence=1.0)] if shown.code else []

@@ -111,7 +111,8 @@ def _refined(drawn: Array, corners: Array, camera: Array) -> Array:
     seen = np.einsum("ia,gak->gik", camera, corners)
     nearest = np.argmin(np.sum((drawn[:, :, :, None] - seen[:, None]) ** 2, axis=2), axis=2)
     own = np.take_along_axis(corners, nearest[:, None, :], axis=2)
-    return np.linalg.lstsq(own.transpose(0, 2, 1).reshape(-1, 3), drawn.reshape(-1, drawn.shape[2]), rcond=None)[0].T
+    fit = np.linalg.lstsq(own.transpose(0, 2, 1).reshape(-1, 3), drawn.reshape(-1, drawn.shape[2]), rcond=None)
+    return np.asarray(fit[0].T)
 
 
 def _timed(drawn: Array, seen: Array, law: Array) -> timing.Indices:

@@ -61,10 +61,17 @@ def pictures(seen: Arrays) -> list[Picture]:
                     paths.append(Path(int(artist), place, False, np.zeros(d)))
                 else:
                     paths += [Path(int(artist), place - end, True, end) for end in points[~moves, 0][:FIRST_STILL]]
+        ends = [path.places + path.origin for path in paths if path.bound]
+        paths = [path for path in paths if path.bound or not any(_same(path.places, end) for end in ends)]
         sets = (owners[:, 2] == axes) & (owners[:, 1] == -dimensions)
         unordered = [np.swapaxes(tracks[sets & (owners[:, 0] == n)], 0, 1)[:, :, :d] for n in np.unique(owners[sets, 0])]
         found.append(Picture(d, paths, still, unordered))
     return found
+
+
+def _same(places: Array, others: Array) -> bool:
+    """Whether two paths (f, d) are one: the tip of an arrow drawn once more, which then is no free point."""
+    return bool(np.abs(places - others).max() <= MOVES * np.ptp(places, axis=0).max())
 
 
 def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:

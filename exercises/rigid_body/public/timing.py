@@ -20,6 +20,7 @@ PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: u
 SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
 HELD = 0.25  # part of the frames that may hold the end, where the frames before do not advance by one sample each
 LEAST_FRAMES = 10
+FAST = 1.3  # times the speed of an even run
 SPARSE = 48  # frames that decide between laws, before all frames are compared
 WORST = 4.0  # times the misfit of all frames: what a single frame may have
 
@@ -104,7 +105,7 @@ def found(basis: Array, drawn: Array, law: Array, limit: float) -> Fit | None:
     whole = None
     for part in (few, np.arange(len(drawn))) if len(few) < len(drawn) else (few,):
         fit = fitted(basis, drawn[part], law[part])
-        whole = fit._replace(misfit=np.linalg.norm(fit.misfit, keepdims=True), worst=np.linalg.norm(fit.worst, keepdims=True))
+        whole = fit._replace(misfit=np.array([np.linalg.norm(fit.misfit)]), worst=np.array([np.linalg.norm(fit.worst)]))
         if not whole.within(np.array([limit])).all():
             return None
     return whole
@@ -202,7 +203,10 @@ def said(times: Array, at: Array, n: int) -> str:
         return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{again}"
     if np.any(np.diff(times) < -SLACK):
         k = int(np.argmax(np.diff(times) < -SLACK))
-        return f"the animation begins again after frame {number[k]:.0f} of {total}: show the motion once, from its start to its end"
+        speed = (times[k] - times[0]) / max(number[k] - number[0], 1) * (total - 1) / (n - 1)
+        fast = f" runs {'twice' if round(speed, 1) == 2 else f'{speed:.2g} times'} as fast and" if speed > FAST else ""
+        again = f"the animation{fast} begins again after frame {number[k]:.0f} of {total}"
+        return f"{again}: show the motion once, from its start to its end"
     first = int(np.argmax(times >= high - 0.5))
     if number[first] < (1 - HELD) * (total - 1):
         return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, the others stand still"

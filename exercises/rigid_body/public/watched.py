@@ -16,6 +16,7 @@ from ecp.checks import Arrays
 from . import boxes, cameras, timing
 from .matching import Match, Motion, along, at_any_time, fewer, matched, matched_at, own_camera
 from .pictures import Picture, directions, pictures, sound
+from .resembling import resembling
 
 Array = NDArray[np.float64]
 
@@ -71,12 +72,14 @@ def _compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
             return right[0]._replace(cameras=found)
         wrong = [shown for _, shown in views if shown]
         if look is _as_it_is:
+            wrong = [shown for picture in drawn for shown in _spin(picture, motion)] + wrong
             wrong += [shown for picture in drawn for shown in _otherwise(picture, motion, at)]
         if wrong:
             return wrong[0]._replace(cameras=found)
         if look is _as_it_is and (box := _box(drawn, motion)):
             return box
-    return Shown(False, "wrong-motion", "what moves does not move with the body")
+    some = (said for picture in drawn if (said := resembling(picture, motion)))
+    return Shown(False, "wrong-motion", next(some, "what moves does not move with the body"))
 
 
 def _as_it_is(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None, Shown | None]:
@@ -164,6 +167,15 @@ def _agrees(picture: Picture, camera: Array, motion: Motion, match: Match) -> bo
     )
 
 
+def _spin(picture: Picture, motion: Motion) -> Iterator[Shown]:
+    """ω in place of the axis: its tip is a point of the body as well, up to a constant shift."""
+    if motion.axis is None or not len(motion.laws):
+        return
+    for camera in cameras.plain(picture.dimensions):
+        if along(picture, motion.w @ camera.T, motion.laws):
+            yield Shown(False, "wrong-motion", f"what is drawn follows ω, not ê{NAMES[motion.axis]}")
+
+
 def _otherwise(picture: Picture, motion: Motion, at: Array) -> Iterator[Shown]:
     """What the paths show where it is not the body at its times, drawn as it is."""
     axis = motion.axis
@@ -174,8 +186,6 @@ def _otherwise(picture: Picture, motion: Motion, at: Array) -> Iterator[Shown]:
             yield Shown(False, "transposed-rotation", TRANSPOSED)
         if len(motion.laws) and matched(picture, curves, (motion.n - 1) - motion.laws):
             yield Shown(False, "wrong-motion", "the motion is drawn backwards in time")
-        if axis is not None and len(motion.laws) and along(picture, np.einsum("ia,ga->gi", camera, motion.w), motion.laws):
-            yield Shown(False, "wrong-motion", f"what is drawn follows ω, not {name}")
         late = timing.wrong_laws(at, motion.n)
         tip = None if axis is None else curves[:, :, axis]
         fit = None if tip is None else along(picture, tip, late)
@@ -257,17 +267,61 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
         some, sure = directions(picture, [path.origin for path in picture.paths if path.bound])
         for view in [camera] if camera is not None else cameras.plain(picture.dimensions):
             if np.linalg.norm(view @ unit) <= PARALLEL:
+                if _end_on(picture):
+                    return Shown(True, None, "L points at the viewer, and a point stays where it is drawn")
                 continue
             if cameras.parallel(some, view @ unit):
                 return Shown(True, None, "a direction along L stays the same")
             reversed_ = reversed_ or cameras.parallel(sure, -(view @ unit))
     if reversed_:
         return Shown(False, "reversed-angular-momentum", "what is drawn points along −L")
-    if enough:
-        for picture in drawn:
-            for view in cameras.plain(picture.dimensions):
-                for turned in (motion.R @ unit, np.einsum("gji,j->gi", motion.R, unit)):
-                    if len(motion.laws) and along(picture, turned @ view.T, motion.laws):
-                        said = "L moves with the body: it is fixed in space, and R belongs to the body"
-                        return Shown(False, "moving-angular-momentum", said)
+    if enough and (instead := next(_instead_of_momentum(drawn, motion, unit), None)):
+        return instead
     return Shown(None, None, "no direction along L was found in the lines and arrows of the axes: draw L as a line or an arrow")
+
+
+def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> Iterator[Shown]:
+    """What moves as L does in the body, or by R, and what is fixed along another direction."""
+    by_R = motion.R @ unit
+    views = [(picture, view) for picture in drawn for view in cameras.plain(picture.dimensions)]
+    for picture, view in views if len(motion.laws) else []:
+        for turned in (by_R, np.einsum("gji,j->gi", motion.R, unit)):
+            if along(picture, turned @ view.T, motion.laws):
+                said = "L moves with the body: it is fixed in space, and R belongs to the body"
+                if turned is not by_R and motion.axis is not None and _stays(picture, view[:, motion.axis]):
+                    said = "drawn in the body's own axes, where L moves and they stay: R is not applied to what is drawn"
+                yield Shown(False, "moving-angular-momentum", said)
+    for picture, view in views:
+        _, sure = directions(picture, [path.origin for path in picture.paths if path.bound])
+        if said := _fixed_elsewhere(sure, view, motion, unit):
+            yield Shown(None, "wrong-angular-momentum", f"{said}: draw L as it is given")
+
+
+def _stays(picture: Picture, direction: Array) -> bool:
+    some, _ = directions(picture, [path.origin for path in picture.paths if path.bound])
+    return bool(np.linalg.norm(direction) > PARALLEL) and cameras.parallel(some, direction)
+
+
+def _end_on(picture: Picture) -> bool:
+    """Whether a point stays at the centre of a circle on which another one runs."""
+    still = np.concatenate([np.zeros((0, picture.dimensions)), *picture.still])
+    for path in picture.paths:
+        places = path.places + path.origin
+        design = np.concatenate([2 * places, np.ones((len(places), 1))], axis=1)
+        centre = np.linalg.lstsq(design, np.sum(places**2, axis=1), rcond=None)[0][:-1]
+        radii = np.linalg.norm(places - centre, axis=1)
+        near = np.linalg.norm(still - centre, axis=1) <= PARALLEL * radii.mean()
+        if np.ptp(radii) <= 2 * PARALLEL * radii.mean() and near.any():
+            return True
+    return False
+
+
+def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> str:
+    """Where a single fixed direction points that is not L; axes of coordinates are several."""
+    along = [name for name, direction in zip("xyz", view.T, strict=True) if cameras.parallel(sure, direction)]
+    if len(along) == 1:
+        return f"a fixed line points along {along[0]}, but L points along ({', '.join(f'{x:.2f}' for x in unit)})"
+    body = view @ (motion.R[0].T @ unit)
+    if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):
+        return "a fixed line points along the body components of L, which are not those in space"
+    return ""

@@ -178,7 +178,7 @@ WRONG = {
     "omega": (L - 0.84 * TIP, "wrong-motion", "follows ω"),
     "backwards": (TIP[::-1], "wrong-motion", "backwards in time"),
     "noise": (np.random.default_rng(3).normal(size=TIP.shape), "wrong-motion", "does not move with the body"),
-    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "wrong-motion", "does not move with the body"),
+    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "wrong-motion", ""),
     "swapped": (TIP[:, [1, 0, 2]], "mirrored", "x and y are swapped"),
     "mirrored": (TIP * [1, -1, 1], "mirrored", "the sign of a coordinate is wrong"),
     "cyclic": (TIP[:, [1, 2, 0]], "mirrored", "other coordinates than L"),
@@ -351,6 +351,56 @@ def test_momentum():
     assert momentum_shown(flat, T, R, L).found is True
     short = watched(TIP[::8, :2] * 1.0)
     assert momentum_shown(short, T, R, L).found is not False, "a short arc accuses nobody"
+
+
+ACROSS = np.linalg.svd(UNIT[None])[2][1:]  # two directions across L: a view along it
+
+
+def test_L_seen_end_on_is_a_point():
+    tip, centre = TIP @ ACROSS.T, np.zeros((N, 2))
+    assert momentum_shown(frames(line(tip)), T, R, L).found is True
+    assert momentum_shown(frames(line(tip), [centre]), T, R, L).found is True
+    aside = frames([tip + [0.3, 0.1]], [centre])
+    assert momentum_shown(aside, T, R, L).found is None
+
+
+@pytest.mark.parametrize(
+    ("direction", "sentence"), [(np.eye(3)[2], "a fixed line points along z"), (R[0].T @ UNIT, "along the body components of L")]
+)
+def test_a_fixed_line_that_is_not_L(direction, sentence):
+    shown = momentum_shown(frames(line(TIP), line(np.tile(direction, (N, 1)))), T, R, L)
+    assert shown.found is None and shown.code == "wrong-angular-momentum" and sentence in shown.sentence
+    axes_too = frames(line(TIP), *(line(np.tile(axis, (N, 1))) for axis in np.eye(3)))
+    assert momentum_shown(axes_too, T, R, L).code is None, "axes of coordinates are not meant as L"
+
+
+def test_drawn_in_the_axes_of_the_body():
+    moving, still = np.einsum("fji,j->fi", R, UNIT), [line(np.tile(axis, (N, 1))) for axis in np.eye(3)]
+    assert "drawn in the body's own axes" in momentum_shown(frames(line(moving), *still), T, R, L).sentence
+
+
+def cone(angle):
+    """Unit vectors (f, 3) that turn with ê₃ about L at another ``angle``."""
+    across = TIP - np.outer(TIP @ UNIT, UNIT)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    return np.cos(angle) * UNIT + np.sin(angle) * across
+
+
+ALMOST = {
+    "wide": (cone(0.9), "on a cone of 52° about L"),  # its tip alone is a scaled and shifted ê₃
+    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "keeps its angle to the z axis"),
+    "noise": (TIP + 0.05 * np.random.default_rng(4).normal(size=TIP.shape), "scatters about its path"),
+    "twice": (TIP[2 * ALL % 96], "runs twice as fast and begins again"),
+    "omega": (L - 0.84 * TIP, "follows ω"),
+    "omega, unit": ((L - 0.84 * TIP) / np.linalg.norm(L - 0.84 * TIP, axis=1)[:, None], "follows ω"),
+}
+
+
+@pytest.mark.parametrize("name", ALMOST)
+def test_what_resembles_the_axis_is_named(name):
+    tip, sentence = ALMOST[name]
+    shown = body_shown(frames(line(tip), [np.tile(tip[0], (N, 1)), tip], line(np.tile(UNIT, (N, 1)))), T, R, 2, L)
+    assert shown.found is False and sentence in shown.sentence, shown
 
 
 def test_the_scene_starts_away_from_every_axis_and_plane():

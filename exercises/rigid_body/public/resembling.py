@@ -1,0 +1,56 @@
+"""What an arrow that is not ê₃ has in common with it: its turning about L, a cone about another line, or its path but for noise."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import timing
+from .matching import Motion
+from .pictures import Picture
+
+Array = NDArray[np.float64]
+
+STEADY = 0.02  # spread of a cosine that stays the same
+DIFFERENT = 0.04  # of two cosines
+IN_STEP = 0.3  # rad that an azimuth may be off
+SCATTERED = 0.5  # of the path's own spread: more noise leaves nothing of it
+
+
+def resembling(picture: Picture, motion: Motion) -> str | None:
+    """Return what the 3-D arrows of ``picture`` from a fixed end do instead of following the axis; None where nothing is known."""
+    if motion.L is None or motion.axis is None or picture.dimensions != 3:
+        return None
+    z = motion.L / np.linalg.norm(motion.L)
+    for path in (path for path in picture.paths if path.bound):
+        lengths = np.linalg.norm(path.places, axis=1, keepdims=True)
+        if lengths.min() <= 0:
+            continue
+        unit = path.places / lengths
+        grid = timing.on_grid(np.linspace(0, motion.n - 1, len(unit)), len(motion.R))
+        exact = motion.R[grid, :, motion.axis]
+        if said := _cone(unit, exact, z) or _noise(unit, exact):
+            return said
+    return None
+
+
+def _cone(unit: Array, exact: Array, z: Array) -> str | None:
+    angle, right = unit @ z, exact @ z
+    if np.std(angle) <= STEADY and np.abs(np.mean(angle - right)) > DIFFERENT:
+        x = exact[0] - right[0] * z
+        azimuths = [np.unwrap(np.arctan2(v @ np.cross(z, x), v @ x)) for v in (unit, exact)]
+        if np.abs(azimuths[0] - azimuths[1]).max() <= IN_STEP:
+            drawn, wanted = (np.degrees(np.arccos(np.clip(np.mean(c), -1, 1))) for c in (angle, right))
+            return f"what is drawn turns about L with ê₃, but on a cone of {drawn:.0f}° about L; ê₃ makes an angle of {wanted:.0f}°"
+    for k, name in enumerate("xyz"):
+        if np.std(unit[:, k]) <= STEADY < np.std(exact[:, k]) and np.abs(unit[:, k]).max() < 1 - DIFFERENT:
+            return f"what is drawn keeps its angle to the {name} axis: ê₃ goes round L, and L does not point along {name}"
+    return None
+
+
+def _noise(unit: Array, exact: Array) -> str | None:
+    """Scatter: what is left changes its sign from frame to frame, and the path without it is ê₃'s."""
+    left, spread = unit - exact, np.sqrt(np.mean((exact - exact.mean(axis=0)) ** 2))
+    size = np.sqrt(np.mean(left**2))
+    rough = np.sqrt(np.mean(np.diff(left, axis=0) ** 2)) > size
+    if rough and size <= SCATTERED * spread:
+        return f"what is drawn follows ê₃ but scatters about its path, by {size / spread:.0%} of it: is noise added?"
+    return None

@@ -69,13 +69,21 @@ def pictures(seen: Arrays) -> list[Picture]:
     return found
 
 
+def _arrow(points: Array) -> Array:
+    """The one point (1, d) furthest from the tail at zero, where that is one of ``points`` (s, d), as of an arrow with a head."""
+    lengths = np.linalg.norm(points, axis=1)
+    far = points[lengths >= 0.99 * lengths.max()]
+    single = lengths.min() <= MOVES * lengths.max() and np.ptp(far, axis=0).max() <= MOVES * lengths.max()
+    return far[:1] if single else points[:0]
+
+
 def _same(places: Array, others: Array) -> bool:
     """Whether two paths (f, d) are one: the tip of an arrow drawn once more, which then is no free point."""
     return bool(np.abs(places - others).max() <= MOVES * np.ptp(places, axis=0).max())
 
 
 def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
-    """Directions (k, d) that stay: those drawn by few points or along a line, and of these the ones with a known tail.
+    """Directions (k, d) that stay: those drawn by few points or along a line, and of these lines and arrows with a known tail.
 
     A tail is known at one of ``origins``, where what moves has its fixed end, or at the zero of the axes.
     """
@@ -91,4 +99,6 @@ def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
         if straight:
             near = MOVES * np.abs(points).max()
             sure += [points - tail for tail in tails if np.linalg.norm(points - tail, axis=1).min() <= near]
+        else:
+            sure += [_arrow(points - tail) for tail in tails]
     return np.concatenate(some), np.concatenate(sure)

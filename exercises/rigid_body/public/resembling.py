@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 STEADY = 0.02  # spread of a cosine that stays the same
 DIFFERENT = 0.04  # of two cosines
 IN_STEP = 0.3  # rad that an azimuth may be off
-SCATTERED = 0.5  # of the path's own spread: more noise leaves nothing of it
+SCATTERED = 1.0  # of the path's own spread: more noise leaves nothing of it
 
 
 def resembling(picture: Picture, motion: Motion) -> str | None:
@@ -27,7 +27,7 @@ def resembling(picture: Picture, motion: Motion) -> str | None:
         unit = path.places / lengths
         grid = timing.on_grid(np.linspace(0, motion.n - 1, len(unit)), len(motion.R))
         exact = motion.R[grid, :, motion.axis]
-        if said := _cone(unit, exact, z) or _noise(unit, exact):
+        if said := _cone(unit, exact, z) or _level(path.places / lengths.mean(), exact) or _noise(unit, exact):
             return said
     return None
 
@@ -40,9 +40,14 @@ def _cone(unit: Array, exact: Array, z: Array) -> str | None:
         if np.abs(azimuths[0] - azimuths[1]).max() <= IN_STEP:
             drawn, wanted = (np.degrees(np.arccos(np.clip(np.mean(c), -1, 1))) for c in (angle, right))
             return f"what is drawn turns about L with ê₃, but on a cone of {drawn:.0f}° about L; ê₃ makes an angle of {wanted:.0f}°"
-    for k, name in enumerate("xyz"):
-        if np.std(unit[:, k]) <= STEADY < np.std(exact[:, k]) and np.abs(unit[:, k]).max() < 1 - DIFFERENT:
-            return f"what is drawn keeps its angle to the {name} axis: ê₃ goes round L, and L does not point along {name}"
+    return None
+
+
+def _level(tips: Array, exact: Array) -> str | None:
+    """A coordinate that stays as it is while the others change; ``tips`` (f, 3) in units of their mean length."""
+    k = int(np.argmin(np.std(tips, axis=0)))
+    if np.std(tips[:, k]) <= STEADY / 4 and np.std(tips, axis=0).max() > STEADY < np.std(exact[:, k]):
+        return f"what is drawn keeps its {'xyz'[k]} coordinate: ê₃ goes round L, and L does not point along {'xyz'[k]}"
     return None
 
 

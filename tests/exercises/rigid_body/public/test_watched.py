@@ -370,6 +370,9 @@ def test_L_seen_end_on_is_a_point():
 def test_a_fixed_line_that_is_not_L(direction, sentence):
     shown = momentum_shown(frames(line(TIP), line(np.tile(direction, (N, 1)))), T, R, L)
     assert shown.found is None and shown.code == "wrong-angular-momentum" and sentence in shown.sentence
+    head = [direction * 0.9 + 0.1 * side for side in np.linalg.svd(direction[None])[2][1:]]
+    arrow = [np.tile(point, (N, 1)) for point in (0 * direction, direction, *head)]
+    assert sentence in momentum_shown(frames(line(TIP), arrow), T, R, L).sentence
     axes_too = frames(line(TIP), *(line(np.tile(axis, (N, 1))) for axis in np.eye(3)))
     assert momentum_shown(axes_too, T, R, L).code is None, "axes of coordinates are not meant as L"
 
@@ -388,7 +391,8 @@ def cone(angle):
 
 ALMOST = {
     "wide": (cone(0.9), "on a cone of 52° about L"),  # its tip alone is a scaled and shifted ê₃
-    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "keeps its angle to the z axis"),
+    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "keeps its z coordinate"),
+    "level": (TIP * [1, 1, 0] + [0, 0, TIP[0, 2]], "keeps its z coordinate"),
     "noise": (TIP + 0.05 * np.random.default_rng(4).normal(size=TIP.shape), "scatters about its path"),
     "twice": (TIP[2 * ALL % 96], "runs twice as fast and begins again"),
     "omega": (L - 0.84 * TIP, "follows ω"),

@@ -67,9 +67,8 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     yield "swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged
 
 
-def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
-    """For ``principal_moments``, (n, 3) for the tensors asked; their order is free."""
-    tensors = np.asarray(inputs["tensors"], dtype=float)
+def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
+    """For ``principal_moments``, (n, 3) for the ``tensors`` (n, 3, 3) asked; their order is free."""
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
     if empty := _nothing(seen, "principal_moments"):
         return empty

@@ -65,6 +65,9 @@ class Scene:
     the exact answer, on the host only. A scene is played only if the one it comes ``after`` was finished. Arrays of the truth that
     are ``known``, such as the times, are handed to checks and figures with what was seen: they are not asked of a stranger.
 
+    ``replaced(inputs, seen)`` gives the inputs that a student used instead of the scene's, a sentence where the answer cannot be
+    judged by them, or None where the scene's own were used.
+
     A scene asked ``twice`` puts its questions again, in another order, to a second child: inputs and answers then all run along
     the questions in their first index, and the answers must agree bit for bit.
     """
@@ -80,6 +83,7 @@ class Scene:
     known: tuple[str, ...] = ()
     twice: bool = False
     drive: Drive | None = None
+    replaced: Callable[[Inputs, Arrays], Inputs | str | None] | None = None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,9 @@ before the submission runs, so that replacing ``solve_ivp`` changes nothing here
 """
 
 import math
+import re
 import time
+import types
 
 import numpy as np
 from matplotlib.animation import Animation
@@ -21,6 +23,8 @@ UNBOUNDED = 30.0  # times the first |ω|; energy allows the root of the largest 
 CALLED = ("t", "w", "I")
 TIMED = 500
 OVERWRITES = "euler_eqs returns the same array each time and overwrites it: build a new array"
+MOST_OWN = 4000  # samples of a notebook's own motion
+NOT_OWN = {"own_R": np.zeros((1, 3, 3)), "own_t": np.zeros((1, 1)), "own_I": np.zeros((1, 3))}
 
 
 def box(student, inputs):
@@ -132,14 +136,81 @@ def precession(student, inputs):
 
 
 def animation(student, inputs):
-    """The animation of the function that ``inputs`` names, watched frame by frame: returned, or else shown, saved or rendered."""
+    """The animation of the function that ``inputs`` names, watched frame by frame: returned, or else shown, saved or rendered.
+
+    One that a cell showed instead comes with the numbers it may have been drawn from.
+    """
     name, arguments = inputs["function"], inputs["arguments"]
     takes(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
     anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
     if not isinstance(anim, Animation) and ecp.animate.shown:
         anim = ecp.animate.shown[-1]
-    return watch(anim, float(inputs["seconds"]))
+    own = getattr(student[name], "own", None) if isinstance(student[name], FromCell) else None
+    return watch(anim, float(inputs["seconds"])) | (own or NOT_OWN)
+
+
+class FromCell:
+    """An animation that a cell showed, in the place of the function that nobody wrote; ``own`` numbers of the notebook."""
+
+    def __init__(self, anim, own):
+        self.anim, self.own = anim, own
+
+    def __call__(self, t, R, L):
+        """Return the animation, drawn from the notebook's own numbers."""
+        return self.anim
+
+
+def adopt(student, source):
+    """``animate_precession`` for a notebook whose cell ``source`` shows an animation drawn from the motion of a symmetric top.
+
+    That cell, or a function it calls, names attitudes R (n, 3, 3) whose ê₃ runs on a circle, or that ê₃. Their times and the
+    moments may stand anywhere in the notebook; names of the cell come first.
+    """
+    if not ecp.animate.shown:
+        return {}
+    mentioned = set(re.findall(r"\w+", source))
+    for function in [student[name] for name in mentioned if isinstance(student.get(name), types.FunctionType)]:
+        mentioned |= _names(function.__code__)
+    arrays = {name: _numbers(value) for name, value in student.items() if not name.startswith("_")}
+    named = [arrays[name] for name in sorted(arrays, key=lambda name: name not in mentioned) if arrays[name] is not None]
+    used = [arrays[name] for name in arrays if name in mentioned and arrays[name] is not None]
+    R = next((x for x in named if _is_cone(x) and _uses(used, x)), None)
+    if R is None:
+        return {}
+    times = [x for x in named if x.shape == (len(R),) and np.all(np.diff(x) > 0)]
+    moments = [x for x in named if x.shape == (3,) and np.all(x > 0)][:8]
+    own = {"own_R": R, "own_t": times[0][:, None] if times else np.zeros((1, 1)), "own_I": np.array(moments or np.zeros((1, 3)))}
+    return {"animate_precession": FromCell(ecp.animate.shown[-1], own)}
+
+
+def _names(code):
+    return {*code.co_names, *code.co_freevars}.union(*(_names(part) for part in code.co_consts if isinstance(part, types.CodeType)))
+
+
+def _is_cone(R):
+    """Whether the ê₃ of R (n, 3, 3) runs on a circle."""
+    if R.ndim != 3 or R.shape[1:] != (3, 3) or not 10 <= len(R) <= MOST_OWN:
+        return False
+    sizes = np.linalg.svd(R[:, :, 2] - R[:, :, 2].mean(axis=0), compute_uv=False)
+    return bool(sizes[2] <= 1e-3 * sizes[0])
+
+
+def _uses(used, R):
+    tips = (R[:, :, 2], R[:, :, 2].T)
+    return any(x is R or any(x.shape == tip.shape and np.allclose(x, tip) for tip in tips) for x in used)
+
+
+def _numbers(value):
+    """The finite real array that a value is, or None."""
+    if not isinstance(value, np.ndarray | list | tuple) or len(value) == 0 or len(value) > MOST_OWN:
+        return None
+    try:
+        array = np.array(value)
+    except ValueError:
+        return None
+    real = array.dtype.kind in "fiu" and array.size <= 9 * MOST_OWN and bool(np.all(np.isfinite(array)))
+    return array.astype(float) if real else None
 
 
 def _integrate(rhs, start, times):

@@ -13,6 +13,7 @@ from exercises.assignment import Blank, Inputs, Scene
 from exercises.rigid_body import probes
 from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.drive import DRIVE
+from exercises.rigid_body.own_motion import own_motion
 from exercises.rigid_body.public.setting import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
 from exercises.rigid_body.turning import TURNING
 
@@ -147,7 +148,11 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
     given_R = TILT @ exact.R
     given = {"L": TILT @ reference.angular_momentum(w0, I), "half": np.array(BOX[1:]) / 2}[last]
     inputs = {"t": times, "R": given_R, last: given, "function": function, "arguments": ["t", "R", last], "seconds": 12.0}
-    return Scene(name, "animation", function, inputs, FILM, lambda _: {"t": times, "R": given_R, last: given}, 15.0)
+
+    def truth(inputs: Inputs) -> Mapping[str, Array]:
+        return {name: np.asarray(inputs[name]) for name in ("t", "R", last)}
+
+    return Scene(name, "animation", function, inputs, FILM, truth, 15.0, replaced=own_motion)
 
 
 TILT = Rotation.from_rotvec([0.5, -0.6, 0.4]).as_matrix()
@@ -157,6 +162,9 @@ FILM = {
     "owners": Blank((256, 3), up_to=True),
     "at": Blank((48, 3), up_to=True),
     "cost": Blank((5,)),
+    "own_R": Blank((4000, 3, 3), up_to=True),
+    "own_t": Blank((4000, 1), up_to=True),
+    "own_I": Blank((8, 3), up_to=True),
 }
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
 TRAJECTORIES = (

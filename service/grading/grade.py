@@ -141,7 +141,7 @@ def _fixed_truth(scene: Scene) -> Arrays:
 
 
 def _play(
-    job: Job, assignment: Assignment, inputs: Mapping[str, Inputs], sandbox: Sandbox, tell: Tell
+    job: Job, assignment: Assignment, inputs: dict[str, Inputs], sandbox: Sandbox, tell: Tell
 ) -> tuple[Seen, dict[str, Arrays]]:
     """What came back, and the exact answer to each scene of it, worked out while the guest plays that scene."""
     places = {played.name: k for k, played in enumerate(job.scenes, start=1)}
@@ -152,6 +152,14 @@ def _play(
         exact[scene] = truth(assignment.scene(scene), inputs[scene])
 
     seen = sandbox.play(job, begin)
+    for name in list(seen.arrays):
+        scene = assignment.scene(name)
+        instead = scene.replaced(inputs[name], seen.arrays[name]) if scene.replaced else None
+        if isinstance(instead, str):
+            del seen.arrays[name]
+            seen.endings[name] = SceneEnding(scene=name, ending=Ending.WRONG_ANSWER, sentence=instead)
+        elif instead is not None:
+            inputs[name], exact[name] = instead, scene.truth(instead)
     for ending in (*seen.cells.values(), *seen.endings.values()):
         if ending.ending is Ending.RAISED and ending.sentence.startswith("ModuleNotFoundError: "):
             ending.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"

@@ -81,3 +81,39 @@ def test_a_wrong_claim_of_a_right_function_costs_nothing(rigid_body, sandbox):
     assert report.passed and first.verdict is Verdict.FAIL and first.cell == "cell 3"
     assert long.line == "–  long   [not captured: 70000 numbers, and at most 65536 of one check are taken]"
     assert len(report.notebook_checks) == 101 and last.line == "–  102 more checks   [not captured: at most 100 are taken]"
+
+
+def animation(changed=("", ""), last="show(anim)"):
+    """The cells that exercise 6 of the notebook needs, with every fourth frame; the last statement and one more text replaced."""
+    words = ("import numpy", "def euler_eqs", "I_sym = ", "R_anim =")
+    kept = [cell for cell in code().values() if any(word in cell for word in words)]
+    cells = [cell.replace("frames=len(t_anim)", "frames=range(0, 80, 4)").replace("show(anim)", last) for cell in kept]
+    return as_ipynb([cell.replace(*changed) if changed[0] else cell for cell in cells])
+
+
+HTML = "from IPython.display import HTML\nHTML(anim.to_jshtml())"
+SLOW = [pytest.mark.slow]
+
+
+@pytest.mark.parametrize(
+    ("last", "changed", "verdict"),
+    [
+        ("show(anim)", ("", ""), "pass"),
+        pytest.param("anim", ("", ""), "pass", marks=SLOW),
+        pytest.param(HTML, ("", ""), "pass", marks=SLOW),
+        pytest.param("anim.save('precession.gif', fps=20)", ("", ""), "pass", marks=SLOW),
+        pytest.param("show(anim)", ("e3 = R_anim[:, :, 2]", "e3 = R_anim[:, :, 0]"), "fail", marks=SLOW),
+    ],
+    ids=["show", "bare", "html", "saved", "e1"],
+)
+def test_an_animation_built_in_a_cell_is_judged_by_the_motion_behind_it(last, changed, verdict, rigid_body, sandbox):
+    report = graded(animation(changed, last), "a.ipynb", rigid_body, sandbox, ["6"])
+    verdicts = {outcome.id: outcome.verdict for outcome in report.exercises[0].outcomes}
+    assert verdicts["6-follows"] == verdict and verdicts["6-drawn-momentum"] == "pass", report.text()
+
+
+def test_a_motion_that_is_not_recognized_is_not_judged(rigid_body, sandbox):
+    odd = animation(("I_sym = (1.0, 1.0, 1.6)", "I_sym = (1.0, 1.0, 1.7)"), "I_sym = None; show(anim)")
+    report = graded(odd, "a.ipynb", rigid_body, sandbox, ["6"])
+    follows = next(outcome for outcome in report.exercises[0].outcomes if outcome.id == "6-follows")
+    assert follows.verdict is Verdict.UNMEASURED and "hand it in as a function" in follows.line

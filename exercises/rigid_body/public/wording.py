@@ -76,7 +76,7 @@ def film(number: str, scene: str, function: str, axis: int | None, what: str) ->
             f"{function} draws something that follows {what}",
             scene,
             claim=follows,
-            reason="a point or the direction between two, to 3 % of its path: as it is, scaled, shifted, turned or projected",
+            reason="a direction from a fixed place or points of the body, to 3 % of the path, at samples within 1.5 of an even run",
         ),
     )
 

@@ -1,4 +1,5 @@
-import numpy as np
+def euler_eqs(t, w, I):
+    return np.cross(np.multiply(I, w), w) / I
 
 
 def precession_rate(t, w):

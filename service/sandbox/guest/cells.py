@@ -34,6 +34,12 @@ def pieces(source: str) -> list[str]:
     return [source] if _is_python(source) and not all(map(_is_python, found)) else found
 
 
+def last_name(source: str) -> str:
+    """The name that a cell ends with, which a notebook shows, or an empty string."""
+    last = source.rstrip().rpartition("\n")[2]
+    return last if last.isidentifier() else ""
+
+
 def _is_python(source: str) -> bool:
     try:
         with warnings.catch_warnings(action="ignore"):  # given when the code runs

@@ -10,12 +10,13 @@ from time import monotonic, process_time
 from typing import Any
 
 import numpy as np
+from matplotlib.animation import Animation
 
-from ecp.animate import watched
+from ecp import animate
 from ecp.stopped import stopped
 from ecp.strict import is_written, real_array
 
-from .cells import pieces, runnable
+from .cells import last_name, pieces, runnable
 from .claims import Recorder
 from .notebook import settle, stand_ins
 from .wire import Questions, Writer
@@ -55,14 +56,15 @@ def run(job_fd: int, result_fd: int) -> None:
     job = questions.job()
     plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
     write.event("inside")
-    with watched():
+    with animate.watched():
         _run(job, plays, student, questions, write)
 
 
 def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> None:
     recorder = Recorder()
     with recorder.recording():
-        _load_submission(student, job, recorder, write)
+        shows = _load_submission(student, job, recorder, write)
+    student |= _adopted(plays, student, shows)
     names = [name for name in job["functions"] if is_written(student.get(name))]
     write.event("defined", names=names, claims_left_out=recorder.left_out)
     finished: set[str] = set()
@@ -128,9 +130,21 @@ def _prepare(setup: str) -> Names:
     return module.__dict__
 
 
-def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> None:
-    """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on."""
-    budget = Budget(job["load_budget_s"])
+def _adopted(plays: Names, student: Names, shows: str) -> Names:
+    """What plays.py makes of an animation that the cell ``shows`` ends with, for functions that nobody wrote."""
+    try:
+        made = plays["adopt"](student, shows) if shows and "adopt" in plays else {}
+    except Exception:  # the notebook holds something odd: then it is as if it had shown nothing
+        made = {}
+    return {name: function for name, function in made.items() if not is_written(student.get(name))}
+
+
+def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> str:
+    """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on.
+
+    Returns the source of the last cell that showed an animation.
+    """
+    budget, shows = Budget(job["load_budget_s"]), ""
     for name, source in job["cells"]:
         recorder.cell = name
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
@@ -140,12 +154,17 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
             def load(name: str = name, piece: str = piece) -> None:
                 exec(runnable(piece, name), student)
 
+            before = animate.shown[:]
             ended = _attempt(load, budget)
             recorder.send(write)
+            if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
+                animate.shown[:] = [last]
+            shows = shows if animate.shown == before else piece
             if ended["ending"] != "finished":
                 write.event("cell", scene=name, **ended)
             if not budget.left():
-                return
+                return shows
+    return shows
 
 
 def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:

@@ -1,0 +1,61 @@
+"""The exact motion behind an animation that a notebook's cell showed: found among the notebook's own numbers, and verified."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+import reference
+from ecp.checks import Arrays
+from exercises.assignment import Inputs
+from exercises.rigid_body.public.setting import SYMMETRIC
+
+Array = NDArray[np.float64]
+
+CLOSE = 0.02  # largest difference of an element of R: less than a drawing may deviate, more than any integrator's default tolerance
+MOST_ANGLE = 1e4  # rad that the body turns
+AS_FUNCTION = (
+    "the motion behind the animation in your cell was not recognized; hand it in as a function: "
+    "def animate_precession(t, R, L): … return show(anim)"
+)
+
+
+def own_motion(inputs: Inputs, seen: Arrays) -> Inputs | str | None:
+    """Return ``inputs`` with the exact t, R and L of a symmetric top behind the notebook's R (n, 3, 3) at times t (n,).
+
+    R(0) and ω(0) are free; the moments are among the notebook's numbers, or the course's. None where a function was handed in; a
+    sentence where the notebook's R is not such a motion.
+    """
+    R, t = np.asarray(seen["own_R"]), np.asarray(seen["own_t"])[:, 0]
+    if len(R) == 1:
+        return None
+    if not np.all(np.isfinite(R)) or not np.all(np.isfinite(t)) or len(t) != len(R) or not np.all(np.diff(t) > 0):
+        return AS_FUNCTION
+    if np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max() > CLOSE or np.linalg.det(R[0]) < 0:
+        return AS_FUNCTION
+    if not MOST_ANGLE**-2 < t[-1] - t[0] < MOST_ANGLE**2:
+        return AS_FUNCTION
+    relative = R[0].T @ R
+    for I in filter(_possible, (*np.asarray(seen["own_I"]), np.array(SYMMETRIC))):
+        w0 = _first_rate(relative, t, I)
+        if not 0 < np.linalg.norm(w0) * (t[-1] - t[0]) < MOST_ANGLE:
+            continue
+        exact = reference.motion(w0, I, t - t[0], need="orientation").R
+        if exact is not None and np.abs(exact - relative).max() <= CLOSE:
+            return {**inputs, "t": t, "R": R[0] @ exact, "L": R[0] @ (I * w0)}
+    return AS_FUNCTION
+
+
+def _possible(I: Array) -> bool:
+    """Return whether a symmetric top can have these moments."""
+    if not np.all(np.isfinite(I)) or not I.min() > 1e-6 or not I.max() < 1e6:
+        return False
+    return bool(np.isclose(I[0], I[1]) and np.all(I.sum() * (1 + 1e-9) >= 2 * I))
+
+
+def _first_rate(R: Array, t: Array, I: Array) -> Array:
+    """Return ω(0) (3,) of a symmetric top from the circle on which the ê₃ of R (n, 3, 3) runs, with R(0) = 1."""
+    tips = R[:, :, 2]
+    x, y, z = np.linalg.svd(tips - tips.mean(axis=0), full_matrices=False)[2]
+    z = z * np.linalg.det([x, y, z])
+    rate = np.polyfit(t - t[0], np.unwrap(np.arctan2(tips @ y, tips @ x)), 1)[0]
+    L = I[0] * rate * z
+    return np.asarray(L / I[0] + (L @ tips[0]) * (1 / I[2] - 1 / I[0]) * tips[0])

@@ -1,0 +1,168 @@
+"""Finding the body among the paths of a picture: the points that follow it, a direction, or the camera it is seen by."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import cameras, timing
+from .pictures import Path, Picture
+
+Array = NDArray[np.float64]
+
+MISFIT = 0.03  # root mean square, of the path's own: 1 % of ê₃'s length here; interpolating linearly costs a tenth of it
+HOPEFUL = 0.5  # the same before times are fitted: 1.5 samples of the fastest turn here cost a third
+TRIES = 6  # paths whose times are fitted, the most hopeful first
+MOST_SAMPLES = 400  # of a motion: laws grow with their square
+
+
+class Motion:
+    """R (n, 3, 3) at times ``t`` (n,), and L (3,) where it is drawn, with the curves and laws an animation is compared with."""
+
+    def __init__(self, at: Array, t: Array, R: Array, L: Array | None, axis: int | None) -> None:
+        from scipy.interpolate import CubicSpline
+
+        n = len(t)
+        spline, samples = CubicSpline(np.arange(n), R.reshape(n, 9)), np.arange((n - 1) * timing.PER + 1) / timing.PER
+        self.L, self.axis, self.n = L, axis, n
+        self.R = spline(samples).reshape(-1, 3, 3)
+        spin = np.swapaxes(self.R, 1, 2) @ spline(samples, 1).reshape(-1, 3, 3)
+        self.w = np.einsum("gij,gj->gi", self.R, spin[:, [2, 0, 1], [1, 2, 0]])  # in space, up to its unit
+        self.turned = self._turns(R[:, :, axis], L) if L is not None and axis is not None else self._angle()
+        self.laws = timing.laws(at, t, self.turned)
+
+    def _turns(self, tips: Array, L: Array) -> Array:
+        """Turns of the axis about L since the start (n,)."""
+        z = L / np.linalg.norm(L)
+        across = tips - np.outer(tips @ z, z)
+        if np.linalg.norm(across, axis=1).min() < 1e-6:
+            return self._angle()
+        x = across[0] / np.linalg.norm(across[0])
+        angle = np.unwrap(np.arctan2(across @ np.cross(z, x), across @ x))
+        return np.asarray(np.maximum.accumulate(np.abs(angle)) / (2 * np.pi))
+
+    def _angle(self) -> Array:
+        """Turns of the body since the start (n,)."""
+        speed = np.linalg.norm(self.w, axis=1)
+        angle = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)])[:: timing.PER]
+        return np.asarray(angle / (2 * np.pi * timing.PER))
+
+
+class Match(NamedTuple):
+    """Body points p (3, v) that ``paths`` follow, at ``times`` (f,)."""
+
+    times: Array
+    points: Array
+    paths: list[Path]
+
+
+def fewer(at: Array, t: Array, R: Array) -> tuple[Array, Array, Array]:
+    """Return a motion of at most MOST_SAMPLES at even steps of its sample numbers, and the frames counted in these."""
+    from scipy.interpolate import CubicSpline
+
+    n = len(t)
+    if n <= MOST_SAMPLES:
+        return at, t, R
+    kept, share = np.linspace(0, n - 1, MOST_SAMPLES), (MOST_SAMPLES - 1) / (n - 1)
+    number, value, total = at.T
+    indices = bool(np.all(value == np.rint(value)))
+    counted = np.column_stack([number * share, value * share if indices else value, 1 + (total - 1) * share])
+    return counted, np.interp(kept, np.arange(n), t), CubicSpline(np.arange(n), R.reshape(n, 9))(kept).reshape(-1, 3, 3)
+
+
+def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
+    """Return the points of the body among the paths, where ``curves`` (G, d, 3) times p is how body point p is drawn."""
+    d, fits = picture.dimensions, []
+    shift = np.broadcast_to(np.eye(d), (len(curves), d, d))
+    kinds = [(bound, [path for path in picture.paths if path.bound == bound]) for bound in (True, False)]
+    for bound, paths in kinds:
+        if not paths:
+            continue
+        basis = curves if bound else np.concatenate([curves, shift], axis=2)
+        values = np.stack([path.places for path in paths], axis=2)
+        share = timing.screened(basis, values, laws) / timing.spread(values)
+        fits += [(share[k, v], k, v, basis, values) for v in range(len(paths)) for k in [int(np.argmin(share[:, v]))]]
+    fits.sort(key=lambda fit: float(fit[0]))
+    for share, k, v, basis, values in fits[:TRIES]:
+        if share > HOPEFUL:
+            break
+        fit = timing.fitted(basis, values[:, :, [v]], laws[k])
+        if fit.misfit[0] <= MISFIT * timing.spread(values[:, :, [v]])[0]:
+            return _all_at(fit, kinds, curves, shift)
+    return None
+
+
+def _all_at(fit: timing.Fit, kinds: list[tuple[bool, list[Path]]], curves: Array, shift: Array) -> Match:
+    """Which of the paths are points of the body at the times of ``fit``."""
+    points, followed = [np.zeros((3, 0))], []
+    for bound, paths in kinds:
+        if not paths:
+            continue
+        basis = curves if bound else np.concatenate([curves, shift], axis=2)
+        values = np.stack([path.places for path in paths], axis=2)
+        coefficients = timing.coefficients_at(basis, values, fit.grid)
+        left = np.einsum("fem,mv->fev", basis[fit.grid], coefficients) - values
+        ok = np.sqrt(np.mean(left**2, axis=(0, 1))) <= MISFIT * timing.spread(values)
+        points.append(coefficients[:3, ok])
+        followed += [path for path, good in zip(paths, ok, strict=True) if good]
+    return Match(fit.times, np.concatenate(points, axis=1), followed)
+
+
+def along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:
+    """Return the times of a path that is ``curve`` (G, d), scaled."""
+    if not picture.paths:
+        return None
+    basis, values = curve[:, :, None], np.stack([path.places for path in picture.paths], axis=2)
+    whole = timing.spread(values)
+    share = timing.screened(basis, values, laws) / whole
+    for v in np.argsort(share.min(axis=0))[:TRIES]:
+        k = int(np.argmin(share[:, v]))
+        if share[k, v] > HOPEFUL:
+            break
+        fit = timing.fitted(basis, values[:, :, [v]], laws[k])
+        if fit.coefficients[0, 0] > 0 and fit.misfit[0] <= MISFIT * whole[v]:
+            return fit
+    return None
+
+
+def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
+    """Return which sample a frame shows where a path keeps to ``curve`` (G, d), but at no times that a law allows."""
+    for path in picture.paths:
+        scale = np.sqrt(np.mean(path.places**2) / np.mean(curve**2))
+        for _ in range(4):
+            nearest = np.argmin(np.sum((path.places[:, None] - scale * curve) ** 2, axis=2), axis=1)
+            scale = np.sum(path.places * curve[nearest]) / np.sum(curve[nearest] ** 2)
+        left = np.sqrt(np.mean((path.places - scale * curve[nearest]) ** 2))
+        if scale > 0 and left <= MISFIT * np.sqrt(np.mean((path.places - path.places.mean(axis=0)) ** 2)):
+            k = len(at) // 2
+            return f"frame {at[k, 0]:.0f} of {at[k, 2]:.0f} shows sample {nearest[k] / timing.PER:.0f}"
+    return None
+
+
+def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Array, list[Array]] | None:
+    """Return a camera, the times of the frames and the origins, found from a drawn direction or from the points of one artist."""
+    for path in picture.paths if motion.axis is not None else []:
+        fit = _timed(motion.R[:, None, :, motion.axis], path.places[:, None, :], laws)
+        camera = cameras.straightened(fit.coefficients.T) if fit else None
+        if fit is not None and camera is not None:
+            return camera, fit.times, [path.origin] if path.bound else []
+    nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
+    for artist in dict.fromkeys(path.artist for path in picture.paths):
+        paths = [path for path in picture.paths if path.artist == artist and not path.bound]
+        if len(paths) < 3:
+            continue
+        values = np.stack([path.places for path in paths], axis=1)
+        fit = _timed(nine, values.reshape(len(values), 1, -1), laws)
+        camera = cameras.of_body(fit.coefficients, nine[fit.grid, 0, :9], values) if fit else None
+        if fit is not None and camera is not None:
+            return camera, fit.times, []
+    return None
+
+
+def _timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:
+    share, whole = timing.screened(basis, drawn, laws), np.linalg.norm(timing.spread(drawn))
+    k = int(np.argmin(np.linalg.norm(share, axis=1)))
+    if np.linalg.norm(share[k]) > HOPEFUL * whole:
+        return None
+    fit = timing.fitted(basis, drawn, laws[k])
+    return fit if np.linalg.norm(fit.misfit) <= MISFIT * whole else None

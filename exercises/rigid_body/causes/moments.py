@@ -62,9 +62,9 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     yield "wrong-quantity", "the radii of gyration √(I/m) instead of the moments", np.sqrt(truth / m)
     yield "floor-division", "the moments are cut to whole numbers: look for floor division (//) or int", np.floor(truth)
     yield "floor-division", "m is divided by 12 with //, which drops the fraction: use /", m // 12 * (first + second)
-    for place, value in (("m/12·b² + c²", m / 12 * first + second), ("b² + c²·m/12", first + m / 12 * second)):
-        yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
-    yield "missing-brackets", "I₁ is computed as m·b² + c²/12, and so on: (b² + c²) needs its brackets", m * first + second / 12
+    for b, c in ((first, second), (squares[:, [1, 2, 0]], squares[:, [2, 0, 1]])):  # of I₂: a² + c², or c² + a²
+        for place, value in (("m/12·b² + c²", m / 12 * b + c), ("b² + c²·m/12", b + m / 12 * c), ("m·b² + c²/12", m * b + c / 12)):
+            yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
     unsquared = "the edges are not squared: I₁ holds b + c where b² + c² belongs"
     yield "wrong-power", unsquared, m / 12 * (np.sqrt(first) + np.sqrt(second))
     yield "wrong-power", "I₁ holds the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)

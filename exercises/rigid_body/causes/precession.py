@@ -59,7 +59,7 @@ def causes_of_rate(answers: Answers) -> list[Diagnosis]:
         code = next(iter(found.values()))  # of the simplest mistake
         said = [sentence for sentence, its in found.items() if its == code]
         return [_cause(code, "; or ".join(said))] if len(said) <= MOST_SAID else []
-    return _proportional(motions) or _nearly(motions) or _partly(motions)
+    return _proportional(motions) or _of_spectrum(motions) or _nearly(motions) or _partly(motions)
 
 
 def _motion(scene: str, inputs: Inputs, rate: float) -> Motion:
@@ -84,6 +84,24 @@ def _proportional(motions: list[Motion]) -> list[Diagnosis]:
         if ratios[0] and all(_near(ratio, ratios[0]) for ratio in ratios):
             return [_cause(code, said.format(ratios[0]))]
     return []
+
+
+def _of_spectrum(motions: list[Motion]) -> list[Diagnosis]:
+    """The diagnosis where each rate is a line of the record's Fourier spectrum."""
+    for spans in zip(*(_spans(m.t) for m in motions), strict=True):
+        turns = np.array([m.rate * span / (2 * np.pi) for m, span in zip(motions, spans, strict=True)])
+        if len(turns) > 1 and turns.any() and np.all(np.abs(turns - np.round(turns)) <= AGREEMENT * np.maximum(1.0, np.abs(turns))):
+            sentence = (
+                "a line of the Fourier spectrum, which knows the rate to 2π over the length of the record only: take the phase"
+            )
+            return [_cause("wrong-quantity", sentence)]
+    return []
+
+
+def _spans(t: Array) -> tuple[float, ...]:
+    """The length of a record of times (n,) in s, by each way of taking its step."""
+    step, n = np.diff(t), len(t)
+    return float(t[-1] - t[0]), float(step.mean() * n), float(step[0] * n), float(np.median(step) * n)
 
 
 def _nearly(motions: list[Motion]) -> list[Diagnosis]:
@@ -127,6 +145,14 @@ def _wrong_phases(t: Array, w: Array) -> Iterator[Predicted]:
         for period in (2 * np.pi, np.pi):
             for value in _means(t, np.unwrap(np.arctan(w[1] / w[0]), period=period)):
                 yield "not-unwrapped", halves, value
+        degrees = "the phase in degrees is unwrapped as if it were in radians: np.unwrap needs period=360, or radians"
+        for value in _means(t, np.radians(np.unwrap(np.degrees(np.arctan2(w[1], w[0]))))):
+            yield "not-unwrapped", degrees, value
+        half = "the phase is taken from one component, which covers half of the circle: use arctan2(ω₂, ω₁)"
+        for part in (w[0], w[1]) / np.sqrt(np.mean(w[0] ** 2 + w[1] ** 2)):
+            for angle in (np.arccos(np.clip(part, -1, 1)), np.arcsin(np.clip(part, -1, 1))):
+                for value in (*_means(t, np.unwrap(angle)), *_means(t, angle)):
+                    yield "wrong-components", half, value
     for a, b in ((2, 0), (0, 2), (2, 1), (1, 2)):
         pair = f"ω{'₁₂₃'[a]} and ω{'₁₂₃'[b]}"
         for value in _means(t, _phase(w, a, b)):

@@ -16,6 +16,7 @@ BOXES = {
     "np.sort(I)": ("moment-order", "sorted"),
     "np.sqrt(I)": ("wrong-power", "square roots"),
     "I // 1": ("floor-division", "whole numbers"),
+    "np.array([m / 12 * b * b + c * c, m / 12 * c * c + a * a, m / 12 * a * a + b * b])": ("missing-brackets", "m/12·b² + c²"),
     "np.array([m / 12 * b * b + c * c, m / 12 * a * a + c * c, m / 12 * a * a + b * b])": ("missing-brackets", "m/12·b² + c²"),
     "np.array([I[0], m / 12 * (3 * a * a + c * c), I[2]])": ("constant-factor", "I₂ weighs a² by 3 and c² by 1"),
     "np.round(I, 3)": ("precision-loss", "rounded to 3 decimals"),

@@ -20,6 +20,17 @@ def total(w):
     return phase(w)[-1] - phase(w)[0]
 
 
+def raw(w):
+    return np.arctan2(w[1], w[0])
+
+
+def spectral_line(t, w):
+    """The highest line of the spectrum of ω₁ + iω₂, resampled at even times."""
+    even = np.linspace(t[0], t[-1], len(t))
+    lines = np.abs(np.fft.fft(np.interp(even, t, w[0]) + 1j * np.interp(even, t, w[1])))
+    return 2 * np.pi * np.fft.fftfreq(len(t), even[1] - even[0])[lines.argmax()]
+
+
 MISTAKES = {
     "degrees": (lambda t, w: np.degrees(slope(t, w)), "units", "degrees"),
     "rpm": (lambda t, w: slope(t, w) * 60 / (2 * np.pi), "units", "rpm"),
@@ -48,6 +59,9 @@ EVEN = {
 }
 MISTAKES |= {name: (rate, "wrong-times", "evenly spaced") for name, rate in EVEN.items()}
 MISTAKES |= {
+    "one component": (lambda t, w: slope_of(t, np.unwrap(np.arccos(w[0] / np.hypot(w[0], w[1])))), "wrong-components", "one comp"),
+    "degrees unwrapped": (lambda t, w: np.radians(slope_of(t, np.unwrap(np.degrees(raw(w))))), "not-unwrapped", "period=360"),
+    "spectrum": (lambda t, w: spectral_line(t, w), "wrong-quantity", "Fourier"),
     "absolute value": (lambda t, w: abs(slope(t, w)), "absolute-value", "sign is lost"),
     "n mean steps": (lambda t, w: total(w) / (len(t) * np.diff(t).mean()), "wrong-times", "number than that of its terms"),
     "n of n - 2": (lambda t, w: np.gradient(phase(w), t)[1:-1].sum() / len(t), "wrong-times", "number than that of its terms"),

@@ -15,6 +15,8 @@ from ecp.outcome import Diagnosis, Swept
 from exercises import declaration, folders
 
 Inputs = Mapping[str, Any]
+Answers = Mapping[str, tuple[Inputs, Arrays]]
+"""By scene, what a function was asked there and what came back."""
 Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -97,7 +99,9 @@ class Assignment:
     """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall.
 
     ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides numpy, scipy and
-    matplotlib: they must be installed on the server. ``codes`` are the diagnosis codes that its causes and plays give:
+    matplotlib: they must be installed on the server. ``diagnose`` names the causes of one scene's numbers, and
+    ``diagnose_function`` those that explain all scenes of a function together, or None: then each scene is diagnosed alone.
+    ``codes`` are the diagnosis codes that its causes and plays give:
     ``polhode verify`` tells those that no specimen shows.
     """
 
@@ -108,6 +112,7 @@ class Assignment:
     scenes: tuple[Scene, ...]
     exercises: tuple[Exercise, ...]
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
+    diagnose_function: Callable[[str, Answers], list[Diagnosis] | None] = field(default=lambda function, answers: None)
     sweep: Sweep | None = None
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()

@@ -86,11 +86,11 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     yield "plays.py", (assignment.folder / "plays.py").read_bytes()
     scenes = _public_scenes(assignment)
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
+    sent = [*precursors.values(), *scenes]
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
-    told = [_told(s) for s in [*precursors.values(), *scenes]]
-    declared = {"version": assignment.version, "hidden": hidden, "scenes": told}
+    declared = {"version": assignment.version, "hidden": hidden, "scenes": [_told(s) for s in sent]}
     yield "public.json", json.dumps(declared, default=_listed, allow_nan=False).encode()
-    yield "truth.npz", _packed({f"{s.name}/{key}": array for s in scenes for key, array in _truth(s).items()})
+    yield "truth.npz", _packed({f"{s.name}/{key}": array for s in sent for key, array in _truth(s).items()})
 
 
 def _told(scene: Scene) -> dict[str, Any]:
@@ -99,7 +99,7 @@ def _told(scene: Scene) -> dict[str, Any]:
 
 
 def _drawn_once(scene: Scene) -> Scene:
-    """A scene that others come after, with inputs that are the same for everybody: what it brings is not judged."""
+    """A scene that others come after, with inputs that are the same for everybody: from what it brings only causes are found."""
     return replace(scene, inputs=scene.inputs(np.random.default_rng(0)), known=()) if callable(scene.inputs) else scene
 
 

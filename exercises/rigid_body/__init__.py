@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from exercises.assignment import Assignment
-from exercises.rigid_body.causes import diagnose_scene
+from exercises.rigid_body.causes import diagnose_function, diagnose_scene
 from exercises.rigid_body.codes import CODES
 from exercises.rigid_body.scenes import SCENES
 from exercises.rigid_body.secret import EXERCISES
@@ -17,6 +17,7 @@ ASSIGNMENT = Assignment(
     scenes=SCENES,
     exercises=EXERCISES,
     diagnose=diagnose_scene,
+    diagnose_function=diagnose_function,
     sweep=SWEEP,
     codes=CODES,
 )

@@ -23,6 +23,7 @@ RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
 UNBOUNDED = 30.0  # times the first |ω|; energy allows the root of the largest moment over the smallest, under 6 here
 CALLED = ("t", "w", "I")
 TIMED = 500
+OVERWRITES = "euler_eqs returns the same array each time and overwrites it: build a new array"
 MOST_OWN = 4000  # samples of a notebook's own motion
 NOT_OWN = {"own_R": np.zeros((1, 3, 3)), "own_t": np.zeros((1, 1)), "own_I": np.zeros((1, 3))}
 
@@ -47,7 +48,7 @@ def pointwise(student, inputs):
     """``euler_eqs`` asked once per probe, with its own copies of the arguments."""
     function = student["euler_eqs"]
     takes(function, CALLED, "euler_eqs")
-    answers = []
+    answers, before = [], None
     for t, w, I in zip(inputs["t"], np.asarray(inputs["w"]), np.asarray(inputs["I"]), strict=True):
         spin, moments = w.copy(), I.copy()
         try:
@@ -59,6 +60,9 @@ def pointwise(student, inputs):
         answers.append(real_array(answer, (3,), "euler_eqs"))
         if not (np.array_equal(spin, w) and np.array_equal(moments, I)):
             raise WrongAnswer("mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array")
+        if before is not None and not np.array_equal(real_array(before, (3,), "euler_eqs"), answers[-2], equal_nan=True):
+            raise WrongAnswer("mutates-input", OVERWRITES)
+        before = answer
     return {"wdot": np.array(answers)}
 
 

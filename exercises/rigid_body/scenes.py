@@ -15,12 +15,11 @@ from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.drive import DRIVE
 from exercises.rigid_body.own_motion import own_motion
 from exercises.rigid_body.public.setting import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
+from exercises.rigid_body.turning import TURNING
 
 Array = NDArray[np.float64]
 
 BOOK = reference.box_moments(*BOX)
-TURN_SAMPLES, UNEVEN = 600, 0.5  # of a given precession; the longest of its uneven steps is four times the shortest
-SWAY, SWAYS = 0.006, 2.5  # relative variation of an uneven rate of turn, and its periods: a half number of them
 UNEQUAL = 8  # boxes of which no two moments are nearly equal
 BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # given to box_moments and to principal_moments
 SENSED = 60  # times at which a motion's sensitivity is summed up
@@ -134,39 +133,6 @@ def _largest_growth(axis: int) -> float:
     return float(-most.fun)
 
 
-def _given_precession(rng: np.random.Generator) -> Inputs:
-    """Even turning at uneven times: the last steps are several times as long as the first, or the other way round."""
-    rate, samples = _top(rng, rng.uniform(1.1, 1.9)), np.linspace(0.0, 1.0, TURN_SAMPLES)
-    uneven = (1 - UNEVEN) * samples + UNEVEN * samples**3
-    return _turning(rng, rate, uneven if rng.random() < 0.5 else 1 - uneven[::-1], 0.0)
-
-
-def _given_retrograde(rng: np.random.Generator) -> Inputs:
-    """Backward turning, at even times, that runs faster and slower; its mean, its slope and its median are the same."""
-    rate = _top(rng, rng.uniform(0.3, 0.8))
-    return _turning(rng, rate, np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY)
-
-
-def _top(rng: np.random.Generator, i3: float) -> tuple[float, float]:
-    """Precession rate and ω₃ of a symmetric top with I₃ = ``i3`` I₁."""
-    w3 = rng.uniform(1.0, 4.0)
-    return reference.free_precession_rate((1.0, 1.0, i3), w3), w3
-
-
-def _turning(rng: np.random.Generator, top: tuple[float, float], part: Array, sway: float) -> Inputs:
-    """ω (3, n) over two to three turns, so that a phase that is not unwrapped jumps, at times (n,) that do not start at zero.
-
-    ``part`` (n,) runs from 0 to 1. The rate of turn varies by ``sway`` in two and a half periods about the middle: it is odd
-    there, so every way of taking the mean, a slope, a total, a median, gives the same number.
-    """
-    (rate, w3), transverse, phase, turns = top, rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
-    duration = turns * 2 * np.pi / abs(rate)
-    ahead = sway * rate * duration / (2 * np.pi * SWAYS) * np.cos(2 * np.pi * SWAYS * (part - 0.5))
-    angle = phase + rate * duration * part + ahead
-    w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
-    return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
-
-
 def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
     return {"rate": np.array(reference.precession_rate(inputs["t"], inputs["w"]))}
 
@@ -201,7 +167,6 @@ FILM = {
     "own_I": Blank((8, 3), up_to=True),
 }
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
-
 TRAJECTORIES = (
     _trajectory("torque-free", TORQUE_FREE, BODY, 20.0, 3100, orientation=True),
     _trajectory("polhode-3", _same_energy(0.2, 0.3, 1.1), BODY, 20.0, 1000),
@@ -231,8 +196,10 @@ SCENES = (
     ),
     *TRAJECTORIES,
     *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in DRAWN.items()),
-    Scene("rate", "precession", "precession_rate", _given_precession, {"rate": Blank(())}, _exact_precession, 1.0),
-    Scene("rate-retrograde", "precession", "precession_rate", _given_retrograde, {"rate": Blank(())}, _exact_precession, 1.0),
+    *(
+        Scene(name, "precession", "precession_rate", given, {"rate": Blank(())}, _exact_precession, 1.0)
+        for name, given in TURNING.items()
+    ),
     _film("film", "animate_precession", (0.9, 0.0, 1.4), SYMMETRIC, "L"),
     _film("tumble-film", "animate_tumble", (0.1, 3.0, 0.15), BOOK, "half"),
 )

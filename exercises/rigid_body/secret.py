@@ -12,7 +12,7 @@ from exercises.rigid_body.public import EXERCISES as PUBLIC
 from exercises.rigid_body.public.wording import attitude, omega
 
 ROUNDING = "only rounding separates two spellings of the same algebra at these magnitudes"
-EVEN = "the notebook's own tolerance: derivatives by differences are off by 1e-4, every known slip by far more"
+EVEN = "the notebook's own tolerance: each way to take a mean rate from the phase gives the same number to rounding"
 
 
 def at_moment(index: tuple[int, ...], seen: Arrays) -> str:
@@ -143,6 +143,8 @@ SECRET = {
         omega("4-sphere", "ω of a body with three equal moments stays as it is", "drawn-sphere"),
         precession("4-function", "precession_rate finds Ω in a given motion", "rate"),
         precession("4-retrograde", "precession_rate is negative where (ω₁, ω₂) turns backwards", "rate-retrograde"),
+        precession("4-coarse", "precession_rate finds Ω where samples lie up to 0.47 of a turn apart", "rate-coarse"),
+        precession("4-short", "precession_rate finds Ω in less than one turn", "rate-short"),
     ),
     "5": (
         pointwise("5-pointwise"),

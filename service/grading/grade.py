@@ -71,7 +71,7 @@ def grade(
     crossed = cross_check(assignment, attempt, sandbox, seed)
     _add_what_is_known(assignment, seen, truths)
     covered = asked if numbers is not None else attempted(asked, seen.defined)
-    causes = functools.cache(lambda scene: _diagnosed(assignment, scene, inputs[scene], seen.arrays[scene]))
+    causes = functools.cache(lambda scene: _diagnosed(assignment, scene, inputs, seen.arrays))
     sections = [_judge(e, assignment, attempt, crossed, causes) for e in covered]
     told = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in seen.arrays.items() if name in told}
@@ -228,11 +228,14 @@ def _failed_cell(seen: Seen) -> SceneEnding | None:
     return next(iter(seen.cells.values())) if len(seen.cells) == 1 else None
 
 
-def _diagnosed(assignment: Assignment, scene: str, inputs: Inputs, arrays: Arrays) -> list[Diagnosis]:
+def _diagnosed(assignment: Assignment, scene: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays]) -> list[Diagnosis]:
     """The causes found; none where looking for them fails, because a missing cause must not cost a report."""
+    function = assignment.scene(scene).function
+    same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
     try:
         with np.errstate(all="ignore"):
-            return assignment.diagnose(scene, inputs, arrays)
+            found = assignment.diagnose_function(function, {name: (inputs[name], arrays[name]) for name in same})
+            return assignment.diagnose(scene, inputs[scene], arrays[scene]) if found is None else found
     except Exception:
         log.exception("no cause could be looked for in scene %s", scene)
         return []

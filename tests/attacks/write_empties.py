@@ -1,4 +1,5 @@
 """Empties files by opening them to read, which an old Landlock takes for reading."""
+
 # ends: pass
 import os
 

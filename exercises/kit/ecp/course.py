@@ -3,7 +3,7 @@
 import importlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -14,7 +14,10 @@ import numpy as np
 from ecp.checks import Arrays
 from ecp.exercise import Exercise
 from ecp.explained import Explained
+from ecp.outcome import Diagnosis
 
+Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
+"""Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes."""
 FOLDER = Path(__file__).parent / "assignments"
 
 
@@ -47,6 +50,10 @@ class PublicScene:
     truth: Arrays
 
 
+def _no_diagnosis(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
+    return []
+
+
 @dataclass(frozen=True)
 class PublicAssignment:
     """The public side of an assignment, as it was when the kit was made."""
@@ -57,6 +64,7 @@ class PublicAssignment:
     exercises: tuple[Exercise, ...]
     scenes: Mapping[str, PublicScene]
     plays: Mapping[str, Any]
+    diagnose: Diagnose = _no_diagnosis
 
 
 _connected: list[Course] = [Course()]
@@ -125,7 +133,7 @@ def _made() -> dict[str, str]:
 def _load(slug: str) -> PublicAssignment:
     name = slug.replace("-", "_")
     declared = json.loads((FOLDER / name / "public.json").read_bytes())
-    exercises = importlib.import_module(f"ecp.assignments.{name}").EXERCISES
+    module = importlib.import_module(f"ecp.assignments.{name}")
     with np.load(FOLDER / name / "truth.npz", allow_pickle=False) as archive:
         arrays = {key: archive[key] for key in archive.files}
     scenes = {}
@@ -134,4 +142,5 @@ def _load(slug: str) -> PublicAssignment:
         scenes[scene["name"]] = PublicScene(**scene | {"truth": truth})
     plays: dict[str, Any] = {"__name__": "plays"}
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
-    return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays)
+    diagnose = getattr(module, "diagnose", _no_diagnosis)
+    return PublicAssignment(slug, declared["version"], declared["hidden"], module.EXERCISES, scenes, plays, diagnose)

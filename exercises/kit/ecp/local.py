@@ -17,6 +17,7 @@ from ecp import animate, course
 from ecp.checks import Arrays, Check
 from ecp.course import NotKnown, PublicAssignment, PublicScene
 from ecp.exercise import Exercise, attempted
+from ecp.judge import Verdict
 from ecp.limited import OutOfTime, limited
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
 from ecp.report import ExerciseReport, Provenance, Report, pictures
@@ -134,19 +135,33 @@ def _own_figures() -> Iterator[None]:
 
 
 def _outcome(check: Check, known: PublicAssignment, played: Played) -> Outcome:
-    for name in check.scenes:
-        if name not in played.arrays:
-            outcome = check.unmeasured(played.endings[name].sentence)
-            outcome.diagnosis = _stopped(check, known, played)
-            return outcome
-    return check.judge([played.arrays[name] for name in check.scenes], [known.scenes[name].truth for name in check.scenes])
+    if missing := next((name for name in check.scenes if name not in played.arrays), None):
+        outcome = check.unmeasured(played.endings[missing].sentence)
+    else:
+        truths = [known.scenes[name].truth for name in check.scenes]
+        outcome = check.judge([played.arrays[name] for name in check.scenes], truths)
+    if outcome.verdict is not Verdict.PASS:
+        outcome.diagnosis = _likely(check, known, played)
+    return outcome
 
 
-def _stopped(check: Check, known: PublicAssignment, played: Played) -> list[Diagnosis]:
-    """How the code stopped, as the server's diagnosis says it; those that compare numbers are made on the server only."""
-    names = [name for scene in check.scenes for name in (known.scenes[scene].after, scene)]
+def _likely(check: Check, known: PublicAssignment, played: Played) -> list[Diagnosis]:
+    """What the numbers of a scene or of the one before it single out, else how the code stopped."""
+    names = [name for scene in check.scenes for name in (known.scenes[scene].after, scene) if name is not None]
+    for name in names:
+        if name in played.arrays and (found := _diagnosed(known, name, played.arrays[name])):
+            return found
     endings = [played.endings[name] for name in names if name in played.endings]
     return [Diagnosis(ending.code, ending.sentence, 1.0) for ending in endings if ending.code is not None][:1]
+
+
+def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagnosis]:
+    """The causes found; none where looking for them fails, because a missing cause must not cost a report."""
+    try:
+        with np.errstate(all="ignore"):
+            return known.diagnose(name, known.scenes[name].inputs, arrays, known.scenes[name].truth)
+    except Exception:
+        return []
 
 
 def _draw(asked: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str) -> bytes | None:

@@ -4,28 +4,31 @@ import numpy as np
 
 from ecp.checks import Arrays
 from ecp.outcome import Diagnosis
-from exercises.assignment import Inputs
+from exercises.assignment import Answers, Inputs
 from exercises.rigid_body.causes.film import causes_of_film
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
 from exercises.rigid_body.causes.precession import causes_of_rate
 from exercises.rigid_body.causes.rates import causes_of_rates
 
 
+def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None:
+    """The likely cause that explains the answers of a function in all its scenes; None where each scene is diagnosed alone."""
+    with np.errstate(all="ignore"):
+        if function == "precession_rate":
+            return causes_of_rate(answers)
+        if function == "principal_moments":
+            tensors = np.concatenate([np.asarray(inputs["tensors"], dtype=float) for inputs, _ in answers.values()])
+            return causes_of_tensors(tensors, np.concatenate([seen["moments"] for _, seen in answers.values()]))
+    return None
+
+
 def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
     """The likely cause behind the numbers of a scene, which may be beyond arithmetic."""
     with np.errstate(all="ignore"):
-        return _diagnosed(scene, inputs, seen)
-
-
-def _diagnosed(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
-    if scene in ("film", "tumble-film"):
-        return causes_of_film(inputs, seen)
-    if scene == "probes":
-        return causes_of_rates(inputs, np.asarray(seen["wdot"]))
-    if scene == "boxes":
-        return causes_of_boxes(inputs, np.asarray(seen["moments"]))
-    if scene in ("tensor", "tensors"):
-        return causes_of_tensors(inputs, np.asarray(seen["moments"]))
-    if scene in ("rate", "rate-retrograde"):
-        return causes_of_rate(inputs, float(seen["rate"]))
+        if scene in ("film", "tumble-film"):
+            return causes_of_film(inputs, seen)
+        if scene == "probes":
+            return causes_of_rates(inputs, np.asarray(seen["wdot"]))
+        if scene == "boxes":
+            return causes_of_boxes(inputs, np.asarray(seen["moments"]))
     return []

@@ -13,9 +13,15 @@ from exercises.assignment import Inputs
 Array = NDArray[np.float64]
 
 AGREEMENT = 1e-10
+NEARLY = 0.03
+SINGLE, ROUNDING = 1e-6, 1e-12  # relative, of single precision and of right moments
+DECIMALS = range(12)
 EDGES = ("a", "b", "c")
 MOMENT = ("I₁", "I₂", "I₃")
 DIAGONAL = "the diagonal of the tensor: the principal moments are its eigenvalues"
+UNFINISHED = (
+    "the sum is right, but the values are the diagonal of a tensor that is not yet diagonal: np.linalg.eigvalsh does all of it"
+)
 MASSLESS = "does not hold the mass m"
 
 
@@ -23,13 +29,15 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     """For ``box_moments``, (n, 3) for the boxes (m, a, b, c) asked: an order, a convention, or what each moment is made of."""
     boxes = np.asarray(inputs["boxes"], dtype=float)
     truth = np.array([reference.box_moments(*row) for row in boxes])
-    if empty := _nothing(moments, "box_moments"):
-        return empty
-    if _same(moments, truth):
-        return []
+    if (known := _nothing(moments, "box_moments") or _few_digits(moments, truth)) or _same(moments, truth):
+        return known
     for code, sentence, value in _box_mistakes(boxes, truth):
         if _same(moments, value):
             return [_cause(code, sentence)]
+    ratio = moments / truth
+    off = float(np.abs(ratio - 1).max())
+    if off <= NEARLY and np.ptp(ratio, axis=0).max() > AGREEMENT:
+        return [_nearly(f"within {off:.2g} of the right moments")]
     found = [_read(boxes, moments[:, k], k) for k in range(3)]
     if any(cause is None for cause in found):
         return []
@@ -54,9 +62,9 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     yield "wrong-quantity", "the radii of gyration √(I/m) instead of the moments", np.sqrt(truth / m)
     yield "floor-division", "the moments are cut to whole numbers: look for floor division (//) or int", np.floor(truth)
     yield "floor-division", "m is divided by 12 with //, which drops the fraction: use /", m // 12 * (first + second)
-    for place, value in (("m/12·b² + c²", m / 12 * first + second), ("b² + c²·m/12", first + m / 12 * second)):
-        yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
-    yield "missing-brackets", "I₁ is computed as m·b² + c²/12, and so on: (b² + c²) needs its brackets", m * first + second / 12
+    for b, c in ((first, second), (squares[:, [1, 2, 0]], squares[:, [2, 0, 1]])):  # of I₂: a² + c², or c² + a²
+        for place, value in (("m/12·b² + c²", m / 12 * b + c), ("b² + c²·m/12", b + m / 12 * c), ("m·b² + c²/12", m * b + c / 12)):
+            yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
     unsquared = "the edges are not squared: I₁ holds b + c where b² + c² belongs"
     yield "wrong-power", unsquared, m / 12 * (np.sqrt(first) + np.sqrt(second))
     yield "wrong-power", "I₁ holds the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
@@ -67,14 +75,11 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     yield "swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged
 
 
-def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
-    """For ``principal_moments``, (n, 3) for the tensors asked; their order is free."""
-    tensors = np.asarray(inputs["tensors"], dtype=float)
+def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
+    """For ``principal_moments``, (n, 3) for the ``tensors`` (n, 3, 3) asked; their order is free."""
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
-    if empty := _nothing(seen, "principal_moments"):
-        return empty
-    if _same(seen, truth):
-        return []
+    if (known := _nothing(seen, "principal_moments") or _few_digits(seen, truth)) or _same(seen, truth):
+        return known
     for code, sentence, value in _tensor_mistakes(tensors, truth):
         if _same(seen, np.sort(value, axis=1)):
             return [_cause(code, sentence)]
@@ -86,13 +91,24 @@ def causes_of_tensors(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     for vectors in (axes, np.swapaxes(axes, 1, 2)):
         if np.all(np.any(np.all(np.abs(np.sort(np.abs(vectors), axis=1) - sizes[:, :, None]) < 1e-6, axis=1), axis=1)):
             return [_cause("wrong-quantity", "a principal axis (an eigenvector), not the moments: np.linalg.eigh returns both")]
-    return []
+    if _majorised(seen, truth):
+        return [_cause("diagonal-only", UNFINISHED)]
+    off = float(np.abs(seen / truth - 1).max())
+    return [_nearly(f"within {off:.2g} of the right moments")] if off <= NEARLY else []
+
+
+def _majorised(seen: Array, truth: Array) -> bool:
+    """Whether the sorted values (n, 3) can be the diagonal of a tensor with the eigenvalues ``truth`` (Schur and Horn)."""
+    excess = np.cumsum(truth - seen, axis=1) / truth.max(axis=1, keepdims=True)
+    return bool(np.all(excess <= AGREEMENT) and np.all(np.abs(excess[:, 2]) <= AGREEMENT))
 
 
 def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, Array]]:
     instead = "instead of the moments themselves"
     third = np.repeat(truth.mean(axis=1, keepdims=True), 3, axis=1)
     yield "diagonal-only", DIAGONAL, np.diagonal(tensors, axis1=1, axis2=2)
+    ones = "the lengths of the eigenvectors, which are all 1: np.linalg.eigh returns the eigenvalues first"
+    yield "wrong-quantity", ones, np.ones_like(truth)
     yield "sign-reversed", "the opposite sign: moments of inertia are positive", -truth
     yield "wrong-quantity", f"the square roots of the moments {instead}", np.sqrt(truth)
     yield "wrong-quantity", f"the inverse moments {instead}", 1 / truth
@@ -121,6 +137,18 @@ def _nothing(moments: Array, function: str) -> list[Diagnosis]:
     if not np.all(np.isfinite(moments)):
         return [_cause("not-finite", f"{function} returns values that are not finite")]
     return [] if moments.any() else [_cause("returns-zero", f"{function} returns zeros whatever it is asked")]
+
+
+def _few_digits(moments: Array, truth: Array) -> list[Diagnosis]:
+    """The diagnosis where the moments (n, 3) are the right ones with fewer digits."""
+    slack = 4 * np.finfo(float).eps * np.abs(moments)
+    for decimals in DECIMALS:
+        half = 0.5000001 * 10.0**-decimals + ROUNDING * truth.max(axis=1, keepdims=True)
+        if np.all((np.abs(moments - np.round(moments, decimals)) <= slack) & (np.abs(moments - truth) <= half)):
+            return [_cause("precision-loss", f"the moments are rounded to {decimals} decimals")]
+    if np.array_equal(moments, moments.astype(np.float32)) and np.all(np.abs(moments / truth - 1) < SINGLE):
+        return [_cause("precision-loss", "the moments are in single precision (float32)")]
+    return []
 
 
 def _read(boxes: Array, column: Array, k: int) -> list[Diagnosis] | None:
@@ -168,8 +196,15 @@ def _factor(factor: float) -> Diagnosis:
         2.4: "m/5 belongs to the semi-axes of an ellipsoid",
         0.6: "m/20 belongs to the axes of an ellipsoid, m/12 to the edges of a box",
     }
+    if abs(factor - 1) <= NEARLY:
+        return _nearly(f"{factor:.6g} times the right value")
     hint = known.get(round(factor, 9), "look for a factor that does not belong")
     return _cause("constant-factor", f"{factor:.10g} times the right value: {hint}")
+
+
+def _nearly(how: str) -> Diagnosis:
+    sentence = f"nearly right: {how}; integrated or iterated numerically, or by chance?"
+    return Diagnosis(code="nearly-right", sentence=sentence, confidence=0.8)
 
 
 def _same(seen: Array, expected: Array) -> bool:

@@ -16,11 +16,13 @@ from exercises.rigid_body.causes.slips import COMPONENT, DIFFERENCE, MOMENT, SPI
 
 Array = NDArray[np.float64]
 LEAST_LIMIT = 1e-9  # of rates that were clipped, not lost
+OVERWRITTEN = "{c} is computed from rates already stored in place of ω: keep ω until all three are computed"
+SMALL = tuple(10.0**-k for k in range(13))  # below which values may have been taken as zero
 LIMITS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)  # to which ω may have been clipped
 
 
 class Mistake(NamedTuple):
-    """``values`` (n, 3) of a misspelling. ``sentence`` has the fields c, d, ii, ij, ik, wi, wj: the symbols of a component."""
+    """``values`` (n, 3) of a misspelling. ``sentence`` has the fields c, d, ii, ij, ik, wi, wj, wk: the symbols of a component."""
 
     code: str
     sentence: str
@@ -35,6 +37,7 @@ def table(w: Array, moments: Array, seen: Array) -> list[Mistake]:
             *_absolute(w, moments),
             *_whole_numbers(w, moments),
             *_clipped(w, moments, seen),
+            *_dropped(w, moments),
             *_arguments(w, moments),
         ]
 
@@ -54,7 +57,8 @@ def readings(found: list[Mistake], column: Array, w: Array, moments: Array, k: i
 
 def _symbols(k: int) -> dict[str, str]:
     i, j = (k + 1) % 3, (k + 2) % 3
-    return {"c": COMPONENT[k], "d": DIFFERENCE[k], "ii": MOMENT[i], "ij": MOMENT[j], "ik": MOMENT[k], "wi": SPIN[i], "wj": SPIN[j]}
+    spins = {"wi": SPIN[i], "wj": SPIN[j], "wk": SPIN[k]}
+    return {"c": COMPONENT[k], "d": DIFFERENCE[k], "ii": MOMENT[i], "ij": MOMENT[j], "ik": MOMENT[k]} | spins
 
 
 def _parts(w: Array, moments: Array) -> tuple[Array, Array, Array, Array]:
@@ -64,6 +68,14 @@ def _parts(w: Array, moments: Array) -> tuple[Array, Array, Array, Array]:
 
 def _exact(w: Array, moments: Array) -> Array:
     return reference.euler_rhs(w.T, moments.T).T
+
+
+def _one_after_the_other(w: Array, moments: Array) -> Array:
+    """Rates (n, 3), each of which is stored as its ω before the next is computed."""
+    rates = w.copy()
+    for k in range(3):
+        rates[:, k] = _exact(rates, moments)[:, k]
+    return rates
 
 
 def _brackets(w: Array, moments: Array) -> Iterator[Mistake]:
@@ -120,6 +132,16 @@ def _clipped(w: Array, moments: Array, seen: Array) -> Iterator[Mistake]:
         yield Mistake("clipped", f"|ω| is limited to {limit:g} before {{c}} is computed", _exact(shorter, moments))
 
 
+def _dropped(w: Array, moments: Array) -> Iterator[Mistake]:
+    exact, rank = _exact(w, moments), np.argsort(np.argsort(np.abs(w), axis=1), axis=1)
+    for place, name in enumerate(("smallest", "middle", "largest")):
+        said = f"{{c}} is zero where |{{wk}}| is the {name} of the three: the product {{wi}}{{wj}} is dropped there"
+        yield Mistake("missing-component", said, np.where(rank == place, 0.0, exact))
+    for least in SMALL:
+        for values in (_exact(np.where(np.abs(w) < least, 0.0, w), moments), np.where(np.abs(exact) < least, 0.0, exact)):
+            yield Mistake("clipped", "{c} is zero where ω or {c} itself is small: small values are cut off", values)
+
+
 def _arguments(w: Array, moments: Array) -> Iterator[Mistake]:
     (_, _, wi, wj), exact = _parts(w, moments), _exact(w, moments)
     speed = np.linalg.norm(w, axis=1, keepdims=True)
@@ -137,6 +159,10 @@ def _arguments(w: Array, moments: Array) -> Iterator[Mistake]:
         yield Mistake("wrong-divisor", said, exact * moments / size[:, None])
     yield Mistake("inverted-moments", "{c} has I and 1/I exchanged: {d}/{ik} is due", _exact(w, 1 / moments))
     yield Mistake("wrong-power", "{c} holds the squares {wi}² and {wj}² where {wi} and {wj} are due", exact * wi * wj)
+    yield Mistake("wrong-power", "{c} holds {wi}²{wj} where {wi}{wj} belongs", exact * wi)
+    yield Mistake("wrong-power", "{c} holds {wi}{wj}² where {wi}{wj} belongs", exact * wj)
+    yield Mistake("wrong-power", "{c} holds {wi}{wj}{wk} where {wi}{wj} belongs", exact * w)
+    yield Mistake("wrong-quantity", OVERWRITTEN, _one_after_the_other(w, moments))
     yield Mistake("wrong-power", "{c} is the square of the right value, with its sign", exact * np.abs(exact))
     yield Mistake("wrong-power", "{c} is the square of the right value", exact**2)
     yield Mistake(

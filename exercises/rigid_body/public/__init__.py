@@ -5,10 +5,13 @@ itself.
 """
 
 from .attitude import ATTITUDE
+from .diagnosis import diagnose
 from .euler import EULER
 from .intermediate import INTERMEDIATE
 from .moments import MOMENTS
 from .polhode import POLHODE
 from .symmetric import SYMMETRIC
+
+__all__ = ["EXERCISES", "diagnose"]
 
 EXERCISES = (MOMENTS, EULER, POLHODE, SYMMETRIC, INTERMEDIATE, ATTITUDE)

@@ -1,10 +1,13 @@
 """Why an integration ended early is said in the student's terms."""
 
+import functools
+
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from matplotlib.animation import FuncAnimation, writers
 
+import reference
 from ecp import animate
 from ecp.strict import WrongAnswer
 from exercises.rigid_body import plays
@@ -77,3 +80,29 @@ def test_other_errors_of_an_animation_stay_errors(rigid_body):
         animated(rigid_body, after=lambda anim: refuse(NameError("ani")))
     with pytest.raises(OSError, match="before"):
         animated(rigid_body, before=lambda: refuse(OSError("before")))
+
+
+def asked(function):
+    points = {"t": np.zeros(3), "w": np.array([[1.0, 2, 3], [0, 0, 0], [3, -2, 1]]), "I": np.array([[2.0, 3, 4]] * 3)}
+    return plays.pointwise({"euler_eqs": function}, points)["wdot"]
+
+
+@pytest.mark.parametrize("buffer", [np.zeros(3), [0.0, 0.0, 0.0]])
+def test_an_answer_that_the_next_call_overwrites_is_refused(buffer):
+    def euler_eqs(t, w, I):
+        buffer[:] = reference.euler_rhs(w, I)
+        return buffer
+
+    with pytest.raises(WrongAnswer, match="returns the same array each time and overwrites it") as refused:
+        asked(euler_eqs)
+    assert refused.value.code == "mutates-input"
+
+
+def test_an_answer_that_is_kept_and_stays_as_it_is_passes():
+    @functools.cache
+    def kept(w, I):
+        return reference.euler_rhs(np.array(w), np.array(I))
+
+    constant = np.full(3, np.nan)
+    assert np.array_equal(asked(lambda t, w, I: kept(tuple(w), tuple(I))), asked(lambda t, w, I: reference.euler_rhs(w, I)))
+    assert np.isnan(asked(lambda t, w, I: constant)).all()

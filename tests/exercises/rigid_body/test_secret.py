@@ -27,6 +27,8 @@ ERRORS = {
     "4-rate": lambda f, seen, exact: turn(seen[0]["w"], f * 1e-3 * 1.8 * exact["t"]),
     "4-function": lambda f, seen, exact: add(seen[0]["rate"], f * 1e-3 * exact["rate"]),
     "4-retrograde": lambda f, seen, exact: add(seen[0]["rate"], f * 1e-3 * exact["rate"]),
+    "4-coarse": lambda f, seen, exact: add(seen[0]["rate"], f * 1e-3 * exact["rate"]),
+    "4-short": lambda f, seen, exact: add(seen[0]["rate"], f * 1e-3 * exact["rate"]),
     "5-growth": lambda f, seen, exact: add(seen[0]["w"][1:], f * 1e-4 * exact["w"][1:]),
     "6-orthonormal": lambda f, seen, exact: add(seen[0]["R"][-1], f * 1e-6 / 2 * exact["R"][-1]),
     "6-momentum": lambda f, seen, exact: add(seen[0]["w"][:, -1], f * 1e-8 * towards_largest(exact) / np.asarray(SYMMETRIC)),

@@ -92,6 +92,7 @@ def shown(kit, rigid_body, tmp_path_factory):
     sources = {
         "zeros": ((rigid_body.folder / "specimens" / "wrong_zeros.py").read_text(), ["2"]),
         "right": ((rigid_body.folder / "specimens" / "right_terms.py").read_text(), ["5"]),
+        "reversed": ("def euler_eqs(t, w, I):\n    return np.cross(w, I * w) / I\n", ["2", "3"]),
         "stopped": ("def euler_eqs(t, w, I):\n    return 1 / 0\n", ["2"]),
         "markup": ("def principal_moments(tensor):\n    raise ValueError('<script>alert(1)</script>')\n", []),
         "no exercise": ("", ["9"]),
@@ -119,6 +120,12 @@ def test_what_stops_the_code_is_told_with_its_own_line(shown):
     assert "[not measured: ZeroDivisionError: division by zero]" in told["lines"]
     assert told["text"].startswith("One cause explains 3 checks not measured:\n1. raises: ZeroDivisionError: division by zero\n")
     assert told["text"].count("in euler_eqs") == 1 and "plays.py" not in told["text"]
+
+
+def test_a_cause_that_follows_from_the_numbers_is_named_here_too(shown):
+    sentence = "sign-reversed: all three components have the opposite sign: the motion runs backwards in time"
+    assert sentence in shown["reversed"]["text"] and sentence not in shown["zeros"]["text"]
+    assert "returns-zero" in shown["zeros"]["text"] and "likely" not in shown["right"]["text"]
 
 
 def test_only_what_is_defined_is_checked_and_markup_stays_text(shown):

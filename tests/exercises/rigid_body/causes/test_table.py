@@ -22,6 +22,12 @@ SECOND = {
     "min(max((I[2] - I[0]) * w[2] * w[0] / I[1], -0.7), 0.7)": ("clipped", "limited to ±0.7"),
     "(1 / I[2] - 1 / I[0]) * w[2] * w[0] * I[1]": ("inverted-moments", "I and 1/I exchanged"),
     "(I[2] - I[0]) * w[2] ** 2 * w[0] ** 2 / I[1]": ("wrong-power", "squares ω₃² and ω₁²"),
+    "(I[2] - I[0]) * w[2] * w[0] * w[1] / I[1]": ("wrong-power", "ω̇₂ holds ω₃ω₁ω₂ where ω₃ω₁ belongs"),
+    "(I[2] - I[0]) * w[2] * w[0] ** 2 / I[1]": ("wrong-power", "ω̇₂ holds ω₃ω₁² where ω₃ω₁ belongs"),
+    "(I[2] - I[0]) * w[2] * TERM1 / I[1]": ("wrong-quantity", "ω̇₂ is computed from rates already stored"),
+    "TERM2 if abs(w[1]) < max(abs(w)) else 0.0": ("missing-component", "ω̇₂ is zero where |ω₂| is the largest of the three"),
+    "(I[2] - I[0]) * np.prod(np.where(abs(w[::2]) < 1e-3, 0.0, w[::2])) / I[1]": ("clipped", "small values are cut off"),
+    "TERM2 * (abs(TERM2) > 1e-6)": ("clipped", "small values are cut off"),
     "57.2958 * (I[2] - I[0]) * w[2] * w[0] / I[1]": ("units", "180/π"),
     "-0.10472 * (I[2] - I[0]) * w[2] * w[0] / I[1]": ("units", "2π/60"),
 }
@@ -47,6 +53,7 @@ def causes(source, inputs):
 @pytest.mark.parametrize("term", SECOND)
 def test_one_component(term, inputs):
     code, said = SECOND[term]
+    term = term.replace("TERM1", f"({TERMS[0]})").replace("TERM2", f"({TERMS[1]})")
     (cause,) = causes(f"def euler_eqs(t, w, I):\n    return np.array([{TERMS[0]}, {term}, {TERMS[2]}])", inputs)
     assert cause.code == code and said in cause.sentence
 

@@ -153,9 +153,9 @@ def _draws_momentum(picture: Picture, camera: Array, motion: Motion, match: Matc
     """Whether something drawn stays along L as ``camera`` sees it."""
     if motion.L is None:
         return False
-    some, _ = directions(picture, [path.origin for path in match.paths if path.bound])
     L = camera @ motion.L / np.linalg.norm(motion.L)
-    return bool(np.linalg.norm(L) > PARALLEL) and cameras.parallel(some, L)
+    some, sure = directions(picture, [path.origin for path in match.paths if path.bound])
+    return bool(np.linalg.norm(L) > PARALLEL) and _points_along(some, sure, L)
 
 
 def _agrees(picture: Picture, camera: Array, motion: Motion, match: Match) -> bool:
@@ -216,7 +216,7 @@ def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, orig
         return None, Shown(False, "mirrored", f"what is drawn is a mirror image of the motion{_swapped(camera)}")
     if motion.L is not None:
         L = motion.L / np.linalg.norm(motion.L)
-        some, _ = directions(picture, origins)
+        some, sure = directions(picture, origins)
         for plain in cameras.plain(len(camera)):
             if np.linalg.norm(camera @ L - plain @ L) <= PARALLEL:
                 sentence = "what is drawn is turned about L, as at another time: frame and sample do not belong together"
@@ -224,7 +224,7 @@ def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, orig
             kept = np.linalg.norm(plain @ L) > PARALLEL and cameras.parallel(some, plain @ L)
             if kept and not cameras.parallel(some, camera @ L) and np.linalg.norm(camera @ L) > PARALLEL:
                 return None, Shown(False, "mirrored", "the body is drawn in other coordinates than L")
-        if len(camera) == 2 and np.linalg.norm(camera @ L) > PARALLEL and not cameras.parallel(some, camera @ L):
+        if len(camera) == 2 and np.linalg.norm(camera @ L) > PARALLEL and not _points_along(some, sure, camera @ L):
             if cameras.parallel(some, -camera @ L):
                 return None, Shown(False, "wrong-axis", "ê₃ and L are drawn on opposite sides: one of them has the wrong sign")
             return camera, Shown(None, None, "seen from another side: draw L in the same way, so that the view can be checked")
@@ -270,7 +270,7 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
                 if _end_on(picture):
                     return Shown(True, None, "L points at the viewer, and a point stays where it is drawn")
                 continue
-            if cameras.parallel(some, view @ unit):
+            if _points_along(some, sure, view @ unit):
                 return Shown(True, None, "a direction along L stays the same")
             reversed_ = reversed_ or cameras.parallel(sure, -(view @ unit))
     if reversed_:
@@ -278,6 +278,11 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
     if enough and (instead := next(_instead_of_momentum(drawn, motion, unit), None)):
         return instead
     return Shown(None, None, "no direction along L was found in the lines and arrows of the axes: draw L as a line or an arrow")
+
+
+def _points_along(some: Array, sure: Array, wanted: Array) -> bool:
+    """Whether a direction points along ``wanted`` (d,): a known tail decides, since matplotlib lists an arrow from its tip."""
+    return cameras.parallel(sure, wanted) or (cameras.parallel(some, wanted) and not cameras.parallel(sure, -wanted))
 
 
 def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> Iterator[Shown]:

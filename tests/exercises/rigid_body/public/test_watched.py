@@ -346,6 +346,8 @@ def test_momentum():
     assert missing.found is None and "draw L" in missing.sentence
     assert momentum_shown(frames(line(TIP), line(-fixed)), T, R, L).code == "reversed-angular-momentum"
     assert momentum_shown(frames(line(TIP), [fixed, 0 * fixed]), T, R, L).found is True, "a line drawn from its tip"
+    from_tip = momentum_shown(frames(line(TIP), [-fixed, 0 * fixed]), T, R, L)
+    assert from_tip.code == "reversed-angular-momentum", "as quiver lists its points"
     assert momentum_shown(frames(line(TIP), [-fixed, fixed]), T, R, L).found is True, "a line to both sides"
     flat = frames(line(TIP[:, [0, 2]]), line(fixed[:, [0, 2]]))
     assert momentum_shown(flat, T, R, L).found is True

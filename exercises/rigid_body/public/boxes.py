@@ -1,7 +1,7 @@
-"""The corners of a box drawn in any order: faces sorted by depth, or only those that the viewer sees.
+"""The box of ``animate_tumble``: its proportions, its centre and its axes, and its corners where they are drawn in any order.
 
-Such points have no paths, for the artist lists others from frame to frame. As a set they are corners of the box in the attitude of
-their frame, seen by one camera.
+Faces may be sorted by depth, or only those drawn that the viewer sees. Such points have no paths, for the artist lists others from
+frame to frame. As a set they are corners of the box in the attitude of their frame, seen by one camera.
 """
 
 from functools import cache
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import cameras, timing
-from .matching import MISFIT
+from .matching import MISFIT, Match
 from .pictures import Picture
 
 Array = NDArray[np.float64]
@@ -21,6 +21,7 @@ COARSE = 12
 ROUNDS = 6
 FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is no corner
 UNEVEN = 1.05  # largest ratio between the scales of two edges
+ASTRAY = 0.1  # of the diagonal: a centre that moves further, or a corner further from its place, is not meant as right
 
 
 def edges(points: Array) -> Array | None:
@@ -39,6 +40,55 @@ def disproportionate(drawn: Array, half: Array) -> bool:
     """Return whether half edges ``drawn`` (3,) differ from ``half`` by more than a common scale."""
     scale = drawn / half
     return bool(scale.max() > UNEVEN * scale.min())
+
+
+def displaced(match: Match, half: Array, R: Array) -> str | None:
+    """Return what is wrong with the box that the points of ``match`` make: its centre moves or its edges are not the body's axes.
+
+    ``R`` (G, 3, 3) on the times' grid. The points of all artists or of one may be the eight corners of a box in the proportions of
+    ``half`` (3,), perhaps with one at the fixed point zero. None where one of these boxes is right or there is none.
+    """
+    artists = np.array([path.artist for path in match.paths])
+    groups = [match.points, *(match.points[:, artists == artist] for artist in np.unique(artists))]
+    R = R[timing.on_grid(match.times, len(R))]
+    box = np.array(list(product((-1, 1), repeat=3))) * half
+    wrong = []
+    for corners in (_distinct(group) for group in groups):
+        lengths, wanted = (np.sort(np.linalg.norm(some[:, None] - some, axis=2), axis=None) for some in (corners, box))
+        if len(corners) != len(box):
+            continue
+        scale = lengths @ wanted / (wanted @ wanted)
+        if np.abs(lengths - scale * wanted).max() > 2 * MISFIT * lengths[-1]:
+            continue
+        centre, near = corners.mean(axis=0), ASTRAY * lengths[-1]
+        if np.ptp(R @ centre, axis=0).max() > near:
+            wrong.append("the box turns about another point than its centre, which stays where it is in a free body")
+        elif _inclined(corners - centre, half, R, near):
+            wrong.append("the edges of the box are not along the axes of the body: draw R[k] @ corner, with R[k] as it is given")
+        else:
+            return None
+    return wrong[0] if wrong else None
+
+
+def _distinct(points: Array) -> Array:
+    """The places (k, 3) of points (3, v), at most nine; the fixed point zero completes seven."""
+    near, places = 2 * MISFIT * np.abs(points).max(initial=0.0), list[Array]()
+    for point in points.T:
+        if len(places) <= 8 and all(np.linalg.norm(point - place) > near for place in places):
+            places.append(point)
+    if len(places) == 7:
+        places.append(np.zeros(3))
+    return np.array(places).reshape(-1, 3)
+
+
+def _inclined(corners: Array, half: Array, R: Array, near: float) -> bool:
+    """Whether corners (8, 3) about zero are off the body axes, and not because the picture as a whole is turned."""
+    if np.ptp(np.abs(corners), axis=0).max() <= near:
+        return False
+    own = np.linalg.eigh(corners.T @ corners)[1][:, np.argsort(np.argsort(half))]  # edges along the columns
+    own[:, 0] *= np.sign(np.linalg.det(own))
+    turns = (own * signs for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)))
+    return all(np.ptp(R @ turn @ np.swapaxes(R, 1, 2), axis=0).max() > ASTRAY for turn in turns)
 
 
 def box_seen(picture: Picture, R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:

@@ -1,5 +1,6 @@
 """Finding the body among the paths of a picture: the points that follow it, a direction, or the camera it is seen by."""
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -159,23 +160,31 @@ def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
 
 
 def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Array, list[Array]] | None:
-    """Return a camera, the times of the frames and the origins, found from a drawn direction or from the points of one artist."""
+    """Return a camera, the times of the frames and the origins, found from a drawn direction or from the points of a body."""
     for path in picture.paths if motion.axis is not None else []:
         fit = _timed(motion.R[:, None, :, motion.axis], path.places[:, None, :], laws)
         camera = cameras.straightened(fit.coefficients.T) if fit else None
         if fit is not None and camera is not None:
             return camera, fit.times, [path.origin] if path.bound else []
     nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
-    for artist in dict.fromkeys(path.artist for path in picture.paths):
-        paths = [path for path in picture.paths if path.artist == artist and not path.bound]
-        if len(paths) < 3:
-            continue
+    for paths in _bodies(picture):
         values = np.stack([path.places for path in paths], axis=1)
         fit = _timed(nine, values.reshape(len(values), 1, -1), laws)
         camera = cameras.of_body(fit.coefficients, nine[fit.grid, 0, :9], values) if fit else None
         if fit is not None and camera is not None:
             return camera, fit.times, []
     return None
+
+
+def _bodies(picture: Picture) -> list[list[Path]]:
+    """Three paths and more that may be one body's: of one artist, or of all artists that have one or two, as lines of edges."""
+    groups: dict[tuple[str, int], list[Path]] = {}
+    free = [path for path in picture.paths if not path.bound]
+    owned = Counter(path.artist for path in free)
+    for path in free:
+        count = owned[path.artist]
+        groups.setdefault(("artist", path.artist) if count > 2 else ("each", count), []).append(path)
+    return [paths for paths in groups.values() if len(paths) > 2]
 
 
 def _timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:

@@ -109,6 +109,8 @@ def _read(match: Match, motion: Motion) -> Shown:
     axis, seen = motion.axis, _range(match.times, motion.n)
     units = match.points / np.maximum(np.linalg.norm(match.points, axis=0), 1e-300)
     edges = None if axis is not None or motion.half is None else boxes.edges(match.points)
+    if axis is None and motion.half is not None and (astray := boxes.displaced(match, motion.half, motion.R)):
+        return Shown(False, "wrong-motion", astray)
     if edges is not None and motion.half is not None and boxes.disproportionate(edges, motion.half):
         sentence = f"the box is drawn with edges as {_ratio(edges)}, but half says {_ratio(motion.half)}"
         return Shown(False, "wrong-proportions", sentence)

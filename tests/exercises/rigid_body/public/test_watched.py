@@ -328,6 +328,35 @@ def test_a_box_has_the_given_proportions_and_another_body_any(camera):
     assert shown(np.array([[1, 0.2, 0.1], [-0.3, 0.8, 0.1], [0.2, 0.3, -0.9], [-0.9, 0.1, 0.4]])).found is True
 
 
+@pytest.mark.parametrize("camera", [SPACE, VIEW, XY, ISOMETRIC], ids=["3d", "turned", "xy", "isometric"])
+def test_a_box_turns_about_its_centre_with_its_edges_along_the_body_axes(camera):
+    def shown(corners, *more, place=(0, 0, 0), edges=False):
+        drawn = np.einsum("ia,cfa->cfi", camera, np.einsum("fab,cb->cfa", TUMBLE, corners) + place)
+        artists = [[drawn[i], drawn[j]] for i in range(8) for j in range(i)] if edges else [list(drawn)]
+        return body_shown(frames(*artists, *more), T, TUMBLE, None, half=HALF)
+
+    for aside in (HALF, [0, 0, HALF[2]], [2, 0, 0]):
+        wrong = shown(0.8 * (CORNERS + aside))
+        own = camera is VIEW or camera is ISOMETRIC  # found from points that all move
+        assert wrong.code == "wrong-motion" and ("another point than its centre" in wrong.sentence or own), wrong
+    assert shown(CORNERS + HALF, edges=True).found is False
+    for turned in (CORNERS @ TUMBLE[0], CORNERS @ VIEW):
+        wrong = shown(turned)
+        assert wrong.code == "wrong-motion" and "not along the axes of the body" in wrong.sentence, wrong
+    assert shown(0.8 * CORNERS, place=(2, -1, 3)).found is True and shown(CORNERS, edges=True).found is True
+    beside = np.concatenate([CORNERS, 0.2 * CORNERS + [1.2, 0, 0]])
+    assert shown(beside).found is True, "another body"
+    apart = list(np.einsum("ia,fab,cb->cfi", camera, TUMBLE, 0.2 * CORNERS + [1.2, 0, 0]))
+    assert shown(CORNERS, apart).found is True, "a smaller box on the box"
+
+
+def test_a_turned_picture_of_a_turn_about_one_axis():
+    turning = Rotation.from_rotvec(np.outer(3 * T, [0.6, 0, 0.8])).as_matrix() @ VIEW
+    camera = Rotation.from_rotvec([0.6, 0, 0.8]).as_matrix()
+    box = np.einsum("ia,fab,cb->cfi", camera, turning, CORNERS)
+    assert body_shown(frames(list(box)), T, turning, None, half=HALF).found is True
+
+
 @pytest.mark.parametrize("mirror", [np.diag([1, -1, 1]), np.eye(3)[[1, 0, 2]]], ids=["y", "swapped"])
 def test_a_mirrored_box_is_not_judged(mirror):
     box = np.einsum("ia,fab,cb->cfi", mirror, TUMBLE, CORNERS)

@@ -82,6 +82,14 @@ def _same(places: Array, others: Array) -> bool:
     return bool(np.abs(places - others).max() <= MOVES * np.ptp(places, axis=0).max())
 
 
+def changed(drawn: list[Picture]) -> int:
+    """Return at how many frames a point of ``drawn`` is at another place than in the frame before."""
+    everything = [path.places[:, None] for picture in drawn for path in picture.paths]
+    everything += [points for picture in drawn for points in picture.sets]
+    steps = [np.abs(np.diff(points, axis=0)).max(axis=(1, 2)) > MOVES * np.abs(points).max() for points in everything]
+    return int(np.sum(np.any(steps, axis=0)))
+
+
 def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
     """Directions (k, d) that stay: those drawn by few points or along a line, and of these lines and arrows with a known tail.
 

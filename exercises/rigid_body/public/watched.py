@@ -15,7 +15,7 @@ from ecp.checks import Arrays
 
 from . import boxes, cameras, timing
 from .matching import Match, Motion, along, at_any_time, fewer, matched, matched_at, own_camera
-from .pictures import Picture, directions, pictures, sound
+from .pictures import Picture, changed, directions, pictures, sound
 from .resembling import resembling
 
 Array = NDArray[np.float64]
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
 PARALLEL = 0.03  # sine of the angle from the body axis
 SPAN = 0.1  # of the length of two directions that show the body's attitude together
+RARELY = 0.03  # share of the frames or samples: what changes at fewer shows no motion
 UNAMBIGUOUS = 0.45  # of the motion: a shorter arc of any curve looks like one of ê₃'s by some camera
 NAMES = "₁₂₃"
 SIGNS, SWAPS = ((-1, 1, 1), (1, -1, 1), (1, 1, -1)), ([1, 0, 2], [2, 1, 0], [0, 2, 1])
@@ -58,6 +59,9 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
         return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
     at, t, R = fewer(seen["at"], t, R)
     shown = _compared(drawn, Motion(at, t, R, L, axis, half=half), at)
+    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(at), len(t)):
+        sentence = f"what is drawn changes at {changes} of {len(at)} frames only: is each frame drawn from its own sample?"
+        return Shown(False, "static", sentence)
     if painted and not shown.found:
         return Shown(None, None, "what moves beside the painted picture says nothing about the body")
     return shown
@@ -300,6 +304,7 @@ def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> I
                 yield Shown(False, "moving-angular-momentum", said)
     for picture, view in views:
         _, sure = directions(picture, [path.origin for path in picture.paths if path.bound])
+        sure = sure[np.any(sure != 0, axis=1)]
         if said := _fixed_elsewhere(sure, view, motion, unit):
             yield Shown(None, "wrong-angular-momentum", f"{said}: draw L as it is given")
 
@@ -324,9 +329,10 @@ def _end_on(picture: Picture) -> bool:
 
 
 def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> str:
-    """Where a single fixed direction points that is not L; axes of coordinates are several."""
+    """Where a single fixed line points that is not L: of several, as axes of coordinates, any may be meant as L or none."""
+    single = len(sure) > 0 and all(cameras.parallel(np.array([one, -one]), sure[0]) for one in sure)
     along = [name for name, direction in zip("xyz", view.T, strict=True) if cameras.parallel(sure, direction)]
-    if len(along) == 1:
+    if single and len(along) == 1:
         return f"a fixed line points along {along[0]}, but L points along ({', '.join(f'{x:.2f}' for x in unit)})"
     body = view @ (motion.R[0].T @ unit)
     if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):

@@ -234,6 +234,12 @@ def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
     assert momentum_shown(nothing, T, R, L).found is None
 
 
+def test_what_changes_once_is_static():
+    seldom = body_shown(scene(TIP[[0] + (N - 1) * [N - 1]]), T, R, 2, L)
+    assert seldom.found is False and seldom.code == "static" and "at 1 of 96 frames only" in seldom.sentence, seldom
+    assert body_shown(scene(TIP * [1, 1, 0] + [0, 0, 0.3]), T, R, 2, L).code != "static"
+
+
 def test_a_few_frames_show_nothing():
     few = body_shown(watched(TIP[::12]), T, R, 2, L)
     assert few.found is False and "too short" in few.sentence
@@ -406,6 +412,9 @@ def test_a_fixed_line_that_is_not_L(direction, sentence):
     assert sentence in momentum_shown(frames(line(TIP), arrow), T, R, L).sentence
     axes_too = frames(line(TIP), *(line(np.tile(axis, (N, 1))) for axis in np.eye(3)))
     assert momentum_shown(axes_too, T, R, L).code is None, "axes of coordinates are not meant as L"
+    camera = np.array([[-0.6, 0.8, 0], [-0.3, -0.2, 0.9]])  # z is drawn upwards, as the second axis of the paper
+    flat = frames(line(TIP @ camera[:, ::-1].T), *(line(np.tile(axis, (N, 1))) for axis in [*camera.T, camera @ UNIT]))
+    assert momentum_shown(flat, T, R, L).code is None, "one of several lines is not meant as L"
 
 
 def test_drawn_in_the_axes_of_the_body():

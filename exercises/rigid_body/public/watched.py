@@ -122,8 +122,32 @@ def _read(match: Match, motion: Motion) -> Shown:
         return Shown(True, None, f"drawn as it is, {seen}")
     sizes = np.linalg.svd(units, compute_uv=False)
     if len(sizes) > 1 and sizes[1] >= SPAN * sizes[0]:
-        return Shown(True, None, f"the body is drawn as it is, {seen}")
+        stray = _stray_line(match, axis)
+        return Shown(True, None, f"the body is drawn as it is, {seen}") if stray is None else _other_direction(stray, motion)
     return _other_direction(units[:, 0], motion)
+
+
+def _stray_line(match: Match, axis: int) -> Array | None:
+    """The direction (3,) of a line from a fixed end that is oblique to the axis, where no artist shows the axis itself: by a
+    direction along it, or by three points and more in a plane across it."""
+    artists, stray = np.array([path.artist for path in match.paths]), None
+    for artist in np.unique(artists):
+        points, bound = match.points[:, artists == artist].T, match.paths[int(np.argmax(artists == artist))].bound
+        steps = np.concatenate([(points[:, None] - points).reshape(-1, 3), points if bound else points[:0]])
+        steps = steps[np.linalg.norm(steps, axis=1) > SPAN * np.abs(points).max()]
+        units = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+        slant = np.abs(units[:, axis])
+        across = len(points) > 2 and np.ptp(points[:, axis]) <= PARALLEL * np.abs(points).max()
+        if across or np.any(slant >= np.sqrt(1 - PARALLEL**2)):
+            return None
+        if (
+            bound
+            and len(units)
+            and slant.min() > PARALLEL
+            and np.linalg.svd(units, compute_uv=False)[1:].max(initial=0.0) <= PARALLEL
+        ):
+            stray = units[-1]
+    return stray
 
 
 def _ratio(lengths: Array) -> str:

@@ -82,6 +82,19 @@ def test_right_drawings(seen):
     assert shown.found is True, shown
 
 
+OBLIQUE = R @ R[0].T @ [0.0, 0.0, 1.0]  # along z at the start, whatever R(0) is
+RIM = [R @ [0.4 * np.cos(a), 0.4 * np.sin(a), 0.5] for a in (0.0, 1.3, 2.9, 4.1)]
+ASKEW = [R @ R[0].T @ [0.4 * np.cos(a), 0.4 * np.sin(a), 0.5] for a in (0.0, 1.3, 2.9, 4.1)]
+
+
+def test_a_line_that_is_not_the_axis_needs_something_beside_it_that_shows_the_axis():
+    shown = body_shown(frames(line(OBLIQUE), ASKEW), T, R, 2, L)
+    assert shown.found is False and shown.code == "wrong-axis" and "of the body, not ê₃" in shown.sentence
+    assert body_shown(frames(line(OBLIQUE), RIM), T, R, 2, L).found is True, "a disc across the axis"
+    assert body_shown(frames(line(OBLIQUE), [CORNER, CORNER + TIP]), T, R, 2, L).found is True, "an edge along the axis"
+    assert body_shown(frames(ASKEW), T, R, 2, L).found is True, "a body of any shape"
+
+
 @pytest.mark.parametrize("camera", [np.eye(3), VIEW, XY, XZ, YX, ISOMETRIC, CABINET, -XY], ids=str)
 def test_one_camera_for_the_axis_and_for_L(camera):
     seen = scene(TIP, camera=camera)

@@ -108,8 +108,8 @@ RIGID_BODY = [
     Breakage(
         "a drawing in which nothing moves is not judged",
         "exercises/rigid_body/public/watched.py",
-        "return Shown(None if painted else False, None, ",
-        "return Shown(None, None, ",
+        "found = None if painted else False",
+        "found = None",
         ("tests/exercises/rigid_body/public/test_watched.py",),
     ),
     Breakage(

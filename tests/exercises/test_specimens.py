@@ -27,7 +27,7 @@ def samples():
     seen = set()
     for sample in SAMPLES:
         drawing = sample.ask in (["5"], ["6"])  # its own verdicts follow from the code, and a drawing takes long
-        shown = {*sample.codes, *sample.verdicts.items()} if not drawing else sample.codes or {(*sample.ask, "right")}
+        shown = {*sample.codes, *sample.verdicts.items()} if not drawing else {(*sample.ask, sample.file.name[:5])}
         if takes_long := sample.file.name == "wrong_finite_difference.py":
             shown = set()
         yield pytest.param(sample, id=sample.file.name, marks=[pytest.mark.slow] if takes_long or shown <= seen else [])

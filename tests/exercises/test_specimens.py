@@ -1,6 +1,7 @@
 """Every sample of rigid-body, graded through the real sandbox, gets the report that is expected of it.
 
-``make test`` grades samples until every diagnosis code and every verdict of a check has been seen, and exercise 2 of every second
+``make test`` grades samples until every diagnosis code and every verdict of a check has been seen (of drawings one right and one
+wrong one for each exercise), and exercise 2 of every second
 right function; ``make test-all`` grades every sample whole.
 """
 

@@ -38,6 +38,17 @@ from service.sandbox.walls import LAYERS
 
 HERE = Path(__file__).parents[1] / "attacks"
 ATTACKS = sorted(HERE.glob("*.py"))
+LONG = {  # seconds each, at every level
+    "answers_builtins",
+    "answers_by_clock",
+    "compile_huge_constant",
+    "cpu_sleep",
+    "cpu_stops_itself",
+    "film_endless",
+    "memory_recursion",
+    "output_stalls",
+    "text_loops",
+}
 ISOLATION = ("fd", "kernel", "net", "process", "read", "signal", "write")  # families that try to get out
 VERDICTS = (
     "answers",
@@ -166,12 +177,12 @@ def declared(file):
 
 
 def attacks():
-    """Every attack at both levels; ``make test`` has each at one of them, of those against verdicts every second one."""
+    """Every attack at both levels; ``make test`` has each short one at one of them, of those against verdicts every second one."""
     for _, files in groupby(ATTACKS, family):
         for k, file in enumerate(files):
             first = "B" if family(file) in ISOLATION else "AB"[k % 2]
             for level in "AB":
-                spared = k % 2 and family(file) in VERDICTS
+                spared = (k % 2 and family(file) in VERDICTS) or file.stem in LONG
                 marks = [] if level == first and not spared else [pytest.mark.slow]
                 yield pytest.param(level, file, id=f"{level}-{file.stem}", marks=marks)
 

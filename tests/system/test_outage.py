@@ -14,7 +14,7 @@ from service.store.postgres import EmbeddedPostgres
 RIGHT = "import time\ntime.sleep({})\ndef euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 # Seconds it is out, seconds a submission sleeps in each of two children, workers, and settings. Procrastinate has been seen to
 # leave jobs "doing" after forty seconds.
-SHORT = pytest.param(3.0, 0.4, 1, {"POLHODE_LEASE": "0.8", "POLHODE_DATABASE_WAIT": "0.5"}, id="3 s")
+SHORT = pytest.param(3.0, 0.4, 1, {"POLHODE_LEASE": "0.8", "POLHODE_DATABASE_WAIT": "0.5"}, id="3 s", marks=pytest.mark.slow)
 LONG = pytest.param(40.0, 3.0, 2, {}, id="40 s", marks=pytest.mark.slow)
 PATH = "/v1/assignments/rigid-body/submissions"
 

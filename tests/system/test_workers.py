@@ -78,8 +78,8 @@ def beaten(url, id, worker):
     return run_of(url, id, worker, "beat_at > started_at + interval '0.1 s'")
 
 
-# That a killed worker's work is begun elsewhere is in the next test too.
-@pytest.mark.parametrize("how", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGSTOP])
+@pytest.mark.slow  # that a killed worker's work is begun elsewhere is in the next test too
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
     id = post(front.url, SLOW.format(1))["id"]
     name, pid = wait_for(lambda: running(url, id))

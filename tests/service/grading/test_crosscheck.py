@@ -134,5 +134,5 @@ def f(t, w, I):
         os.write(4, struct.pack("<cI3d", b"R", 24, 1, 1, 1))
     time.sleep(9)
 """
-    seen = either_sandbox.play(driven(flood, ten))
+    seen = either_sandbox.play(driven(flood, ten, budget_s=0.4))
     assert seen.endings["asked"].ending is Ending.PROTOCOL and "asked" not in seen.driven

@@ -106,7 +106,8 @@ def _majorised(seen: Array, truth: Array) -> bool:
 def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, Array]]:
     instead = "instead of the moments themselves"
     third = np.repeat(truth.mean(axis=1, keepdims=True), 3, axis=1)
-    yield "diagonal-only", DIAGONAL, np.diagonal(tensors, axis1=1, axis2=2)
+    diagonal = np.diagonal(tensors, axis1=1, axis2=2)
+    yield "diagonal-only", DIAGONAL, diagonal
     ones = "the lengths of the eigenvectors, which are all 1: np.linalg.eigh returns the eigenvalues first"
     yield "wrong-quantity", ones, np.ones_like(truth)
     yield "sign-reversed", "the opposite sign: moments of inertia are positive", -truth
@@ -118,6 +119,15 @@ def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, A
     yield "wrong-quantity", "the sums of the rows of the tensor: its eigenvalues are due", tensors.sum(axis=1)
     signless = "the eigenvalues of the absolute values of the tensor: its signs are lost"
     yield "absolute-value", signless, np.linalg.eigvalsh(np.abs(tensors))
+    opposite = "the elements off the diagonal have the opposite sign: take the tensor as it is given"
+    yield "sign-flipped", opposite, np.linalg.eigvalsh(np.asarray(2 * diagonal[:, None] * np.eye(3) - tensors, dtype=float))
+    second = "half the trace minus each moment, the second moments of the mass: the moments of inertia are due"
+    yield "wrong-quantity", second, truth.sum(axis=1, keepdims=True) / 2 - truth
+    triangular = "the diagonal of a triangular factor, as of an elimination: its product alone is right; the eigenvalues are due"
+    yield "wrong-quantity", triangular, np.array([_pivots(tensor) for tensor in tensors])
+    upper = np.array([np.diagonal(np.linalg.qr(tensor)[1]) for tensor in tensors])
+    yield "wrong-quantity", triangular, upper
+    yield "wrong-quantity", triangular, np.abs(upper)
     for name, size in (
         ("their length", np.linalg.norm(truth, axis=1)),
         ("their sum", truth.sum(axis=1)),
@@ -131,6 +141,12 @@ def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, A
     yield "precision-loss", "the moments are cut to whole numbers", np.trunc(truth)
     for places in range(9):
         yield "precision-loss", f"the moments are rounded to {places} decimal places", np.round(truth, places)
+
+
+def _pivots(tensor: Array) -> Array:
+    """The pivots (3,) of an elimination without exchanges."""
+    minors = [np.linalg.det(tensor[:k, :k]) for k in (1, 2, 3)]
+    return np.array(minors) / [1.0, *minors[:2]]
 
 
 def _nothing(moments: Array, function: str) -> list[Diagnosis]:

@@ -153,6 +153,9 @@ def _wrong_phases(t: Array, w: Array) -> Iterator[Predicted]:
             for angle in (np.arccos(np.clip(part, -1, 1)), np.arcsin(np.clip(part, -1, 1))):
                 for value in (*_means(t, np.unwrap(angle)), *_means(t, angle)):
                     yield "wrong-components", half, value
+    mixed = "samples and components are mixed up: w.reshape(-1, 3) is no transpose, use w.T"
+    for value in _means(t, _phase(w.reshape(-1, 3).T, 1, 0)):
+        yield "wrong-components", mixed, value
     for a, b in ((2, 0), (0, 2), (2, 1), (1, 2)):
         pair = f"ω{'₁₂₃'[a]} and ω{'₁₂₃'[b]}"
         for value in _means(t, _phase(w, a, b)):
@@ -197,6 +200,8 @@ def _wrong_times(t: Array, phase: Array) -> Iterator[Predicted]:
     origin = "the time is taken to start at zero: divide by t[-1] − t[0], and the turn is phase[-1] − phase[0]"
     for value in (whole / t[-1], phase[-1] / t[-1], float(phase @ t / (t @ t)), float(np.mean(phase[1:] / t[1:]))):
         yield "wrong-times", origin, value
+    first = "the first phase is taken to be zero: the turn is phase[-1] − phase[0]"
+    yield "wrong-times", first, phase[-1] / (t[-1] - t[0])
     rates = np.diff(phase) / np.diff(t)
     gradient = np.gradient(phase, t)
     mean = whole / (t[-1] - t[0])

@@ -143,7 +143,7 @@ def _dropped(w: Array, moments: Array) -> Iterator[Mistake]:
 
 
 def _arguments(w: Array, moments: Array) -> Iterator[Mistake]:
-    (_, _, wi, wj), exact = _parts(w, moments), _exact(w, moments)
+    (ii, ij, wi, wj), exact = _parts(w, moments), _exact(w, moments)
     speed = np.linalg.norm(w, axis=1, keepdims=True)
     speed = np.where(speed > 0, speed, 1.0)
     yield Mistake("normalised", "{c} is computed from the unit vector ω/|ω|: use ω itself", exact / speed**2)
@@ -161,6 +161,8 @@ def _arguments(w: Array, moments: Array) -> Iterator[Mistake]:
     yield Mistake("wrong-power", "{c} holds the squares {wi}² and {wj}² where {wi} and {wj} are due", exact * wi * wj)
     yield Mistake("wrong-power", "{c} holds {wi}²{wj} where {wi}{wj} belongs", exact * wi)
     yield Mistake("wrong-power", "{c} holds {wi}{wj}² where {wi}{wj} belongs", exact * wj)
+    for said, divisor in (("", moments), (", and {ik}² where {ik} belongs", moments**2)):
+        yield Mistake("wrong-power", "{c} holds {ii}² − {ij}² where {d} belongs" + said, (ii**2 - ij**2) * wi * wj / divisor)
     yield Mistake("wrong-power", "{c} holds {wi}{wj}{wk} where {wi}{wj} belongs", exact * w)
     yield Mistake("wrong-quantity", OVERWRITTEN, _one_after_the_other(w, moments))
     yield Mistake("wrong-power", "{c} is the square of the right value, with its sign", exact * np.abs(exact))

@@ -42,6 +42,8 @@ MISTAKES = {
     "per step": (lambda t, w: np.polyfit(np.arange(len(t)), phase(w), 1)[0], "wrong-times", "per sample"),
     "over t[-1]": (lambda t, w: total(w) / t[-1], "wrong-times", "t[-1] − t[0]"),
     "phase over t": (lambda t, w: phase(w)[-1] / t[-1], "wrong-times", "t[-1] − t[0]"),
+    "last phase": (lambda t, w: phase(w)[-1] / (t[-1] - t[0]), "wrong-times", "first phase"),
+    "reshaped": (lambda t, w: np.polyfit(t, phase(w.reshape(-1, 3).T), 1)[0], "wrong-components", "no transpose"),
     "last step": (lambda t, w: (phase(w)[-1] - phase(w)[-2]) / (t[-1] - t[-2]), "wrong-times", "last step"),
     "ω₃ and ω₁": (lambda t, w: np.polyfit(t, phase(w, 2, 0), 1)[0], "wrong-components", "ω₃ and ω₁"),
     "ω₂ and ω₃": (lambda t, w: np.polyfit(t, phase(w, 1, 2), 1)[0], "wrong-components", "ω₂ and ω₃"),

@@ -22,6 +22,8 @@ SECOND = {
     "min(max((I[2] - I[0]) * w[2] * w[0] / I[1], -0.7), 0.7)": ("clipped", "limited to ±0.7"),
     "(1 / I[2] - 1 / I[0]) * w[2] * w[0] * I[1]": ("inverted-moments", "I and 1/I exchanged"),
     "(I[2] - I[0]) * w[2] ** 2 * w[0] ** 2 / I[1]": ("wrong-power", "squares ω₃² and ω₁²"),
+    "(I[2] ** 2 - I[0] ** 2) * w[2] * w[0] / I[1]": ("wrong-power", "ω̇₂ holds I₃² − I₁² where (I₃ − I₁) belongs"),
+    "(I[2] ** 2 - I[0] ** 2) * w[2] * w[0] / I[1] ** 2": ("wrong-power", "and I₂² where I₂ belongs"),
     "(I[2] - I[0]) * w[2] * w[0] * w[1] / I[1]": ("wrong-power", "ω̇₂ holds ω₃ω₁ω₂ where ω₃ω₁ belongs"),
     "(I[2] - I[0]) * w[2] * w[0] ** 2 / I[1]": ("wrong-power", "ω̇₂ holds ω₃ω₁² where ω₃ω₁ belongs"),
     "(I[2] - I[0]) * w[2] * TERM1 / I[1]": ("wrong-quantity", "ω̇₂ is computed from rates already stored"),

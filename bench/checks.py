@@ -17,7 +17,8 @@ from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.mutants import mutants
-from exercises.rigid_body.public.watched import body_shown, momentum_shown
+from exercises.rigid_body.public.momentum import momentum_shown
+from exercises.rigid_body.public.watched import body_shown
 from service.grading.grade import draw_inputs, truth
 
 ASSIGNMENT = assignments()["rigid-body"]

@@ -25,6 +25,7 @@ CALLED = ("t", "w", "I")
 TIMED = 500
 OVERWRITES = "euler_eqs returns the same array each time and overwrites it: build a new array"
 MOST_OWN = 4000  # samples of a notebook's own motion
+UNKNOWN = np.zeros((2, 3, 3))  # in place of the attitudes an animation was drawn from
 NOT_OWN = {"own_R": np.zeros((1, 3, 3)), "own_t": np.zeros((1, 1)), "own_I": np.zeros((1, 3))}
 
 
@@ -182,7 +183,8 @@ def adopt(student, source):
     """``animate_precession`` for a notebook whose cell ``source`` shows an animation drawn from the motion of a symmetric top.
 
     That cell, or a function it calls, names attitudes R (n, 3, 3) whose ê₃ runs on a circle, or that ê₃. Their times and the
-    moments may stand anywhere in the notebook; names of the cell come first.
+    moments may stand anywhere in the notebook; names of the cell come first. Where only other cells name such attitudes, the
+    animation comes with UNKNOWN ones.
     """
     if not ecp.animate.shown:
         return {}
@@ -192,9 +194,10 @@ def adopt(student, source):
     arrays = {name: _numbers(value) for name, value in student.items() if not name.startswith("_")}
     named = [arrays[name] for name in sorted(arrays, key=lambda name: name not in mentioned) if arrays[name] is not None]
     used = [arrays[name] for name in arrays if name in mentioned and arrays[name] is not None]
-    R = next((x for x in named if _is_cone(x) and _uses(used, x)), None)
-    if R is None:
+    cones = [x for x in named if _is_cone(x)]
+    if not cones:
         return {}
+    R = next((x for x in cones if _uses(used, x)), UNKNOWN)
     times = [x for x in named if x.shape == (len(R),) and np.all(np.diff(x) > 0)]
     moments = [x for x in named if x.shape == (3,) and np.all(x > 0)][:8]
     own = {"own_R": R, "own_t": times[0][:, None] if times else np.zeros((1, 1)), "own_I": np.array(moments or np.zeros((1, 3)))}

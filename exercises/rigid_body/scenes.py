@@ -140,7 +140,8 @@ def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
 def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) -> Scene:
     """A motion graded nowhere else: what an animation is given to draw must not answer another scene's question.
 
-    It starts from an attitude that keeps L and ê₃ off every coordinate axis and plane, where mistakes would look alike.
+    It starts from an attitude that keeps L and ê₃ off every coordinate axis and plane, where mistakes would look alike; the cone of
+    ê₃ crosses each of the planes.
     """
     times = np.linspace(0.0, 4.0, 96)
     exact = reference.motion(w0, I, times, need="orientation")
@@ -155,11 +156,13 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
     return Scene(name, "animation", function, inputs, FILM, truth, 15.0, replaced=own_motion)
 
 
-TILT = Rotation.from_rotvec([0.5, -0.6, 0.4]).as_matrix()
+FILMED = (1.25, 1.25, 2.0)  # not those of the course: |L| is not the rate at which ê₃ goes round L
+TILT = Rotation.from_rotvec([-2.0, 1.0, 0.0]).as_matrix()
 FILM = {
     "frames": Blank((24, 360, 480, 3), "uint8", up_to=True),
     "tracks": Blank((600, 256, 3), up_to=True),
     "owners": Blank((256, 3), up_to=True),
+    "labels": Blank((64, 3), up_to=True),
     "at": Blank((600, 3), up_to=True),
     "cost": Blank((6,)),
     "own_R": Blank((4000, 3, 3), up_to=True),
@@ -200,6 +203,6 @@ SCENES = (
         Scene(name, "precession", "precession_rate", given, {"rate": Blank(())}, _exact_precession, 1.0)
         for name, given in TURNING.items()
     ),
-    _film("film", "animate_precession", (0.9, 0.0, 1.4), SYMMETRIC, "L"),
+    _film("film", "animate_precession", (2.2, 0.0, 0.5), FILMED, "L"),
     _film("tumble-film", "animate_tumble", (0.1, 3.0, 0.15), BOOK, "half"),
 )

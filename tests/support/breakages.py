@@ -114,7 +114,7 @@ RIGID_BODY = [
     ),
     Breakage(
         "any axis of the body passes for the one asked for",
-        "exercises/rigid_body/public/watched.py",
+        "exercises/rigid_body/public/reading.py",
         "if axis is None or np.any(units[axis] >=",
         "if axis is not None or np.any(units[axis] >=",
         ("tests/exercises/rigid_body/public/test_watched.py",),

@@ -1,5 +1,7 @@
 """The course's own notebook, filled in, is graded whole; its own checks are captured, judged again and carry no points."""
 
+import json
+
 import pytest
 
 from ecp.document import document
@@ -117,3 +119,13 @@ def test_a_motion_that_is_not_recognized_is_not_judged(rigid_body, sandbox):
     report = graded(odd, "a.ipynb", rigid_body, sandbox, ["6"])
     follows = next(outcome for outcome in report.exercises[0].outcomes if outcome.id == "6-follows")
     assert follows.verdict is Verdict.UNMEASURED and "hand it in as a function" in follows.line
+
+
+def test_a_motion_that_only_another_cell_names_is_not_judged(rigid_body, sandbox):
+    *others, last = [cell for cell in json.loads(animation())["cells"] if cell["cell_type"] == "code"]
+    motion, drawing = "".join(last["source"]).split("\nfig = ")
+    cells = ["".join(cell["source"]) for cell in others]
+    cells += [motion + "\nmade = {'axis': e3}\n", "fig = " + drawing.replace("e3", "made['axis']")]
+    report = graded(as_ipynb(cells), "a.ipynb", rigid_body, sandbox, ["6"])
+    follows = next(outcome for outcome in report.exercises[0].outcomes if outcome.id == "6-follows")
+    assert follows.verdict is Verdict.UNMEASURED and "hand it in as a function" in follows.line, report.text()

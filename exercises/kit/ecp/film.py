@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.strict import WrongAnswer
-from ecp.tracks import Drawn, drawn, painted, unordered
+from ecp.tracks import Drawn, drawn, labelled, painted, unordered
 
 FRAME_CAP = 600
 STILLS, POINTS = 24, 256  # pictures kept, points kept of every frame
@@ -25,6 +25,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     - ``tracks`` (f, p, 3): where the artists put their points in each of f ≤ FRAME_CAP frames, in data coordinates
     - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
       for points without order) and their number
+    - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see ``tracks.labelled``
     - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and how many there are
     - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
 
@@ -68,7 +69,8 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
     kept = [pictures[k] for k in sorted(pictures)]
     stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
-    return {"frames": stills, "tracks": tracks, "owners": owners, "at": np.array(at, dtype=float), "cost": cost}
+    named = {"tracks": tracks, "owners": owners, "labels": labelled(figure)}
+    return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
 
 
 def moving_share(frames: NDArray[np.uint8]) -> float:

@@ -1,5 +1,6 @@
 """Where a figure's artists put their points: lines, arrows, polygons and markers of 2-D and 3-D axes, as data coordinates."""
 
+import re
 from collections import Counter
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 MOST_POINTS = 32  # of one artist: a box has 24
+MOST_AXES = 64  # whose labels are read
 
 
 class Drawn(NamedTuple):
@@ -55,6 +57,25 @@ def drawn(figure: Any) -> list[Drawn]:
         counted = [d._replace(oldest=seen[d.key[1]] + 1 - d.key[2]) if d.key[0] == number else d for d in found]
         found = counted
     return found
+
+
+def labelled(figure: Any) -> Array:
+    """The coordinates that the labels of 2-D axes name, in rows (number of the axes, horizontal, vertical): 0, 1, 2 for x, y, z.
+
+    A label names a coordinate if its first word is that letter; −1 where it does not, −2 for polar axes. One row of −1 where there
+    are no 2-D axes.
+    """
+    rows = [
+        [number, *((-2, -2) if axes.name == "polar" else map(_coordinate, (axes.get_xlabel(), axes.get_ylabel())))]
+        for number, axes in enumerate(figure.axes)
+        if axes.name != "3d"
+    ]
+    return np.array(rows[:MOST_AXES] or [[-1, -1, -1]], dtype=float)
+
+
+def _coordinate(label: str) -> int:
+    first = re.match(r"[\W_]*([xyz])(?![\w'′])", label.lower())
+    return "xyz".index(first[1]) if first else -1
 
 
 def unordered(frames: list[list[Drawn]]) -> dict[tuple[int, str], list[Drawn]]:

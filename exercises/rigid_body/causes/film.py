@@ -6,7 +6,8 @@ from ecp.checks import Arrays
 from ecp.film import moving_share
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.rigid_body.public.watched import STILL, body_shown, momentum_shown
+from exercises.rigid_body.public.momentum import momentum_shown
+from exercises.rigid_body.public.watched import STILL, body_shown
 
 
 def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:

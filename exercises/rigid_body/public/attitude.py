@@ -7,8 +7,8 @@ from ecp.exercise import Animation, Exercise
 
 from . import figures, motions
 from .measures import orthonormality_error, space_momentum
+from .momentum import momentum_shown
 from .setting import SYMMETRIC
-from .watched import momentum_shown
 from .wording import DRIVE, NOTEBOOK, attitude, film
 
 

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and how many of them are fitted
 COARSE = 12
 ROUNDS = 6
+CORNERS = 7  # that move: of a box seen along an edge one may stay
+SKEW = 0.1  # sine of the angle between the line of sight and the normal of the paper
 FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is no corner
 UNEVEN = 1.05  # largest ratio between the scales of two edges
 ASTRAY = 0.1  # of the diagonal: a centre that moves further, or a corner further from its place, is not meant as right
@@ -51,16 +53,12 @@ def displaced(match: Match, half: Array, R: Array) -> str | None:
     artists = np.array([path.artist for path in match.paths])
     groups = [match.points, *(match.points[:, artists == artist] for artist in np.unique(artists))]
     R = R[timing.on_grid(match.times, len(R))]
-    box = np.array(list(product((-1, 1), repeat=3))) * half
     wrong = []
     for corners in (_distinct(group) for group in groups):
-        lengths, wanted = (np.sort(np.linalg.norm(some[:, None] - some, axis=2), axis=None) for some in (corners, box))
-        if len(corners) != len(box):
+        diagonal = _diagonal(corners, half)
+        if not diagonal:
             continue
-        scale = lengths @ wanted / (wanted @ wanted)
-        if np.abs(lengths - scale * wanted).max() > 2 * MISFIT * lengths[-1]:
-            continue
-        centre, near = corners.mean(axis=0), ASTRAY * lengths[-1]
+        centre, near = corners.mean(axis=0), ASTRAY * diagonal
         if np.ptp(R @ centre, axis=0).max() > near:
             wrong.append("the box turns about another point than its centre, which stays where it is in a free body")
         elif _inclined(corners - centre, half, R, near):
@@ -68,6 +66,26 @@ def displaced(match: Match, half: Array, R: Array) -> str | None:
         else:
             return None
     return wrong[0] if wrong else None
+
+
+def rests(picture: Picture, half: Array) -> bool:
+    """Return whether the points that stay of one artist are the corners of a box in the proportions of ``half`` (3,)."""
+    return picture.dimensions == 3 and any(_diagonal(_distinct(points.T), half) > 0 for points in picture.still)
+
+
+def _diagonal(corners: Array, half: Array) -> float:
+    """The diagonal of the box that ``corners`` (k, 3) make in the proportions of ``half``, 0 where they make none."""
+    box = _corners(half)
+    if len(corners) != len(box):
+        return 0.0
+    lengths, wanted = (np.sort(np.linalg.norm(some[:, None] - some, axis=2), axis=None) for some in (corners, box))
+    scale = lengths @ wanted / (wanted @ wanted)
+    return float(lengths[-1]) if np.abs(lengths - scale * wanted).max() <= 2 * MISFIT * lengths[-1] else 0.0
+
+
+def _corners(half: Array) -> Array:
+    """The corners (8, 3) of a box with half edges ``half`` (3,)."""
+    return np.array(list(product((-1, 1), repeat=3))) * half
 
 
 def _distinct(points: Array) -> Array:
@@ -93,13 +111,19 @@ def _inclined(corners: Array, half: Array, R: Array, near: float) -> bool:
 
 def box_seen(picture: Picture, R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
     """Return the camera (d, 3) and times (f,) at which a set of points is of corners of the box; R (G, 3, 3) on the times' grid."""
-    corners = R @ (np.array(list(product((-1, 1), repeat=3))) * half).T  # (G, 3, 8)
-    for drawn in picture.sets:
+    corners = R @ _corners(half).T  # (G, 3, 8)
+    for drawn in _sets(picture):
         span = drawn.max(axis=1) - drawn.min(axis=1)
         centre = np.median(drawn.min(axis=1) + span / 2, axis=0)
         if span.min(axis=0).max() > 0 and (found := _of_set(drawn - centre, corners, laws)):
             return found
     return None
+
+
+def _sets(picture: Picture) -> list[Array]:
+    """The sets of points (f, s, d) that may be corners: without order, and the moving points of all artists together."""
+    moving = [path.places + path.origin for path in picture.paths]
+    return [*picture.sets, np.stack(moving, axis=1)] if len(moving) >= CORNERS else picture.sets
 
 
 def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | None:
@@ -113,9 +137,10 @@ def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | 
         return None  # a rotated and a mirrored box are the same set
     law, around = _even(laws), _around()
     some = corners[timing.on_grid(law[few], len(corners))]
-    costs = [_off(drawn[few], np.einsum("ia,gak->gik", camera, some), free=True).mean() for camera in around]
-    fits = (_fitted(drawn, corners, around[k], law) for k in np.argsort(costs)[:REFINED])
-    return next((fit for fit in fits if fit), None)
+    costs = [_off(drawn[few], _seen(camera, some), free=True).mean() for camera in around]
+    best = [around[k] for k in np.argsort(costs)[:REFINED]]
+    central = [np.block([[camera, np.zeros((2, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]) for camera in best]
+    return next((fit for camera in (*best, *central) if (fit := _fitted(drawn, corners, camera, law))), None)
 
 
 @cache
@@ -141,28 +166,46 @@ def _off(drawn: Array, seen: Array, free: bool = False) -> Array:
 
 def _fitted(drawn: Array, corners: Array, camera: Array, law: Array) -> tuple[Array, Array] | None:
     """Fit camera and times in turn, first in a few frames and then in all."""
-    few = timing.sparse(len(drawn))
-    camera = camera * np.sqrt(np.mean(drawn**2) / np.mean(np.einsum("ia,gak->gik", camera, corners) ** 2))
+    few, camera = timing.sparse(len(drawn)), camera.copy()
+    camera[: drawn.shape[2]] *= np.sqrt(np.mean(drawn**2) / np.mean(_seen(camera, corners) ** 2))
     whole = np.sqrt(np.mean(drawn**2))
     for part in (few, np.arange(len(drawn))):
         grid = timing.on_grid(law[part], len(corners))
         for _ in range(ROUNDS):
             camera = _refined(drawn[part], corners[grid], camera)
-            grid = _timed(drawn[part], np.einsum("ia,gak->gik", camera, corners), law[part])
-        off = np.sqrt(_off(drawn[part], np.einsum("ia,gak->gik", camera, corners[grid])))
+            grid = _timed(drawn[part], _seen(camera, corners), law[part])
+        off = np.sqrt(_off(drawn[part], _seen(camera, corners[grid])))
         if np.sqrt(np.mean(off**2)) > MISFIT * whole or off.max() > timing.WORST * MISFIT * whole:
             return None
-    straight = cameras.straightened(camera)
-    return None if straight is None else (straight, grid / timing.PER)
+    straight = cameras.straightened(camera[: drawn.shape[2], :3])
+    if straight is None or (camera.shape[1] == 4 and np.abs(straight @ camera[2, :3]).max() > SKEW * np.linalg.norm(camera[2, :3])):
+        return None
+    return straight, grid / timing.PER
+
+
+def _seen(camera: Array, corners: Array) -> Array:
+    """Corners (f, 3, 8) as a camera (d, 3) draws them, or one of perspective (3, 4) in homogeneous coordinates: (f, d, 8)."""
+    if camera.shape[1] == 3:
+        return np.einsum("ia,gak->gik", camera, corners)
+    seen = np.einsum("ia,gak->gik", camera[:, :3], corners) + camera[:, 3:]
+    return np.asarray(seen[:, :2] / seen[:, 2:])
 
 
 def _refined(drawn: Array, corners: Array, camera: Array) -> Array:
     """The camera that fits best where each point is the corner nearest to it now."""
-    seen = np.einsum("ia,gak->gik", camera, corners)
+    seen = _seen(camera, corners)
     nearest = np.argmin(np.sum((drawn[:, :, :, None] - seen[:, None]) ** 2, axis=2), axis=2)
     own = np.take_along_axis(corners, nearest[:, None, :], axis=2)
-    fit = np.linalg.lstsq(own.transpose(0, 2, 1).reshape(-1, 3), drawn.reshape(-1, drawn.shape[2]), rcond=None)
-    return np.asarray(fit[0].T)
+    points, places = own.transpose(0, 2, 1).reshape(-1, 3), drawn.reshape(-1, drawn.shape[2])
+    if camera.shape[1] == 3:
+        return np.asarray(np.linalg.lstsq(points, places, rcond=None)[0].T)
+    points = np.column_stack([points, np.ones(len(points))])
+    none = np.zeros_like(points)
+    rows = [
+        np.column_stack([*(points if k == row else none for k in range(2)), -places[:, [row]] * points[:, :3]]) for row in (0, 1)
+    ]
+    fit = np.linalg.lstsq(np.concatenate(rows), places.T.ravel(), rcond=None)[0]
+    return np.append(fit, 1.0).reshape(3, 4)
 
 
 def _timed(drawn: Array, seen: Array, law: Array) -> timing.Indices:

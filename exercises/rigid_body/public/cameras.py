@@ -16,11 +16,14 @@ SAME = 0.03  # sine of the angle between directions that count as parallel
 PLANES = tuple(itertools.permutations(range(3), 2))
 
 
-def plain(dimensions: int) -> list[Array]:
-    """The cameras that draw coordinates as they are: one in 3-D, in 2-D one for each ordered pair, the usual order first."""
+def plain(dimensions: int, first: tuple[int, int] | None = None) -> list[Array]:
+    """Return the cameras that draw coordinates as they are: one in 3-D, in 2-D one for each ordered pair.
+
+    The pair ``first`` comes first, then those in the usual order.
+    """
     if dimensions == 3:
         return [np.eye(3)]
-    return [np.eye(3)[list(plane)] for plane in sorted(PLANES, key=lambda plane: plane[0] > plane[1])]
+    return [np.eye(3)[list(plane)] for plane in sorted(PLANES, key=lambda plane: (plane != first, plane[0] > plane[1]))]
 
 
 def straightened(matrix: Array) -> Array | None:
@@ -45,6 +48,11 @@ def parallel(directions: Array, wanted: Array) -> bool:
     lengths = np.linalg.norm(directions, axis=1) * np.linalg.norm(wanted)
     along = directions @ wanted
     return bool(np.any((lengths > 1e-12) & (along >= np.sqrt(1 - SAME**2) * lengths)))
+
+
+def points_along(some: Array, sure: Array, wanted: Array) -> bool:
+    """Whether a direction points along ``wanted`` (d,): a known tail decides, since matplotlib lists an arrow from its tip."""
+    return parallel(sure, wanted) or (parallel(some, wanted) and not parallel(sure, -wanted))
 
 
 def of_body(coefficients: Array, design: Array, drawn: Array) -> Array | None:

@@ -10,6 +10,8 @@ from ecp.checks import Arrays
 Array = NDArray[np.float64]
 
 MOVES = 1e-3  # of its distance from the origin
+POLAR = -2.0  # in place of the labels of polar axes
+WIDE = 0.05  # of its length: half the width of an arrow's shaft
 LARGEST = 1e100
 FEW = 10  # points of an artist: more make a curve or a surface, no arrow
 FIRST_STILL = 3  # points of an artist that may be the fixed end of what moves
@@ -25,12 +27,15 @@ class Path(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """One axes of ``dimensions`` 2 or 3: its paths, for each artist the points (s, d) that stay, and sets (f, s, d)."""
+    """One axes of ``dimensions`` 2 or 3: its paths, for each artist the points (s, d) that stay, and sets (f, s, d).
+
+    ``plane``: of 2-D axes the two coordinates that the labels name, 0, 1, 2 for x, y, z, or None."""
 
     dimensions: int
     paths: list[Path]
     still: list[Array]
     sets: list[Array]
+    plane: tuple[int, int] | None
 
 
 def sound(seen: Arrays) -> bool:
@@ -41,39 +46,56 @@ def sound(seen: Arrays) -> bool:
 
 
 def pictures(seen: Arrays) -> list[Picture]:
-    """Sort the points of ``seen`` by axes and artist; 2-D and 3-D axes never share a picture."""
-    tracks, owners = np.swapaxes(seen["tracks"], 0, 1), seen["owners"]
+    """Sort the points of ``seen`` by axes and artist; 2-D and 3-D axes never share a picture.
+
+    Polar axes make two pictures: as they are, and as a map of directions whose radius is the angle from z.
+    """
+    tracks, owners, labels = np.swapaxes(seen["tracks"], 0, 1), seen["owners"], seen["labels"]
     found = []
     for axes, dimensions in np.unique(np.abs(owners[owners[:, 1] != 0][:, [2, 1]]), axis=0):
-        paths: list[Path] = []
-        still: list[Array] = []
-        here = (owners[:, 2] == axes) & (owners[:, 1] == dimensions)
-        d = 3 if dimensions == 3 else 2
-        for artist in np.unique(owners[here, 0]):
-            points = tracks[here & (owners[:, 0] == artist)][:, :, :d]
-            moves = np.ptp(points, axis=1).max(axis=1) > np.maximum(MOVES * np.abs(points).max(axis=(1, 2)), 1e-9)
-            fixed = np.unique(points[~moves, 0], axis=0) if not moves.all() else points[:0, 0]
-            if len(fixed):
-                still.append(points[~moves, 0])
-            for place in points[moves]:
-                trail = bool(np.any(np.all(np.abs(fixed - place[0]) <= MOVES * np.ptp(place, axis=0).max(), axis=1)))
-                if trail or not len(fixed):
-                    paths.append(Path(int(artist), place, False, np.zeros(d)))
-                else:
-                    paths += [Path(int(artist), place - end, True, end) for end in points[~moves, 0][:FIRST_STILL]]
-        ends = [path.places + path.origin for path in paths if path.bound]
-        paths = [path for path in paths if path.bound or not any(_same(path.places, end) for end in ends)]
-        sets = (owners[:, 2] == axes) & (owners[:, 1] == -dimensions)
-        unordered = [np.swapaxes(tracks[sets & (owners[:, 0] == n)], 0, 1)[:, :, :d] for n in np.unique(owners[sets, 0])]
-        found.append(Picture(d, paths, still, unordered))
+        here = (owners[:, 2] == axes) & (np.abs(owners[:, 1]) == dimensions)
+        points, artists = tracks[here][:, :, : 3 if dimensions == 3 else 2], (owners[here, 0] + 1) * np.sign(owners[here, 1])
+        first, second = next((row[1:] for row in labels if row[0] == axes), (-1.0, -1.0))
+        named = first != second and {first, second} <= {0.0, 1.0, 2.0}
+        found.append(_picture(points, artists, (int(first), int(second)) if named else None))
+        if first == second == POLAR:
+            found.append(_picture(_directions(points), artists, None))
     return found
+
+
+def _directions(points: Array) -> Array:
+    """Unit vectors (p, f, 3) of points (p, f, 2) on a map whose radius is the angle from z, in degrees where it exceeds a turn."""
+    radius = np.linalg.norm(points, axis=2, keepdims=True)
+    angle = np.radians(radius) if radius.max() > 2 * np.pi else radius
+    return np.concatenate([np.sin(angle) * points / np.where(radius > 0, radius, 1.0), np.cos(angle)], axis=2)
+
+
+def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Picture:
+    """The picture of points (p, f, d) of the ``artists`` (p,), negative for points without order."""
+    d, paths, still = tracks.shape[2], list[Path](), list[Array]()
+    for artist in np.unique(artists[artists > 0]):
+        points = tracks[artists == artist]
+        moves = np.ptp(points, axis=1).max(axis=1) > np.maximum(MOVES * np.abs(points).max(axis=(1, 2)), 1e-9)
+        fixed = np.unique(points[~moves, 0], axis=0) if not moves.all() else points[:0, 0]
+        starts = [np.all(np.abs(fixed - place[0]) <= MOVES * np.ptp(place, axis=0).max(), axis=1) for place in points[moves]]
+        if len(fixed) and not np.any(starts):
+            still.append(points[~moves, 0])
+        for place, trail in zip(points[moves], starts, strict=True):
+            if np.any(trail) or not len(fixed):
+                paths.append(Path(int(artist), place, False, np.zeros(d)))
+            else:
+                paths += [Path(int(artist), place - end, True, end) for end in points[~moves, 0][:FIRST_STILL]]
+    ends = [path.places + path.origin for path in paths if path.bound]
+    paths = [path for path in paths if path.bound or not any(_same(path.places, end) for end in ends)]
+    sets = [np.swapaxes(tracks[artists == artist], 0, 1) for artist in np.unique(artists[artists < 0])]
+    return Picture(d, paths, still, sets, plane)
 
 
 def _arrow(points: Array) -> Array:
     """The one point (1, d) furthest from the tail at zero, where that is one of ``points`` (s, d), as of an arrow with a head."""
     lengths = np.linalg.norm(points, axis=1)
     far = points[lengths >= 0.99 * lengths.max()]
-    single = lengths.min() <= MOVES * lengths.max() and np.ptp(far, axis=0).max() <= MOVES * lengths.max()
+    single = lengths.min() <= WIDE * lengths.max() and np.ptp(far, axis=0).max() <= MOVES * lengths.max()
     return far[:1] if single else points[:0]
 
 
@@ -102,11 +124,13 @@ def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
         straight = len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()
         if not straight and len(points) > FEW:
             continue
-        between = (points[None, :] - points[:, None])[np.triu_indices(len(points), 1)]
-        some += [between, *(points - tail for tail in tails)]
         if straight:
             near = MOVES * np.abs(points).max()
-            sure += [points - tail for tail in tails if np.linalg.norm(points - tail, axis=1).min() <= near]
+            known = [points - tail for tail in tails if np.linalg.norm(points - tail, axis=1).min() <= near]
         else:
-            sure += [_arrow(points - tail) for tail in tails]
-    return np.concatenate(some), np.concatenate(sure)
+            known = [arrow for tail in tails if len(arrow := _arrow(points - tail))]
+        sure += known
+        if straight or not known:
+            between = (points[None, :] - points[:, None])[np.triu_indices(len(points), 1)]
+            some += [between, *(points - tail for tail in tails)]
+    return np.concatenate(some + sure), np.concatenate(sure)

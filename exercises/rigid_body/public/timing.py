@@ -52,10 +52,9 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
     fractions = [number / max(total - 1, 1)]
     indices = [number]
     if np.all(value >= 0) and value[-1] > value[0] and np.all(np.diff(value) >= 0):
-        steps = np.diff(value)
-        if np.ptp(steps) > 1e-6 * steps.max():
+        if _even(value) or _even(np.interp(value, part, t)):
             fractions.append((value - value[0]) / (value[-1] - value[0]))
-        indices += [value, np.interp(value, t, part)]
+            indices += [value, np.interp(value, t, part)]
     elif np.all(value >= 0) and _begins_again(value):
         indices.append(value)
     ends = np.arange(first_turn, last / (1 - HELD))
@@ -69,6 +68,15 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
     start, end = found.min(axis=1), found.max(axis=1)
     turns = np.interp(end + SLACK, part, turned) - np.interp(start - SLACK, part, turned)
     return found[turns >= min(1.0, turned[-1])]
+
+
+def _even(value: Array) -> bool:
+    """Whether rising values (f,) run evenly up to one step or SLACK samples, until they hold their last one."""
+    moving = value[: int(np.argmax(value >= value[-1])) + 1]
+    line = np.linspace(moving[0], moving[-1], len(moving))
+    return bool(
+        np.abs(moving - line).max() <= max(float(np.median(np.diff(moving))), SLACK if np.all(value == np.rint(value)) else 0.0)
+    )
 
 
 def _begins_again(value: Array) -> bool:
@@ -182,15 +190,16 @@ def in_order(costs: Array, choices: Indices, law: Array) -> Indices:
 def wrong_laws(at: Array, n: int) -> Array:
     """Sample numbers (k, f) of usual mistakes: a part that is too short, a part or all of it again and again, another speed."""
     number, value, total = at[:, 0], at[:, 1], at[0, 2]
-    last = n - 1
+    last, shift = n - 1, int(2 * SLACK) + 1
     found = [end * number / max(total - 1, 1) for end in range(1, n)]
     found += [np.minimum(end * number / max(total - 1, 1), last) for end in range(n, 6 * n)]
     indices = [number, value] if np.all(value >= 0) and np.ptp(value) > 0 and np.all(value == np.rint(value)) else [number]
     for index in indices:
+        found.append(index)
         found += [index % part for part in range(2, n)]
         found += [(speed * index) % n for speed in (0.5, 2, 3, 4, 5)]
-        found += [start + index * 1.0 for start in range(1, n)]
-        found += [(start + index) % n for start in range(1, n)]
+        found += [start + index * 1.0 for start in range(shift, n)]
+        found += [(start + index) % n for start in range(shift, n - shift)]
     return np.clip(np.array(found), 0, last)
 
 
@@ -210,4 +219,7 @@ def said(times: Array, at: Array, n: int) -> str:
     first = int(np.argmax(times >= high - 0.5))
     if number[first] < (1 - HELD) * (total - 1):
         return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, the others stand still"
+    if high - low >= n - 1 - 2 * SLACK:
+        k = int(np.argmax(np.abs(times - low - (high - low) * number / max(total - 1, 1))))
+        return f"its samples are mistimed: frame {number[k]:.0f} of {total} shows sample {times[k]:.0f} of {n}"
     return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn"

@@ -180,3 +180,17 @@ def test_polygons_of_changing_number_are_points_without_order():
     for k, points in enumerate(loose):
         drawn = (squares[[k % 2]] if k % 3 else squares) + k
         assert {tuple(p) for p in points} == {tuple(p) for p in drawn.reshape(-1, 2)}
+
+
+def test_labels_of_flat_axes_name_coordinates():
+    figure = Figure()
+    for k, (x, y) in enumerate(
+        [("x", "$z$ [m]"), ("y-Achse", "Z (space)"), ("time t", "xy"), ("x'", "x_body"), ("", "$\\omega_x$")]
+    ):
+        figure.add_subplot(2, 3, k + 1, xlabel=x, ylabel=y)
+    figure.add_subplot(2, 3, 6, projection="3d", xlabel="x", ylabel="y")
+    expected = [[0, 0, 2], [1, 1, 2], [2, -1, -1], [3, -1, -1], [4, -1, -1]]
+    assert tracks.labelled(figure).tolist() == expected
+    figure.add_subplot(projection="polar", xlabel="x", ylabel="y")
+    assert tracks.labelled(figure).tolist() == [*expected, [6, -2, -2]]
+    assert tracks.labelled(Figure()).tolist() == [[-1, -1, -1]]

@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 import reference
 from ecp.draw import box_polys
-from exercises.rigid_body.public.watched import body_shown, momentum_shown
+from exercises.rigid_body.public.momentum import momentum_shown
+from exercises.rigid_body.public.watched import body_shown
 from exercises.rigid_body.scenes import SCENES, TILT
 
 FILM = next(scene for scene in SCENES if scene.name == "film")
@@ -35,7 +36,15 @@ def frames(*artists, values=None):
     owners = [[k, artist[0].shape[1], 0] for k, artist in enumerate(artists) for _ in artist]
     named = followed if values is None else np.asarray(values)[followed]
     at = np.column_stack([followed, named, np.full(len(followed), total)]).astype(float)
-    return {"tracks": tracks, "owners": np.array(owners, float), "at": at, "cost": np.array([total, 1.0, 0.0, 0.0, 0.0, 0.0])}
+    cost = np.array([total, 1.0, 0.0, 0.0, 0.0, 0.0])
+    return {"tracks": tracks, "owners": np.array(owners, float), "labels": -np.ones((1, 3)), "at": at, "cost": cost}
+
+
+def panels(*drawn, labels=()):
+    """Several of these as the axes of one figure, with the ``labels`` of some: (axes, horizontal, vertical)."""
+    owners = [one["owners"] + [100 * k, 0, k] for k, one in enumerate(drawn)]
+    together = {"tracks": np.concatenate([one["tracks"] for one in drawn], axis=1), "owners": np.concatenate(owners)}
+    return drawn[0] | together | {"labels": np.array(labels or [(-1, -1, -1)], float)}
 
 
 def watched(*paths):
@@ -154,8 +163,12 @@ def test_held_at_the_end_and_begun_anew():
 def test_frame_values_of_uneven_steps():
     order = np.unique(np.rint(95 * np.linspace(0, 1, 60) ** 2).astype(int))
     assert body_shown(watched(TIP[order]), T, R, 2, L).found is False
-    assert body_shown(frames([TIP[order]], values=order), T, R, 2, L).found is True
-    assert body_shown(frames([TIP[order]], values=T[order]), T, R, 2, L).found is True
+    shown = body_shown(frames([TIP[order]], values=order), T, R, 2, L)
+    assert shown.found is False and "mistimed: frame" in shown.sentence, shown
+    even = np.r_[0:N:4, [N - 1] * 5]
+    assert body_shown(frames([TIP[even]], values=even), T, R, 2, L).found is True
+    assert body_shown(frames([TIP[even]], values=T[even]), T, R, 2, L).found is True
+    assert body_shown(frames([TIP[order]], values=T[order]), T, R, 2, L).found is False
 
 
 def test_frame_values_that_count_down_run_backwards():
@@ -188,7 +201,7 @@ WRONG = {
     "other": (R @ np.array([0.6, 0.0, 0.8]), "wrong-axis", "the direction (0.60, 0.00, 0.80) of the body"),
     "R L": (R @ UNIT, "moving-angular-momentum", "what is drawn is R·L"),
     "transposed": (R[:, 2, :], "transposed-rotation", "transposed R"),
-    "omega": (L - 0.84 * TIP, "wrong-motion", "follows ω"),
+    "omega": (L / 1.25 - 0.3 * TIP, "wrong-motion", "follows ω"),
     "backwards": (TIP[::-1], "wrong-motion", "backwards in time"),
     "noise": (np.random.default_rng(3).normal(size=TIP.shape), "wrong-motion", "does not move with the body"),
     "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "wrong-motion", ""),
@@ -415,7 +428,12 @@ def test_L_seen_end_on_is_a_point():
 
 
 @pytest.mark.parametrize(
-    ("direction", "sentence"), [(np.eye(3)[2], "a fixed line points along z"), (R[0].T @ UNIT, "along the body components of L")]
+    ("direction", "sentence"),
+    [
+        (np.eye(3)[2], "a fixed line points along z"),
+        (R[0].T @ UNIT, "along the body components of L"),
+        (np.array([0.6, 0.0, 0.8]), "the only fixed line points along (0.60, 0.00, 0.80)"),
+    ],
 )
 def test_a_fixed_line_that_is_not_L(direction, sentence):
     shown = momentum_shown(frames(line(TIP), line(np.tile(direction, (N, 1)))), T, R, L)
@@ -443,13 +461,13 @@ def cone(angle):
 
 
 ALMOST = {
-    "wide": (cone(0.9), "on a cone of 52° about L"),  # its tip alone is a scaled and shifted ê₃
+    "narrow": (cone(0.5), "on a cone of 29° about L"),  # its tip alone is a scaled and shifted ê₃
     "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "keeps its z coordinate"),
     "level": (TIP * [1, 1, 0] + [0, 0, TIP[0, 2]], "keeps its z coordinate"),
     "noise": (TIP + 0.05 * np.random.default_rng(4).normal(size=TIP.shape), "scatters about its path"),
     "twice": (TIP[2 * ALL % 96], "runs twice as fast and begins again"),
-    "omega": (L - 0.84 * TIP, "follows ω"),
-    "omega, unit": ((L - 0.84 * TIP) / np.linalg.norm(L - 0.84 * TIP, axis=1)[:, None], "follows ω"),
+    "omega": (L / 1.25 - 0.3 * TIP, "follows ω"),
+    "omega, unit": ((L / 1.25 - 0.3 * TIP) / np.linalg.norm(L / 1.25 - 0.3 * TIP, axis=1)[:, None], "follows ω"),
 }
 
 
@@ -462,5 +480,48 @@ def test_what_resembles_the_axis_is_named(name):
 
 def test_the_scene_starts_away_from_every_axis_and_plane():
     assert np.abs(UNIT).min() > 0.1 and np.abs(TIP[0]).min() > 0.1
-    exact = reference.motion((0.9, 0.0, 1.4), (1.0, 1.0, 1.6), T, need="orientation").R
+    assert TIP.min(axis=0).max() < -0.1 and TIP.max(axis=0).min() > 0.1, "the axis crosses each coordinate plane"
+    exact = reference.motion((2.2, 0.0, 0.5), (1.25, 1.25, 2.0), T, need="orientation").R
     assert np.allclose(R, TILT @ exact)
+
+
+def test_axes_labelled_with_two_coordinates_show_these():
+    both = panels(scene(TIP, camera=XY), scene(TIP, camera=XZ), labels=[(0, 0, 1), (1, 0, 2)])
+    assert body_shown(both, T, R, 2, L).found and momentum_shown(both, T, R, L).found
+    for wrong, said in ((XY, "axes labelled x and z show x and y"), (XZ[::-1], "axes labelled x and z show z and x")):
+        shown = body_shown(panels(scene(TIP, camera=XY), scene(TIP, camera=wrong), labels=[(0, 0, 1), (1, 0, 2)]), T, R, 2, L)
+        assert (shown.found, shown.code) == (False, "mirrored") and said in shown.sentence
+    assert body_shown(panels(scene(TIP, camera=XY), scene(TIP, camera=XZ[::-1])), T, R, 2, L).found, "without labels"
+    assert body_shown(panels(scene(TIP, camera=XZ), labels=[(0, -1, 2)]), T, R, 2, L).found, "one label alone"
+
+
+def test_axes_beside_right_ones_may_show_something_else_but_no_axis_at_wrong_times():
+    moment = np.column_stack([T, np.zeros(N)])
+    angle = np.column_stack([T, np.degrees(np.arccos(TIP @ UNIT)), 0 * T])[:, :2]
+    in_the_body = np.einsum("fji,j->fi", R, UNIT)
+    for beside in (
+        watched(moment, moment + [0, 1]),
+        watched(angle),
+        scene(in_the_body),
+        scene(R[:, :, 0]),
+        scene(TIP, camera=VIEW),
+    ):
+        assert body_shown(panels(scene(TIP), beside), T, R, 2, L).found
+    for tip in (TIP[2 * ALL % 96], TIP[ALL // 2], TIP[ALL // 10]):
+        shown = body_shown(panels(scene(TIP), scene(tip, camera=XZ)), T, R, 2, L)
+        assert (shown.found, shown.code) == (False, "wrong-frames"), shown
+        assert shown.sentence.startswith("one of the axes is wrong: ê₃ is drawn, but")
+
+
+@pytest.mark.parametrize("unit", [1.0, 180 / np.pi], ids=["radians", "degrees"])
+def test_polar_axes_may_be_a_map_of_directions(unit):
+    def placed(v):
+        return unit * np.arccos(v[..., 2:]) * v[..., :2] / np.linalg.norm(v[..., :2], axis=-1, keepdims=True)
+
+    def drawn(tip):
+        seen = frames([placed(tip)], [np.tile(placed(UNIT), (len(tip), 1))])
+        return seen | {"labels": np.array([[0.0, -2.0, -2.0]])}
+
+    assert body_shown(drawn(TIP), T, R, 2, L).found and momentum_shown(drawn(TIP), T, R, L).found
+    assert body_shown(drawn(R[:, :, 0]), T, R, 2, L).found is False
+    assert body_shown(drawn(TIP[2 * ALL % 96]), T, R, 2, L).found is False

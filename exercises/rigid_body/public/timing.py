@@ -20,6 +20,7 @@ PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: u
 SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
 HELD = 0.25  # part of the frames that may hold the end, where the frames before do not advance by one sample each
 LEAST_FRAMES = 10
+FALLING = 0.25  # share of the frames at which time runs back, more than where the motion begins again
 FAST = 1.3  # times the speed of an even run
 SPARSE = 48  # frames that decide between laws, before all frames are compared
 WORST = 4.0  # times the misfit of all frames: what a single frame may have
@@ -207,6 +208,9 @@ def said(times: Array, at: Array, n: int) -> str:
     """What is wrong with the ``times`` (f,) of the followed frames, for a report."""
     number, total = at[:, 0], int(at[0, 2])
     low, high = times.min(), times.max()
+    back = np.diff(times) < 0
+    if back.mean() > FALLING:
+        return f"the animation runs backwards from frame {number[int(np.argmax(back))]:.0f} of {total} on: show it forwards only"
     if high - low < n / 2:
         again = " again and again" if np.any(np.diff(times) < -SLACK) else ""
         return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{again}"

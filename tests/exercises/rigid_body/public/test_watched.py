@@ -174,6 +174,9 @@ def test_frame_values_of_uneven_steps():
 def test_frame_values_that_count_down_run_backwards():
     shown = body_shown(scene(TIP[::-1], values=ALL[::-1]), T, R, 2, L)
     assert shown.found is False and "backwards in time" in shown.sentence
+    there_and_back = np.r_[ALL[::2], ALL[::-2]]
+    shown = body_shown(scene(TIP[there_and_back], values=there_and_back), T, R, 2, L)
+    assert shown.found is False and "backwards from frame" in shown.sentence, shown
     twice = np.tile(ALL[::2], 2)
     assert body_shown(scene(TIP[twice], values=twice), T, R, 2, L).found is True
 

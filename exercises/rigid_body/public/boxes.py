@@ -20,6 +20,7 @@ TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and how 
 COARSE = 12
 ROUNDS = 6
 CORNERS = 7  # that move: of a box seen along an edge one may stay
+PERSPECTIVE = 2  # of the fitted cameras are tried with perspective too
 SKEW = 0.1  # sine of the angle between the line of sight and the normal of the paper
 FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is no corner
 UNEVEN = 1.05  # largest ratio between the scales of two edges
@@ -69,8 +70,10 @@ def displaced(match: Match, half: Array, R: Array) -> str | None:
 
 
 def rests(picture: Picture, half: Array) -> bool:
-    """Return whether the points that stay of one artist are the corners of a box in the proportions of ``half`` (3,)."""
-    return picture.dimensions == 3 and any(_diagonal(_distinct(points.T), half) > 0 for points in picture.still)
+    """Return whether points that stay, of one artist or of all, are the corners of a box in the proportions of ``half`` (3,)."""
+    if picture.dimensions != 3 or not picture.still:
+        return False
+    return any(_diagonal(_distinct(points.T), half) > 0 for points in (*picture.still, np.concatenate(picture.still)))
 
 
 def _diagonal(corners: Array, half: Array) -> float:
@@ -109,10 +112,13 @@ def _inclined(corners: Array, half: Array, R: Array, near: float) -> bool:
     return all(np.ptp(R @ turn @ np.swapaxes(R, 1, 2), axis=0).max() > ASTRAY for turn in turns)
 
 
-def box_seen(picture: Picture, R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
-    """Return the camera (d, 3) and times (f,) at which a set of points is of corners of the box; R (G, 3, 3) on the times' grid."""
+def box_seen(sets: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
+    """Return the camera (d, 3) and times (f,) at which one of ``sets`` (f, s, d) is of corners of the box.
+
+    R (G, 3, 3) on the times' grid.
+    """
     corners = R @ _corners(half).T  # (G, 3, 8)
-    for drawn in _sets(picture):
+    for drawn in sets:
         span = drawn.max(axis=1) - drawn.min(axis=1)
         centre = np.median(drawn.min(axis=1) + span / 2, axis=0)
         if span.min(axis=0).max() > 0 and (found := _of_set(drawn - centre, corners, laws)):
@@ -120,10 +126,10 @@ def box_seen(picture: Picture, R: Array, half: Array, laws: Array) -> tuple[Arra
     return None
 
 
-def _sets(picture: Picture) -> list[Array]:
-    """The sets of points (f, s, d) that may be corners: without order, and the moving points of all artists together."""
+def together(picture: Picture) -> list[Array]:
+    """Return the moving points of all artists as one set (f, s, d), if they may be the corners of a box."""
     moving = [path.places + path.origin for path in picture.paths]
-    return [*picture.sets, np.stack(moving, axis=1)] if len(moving) >= CORNERS else picture.sets
+    return [np.stack(moving, axis=1)] if len(moving) >= CORNERS else []
 
 
 def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | None:
@@ -139,7 +145,7 @@ def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | 
     some = corners[timing.on_grid(law[few], len(corners))]
     costs = [_off(drawn[few], _seen(camera, some), free=True).mean() for camera in around]
     best = [around[k] for k in np.argsort(costs)[:REFINED]]
-    central = [np.block([[camera, np.zeros((2, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]) for camera in best]
+    central = [np.block([[camera, np.zeros((2, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]) for camera in best[:PERSPECTIVE]]
     return next((fit for camera in (*best, *central) if (fit := _fitted(drawn, corners, camera, law))), None)
 
 

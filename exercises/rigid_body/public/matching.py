@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import cameras, timing
-from .pictures import Path, Picture
+from .pictures import MOVES, Path, Picture
 
 Array = NDArray[np.float64]
 
@@ -144,6 +144,7 @@ def along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:
 def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
     """Return what the most mistimed frame shows, where a path keeps to ``curve`` (G, d) but at no times that a law allows."""
     even = at[:, 0] / np.maximum(at[:, 2] - 1, 1) * (len(curve) - 1)
+    total = at[0, 2]
     for path in picture.paths:
         scale = np.sqrt(np.mean(path.places**2) / np.mean(curve**2))
         for _ in range(4):
@@ -154,8 +155,11 @@ def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
             distance = np.linalg.norm(path.places[:, None] - scale * curve, axis=2)
             same = distance <= distance.min(axis=1, keepdims=True) + 2 * MISFIT * scale * np.linalg.norm(curve[0])
             off = np.where(same, np.abs(np.arange(len(curve)) - even[:, None]), np.inf)  # the curve may return to a place
+            moves = np.any(np.abs(np.diff(path.places, axis=0)) > MOVES * np.abs(path.places).max(), axis=1)
+            if (until := at[int(np.flatnonzero(moves)[-1]) + 1, 0]) < (1 - timing.HELD) * (total - 1):
+                return f"from frame {until:.0f} of {total:.0f} on the picture stands still"
             k = int(np.argmax(off.min(axis=1)))
-            return f"frame {at[k, 0]:.0f} of {at[k, 2]:.0f} shows sample {np.argmin(off[k]) / timing.PER:.0f}"
+            return f"frame {at[k, 0]:.0f} of {total:.0f} shows sample {np.argmin(off[k]) / timing.PER:.0f}"
     return None
 
 

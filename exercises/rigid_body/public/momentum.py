@@ -54,6 +54,8 @@ def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> I
                 if turned is not by_R and motion.axis is not None and _stays(picture, view[:, motion.axis]):
                     said = "drawn in the body's own axes, where L moves and they stay: R is not applied to what is drawn"
                 yield Shown(False, "moving-angular-momentum", said)
+        if along(picture, motion.w @ view.T, motion.laws):
+            yield Shown(False, "moving-angular-momentum", "what is drawn follows ω, which moves: L is fixed in space")
     for picture, view in views:
         _, sure = directions(picture, [path.origin for path in picture.paths if path.bound])
         sure = sure[np.any(sure != 0, axis=1)]

@@ -58,7 +58,8 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
             indices += [value, np.interp(value, t, part)]
     elif np.all(value >= 0) and _begins_again(value):
         indices.append(value)
-    ends = np.arange(first_turn, last / (1 - HELD))
+    one_each = abs(total - n) < 0.5  # as many frames as samples: frame k shows sample k
+    ends = np.arange(last if one_each else first_turn, last / (1 - HELD))
     found = [end * x for x in fractions for end in ends]
     for index in indices:
         found += [np.minimum(index, last), index % n]
@@ -223,7 +224,7 @@ def said(times: Array, at: Array, n: int) -> str:
     first = int(np.argmax(times >= high - 0.5))
     if number[first] < (1 - HELD) * (total - 1):
         return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, the others stand still"
-    if high - low >= n - 1 - 2 * SLACK:
-        k = int(np.argmax(np.abs(times - low - (high - low) * number / max(total - 1, 1))))
+    if high - low >= n - 1 - 2 * SLACK or abs(total - n) < 0.5:
+        k = int(np.argmax(np.abs(times - (n - 1) * number / max(total - 1, 1))))
         return f"its samples are mistimed: frame {number[k]:.0f} of {total} shows sample {times[k]:.0f} of {n}"
     return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn"

@@ -53,6 +53,7 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
 
 def compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
     """Return what the pictures show of the body, as it is or else by the student's own camera, at frames ``at`` (f, 3)."""
+    some = (said for picture in drawn if (said := resembling(picture, motion)))
     for look in (_as_it_is, by_own_camera):
         views = [look(picture, motion, at) for picture in drawn]
         found = tuple(camera for camera, _ in views)
@@ -65,10 +66,10 @@ def compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
             wrong = [shown for picture in drawn for shown in spin(picture, motion)] + wrong
             wrong += [shown for picture in drawn for shown in otherwise(picture, motion, at)]
         if wrong:
-            return wrong[0]._replace(cameras=found)
-        if look is _as_it_is and (box := _box(drawn, motion)):
+            closer = next(some, None) if wrong[0].code == "wrong-axis" else None
+            return wrong[0]._replace(cameras=found) if closer is None else Shown(False, "wrong-motion", closer, found)
+        if box := _box(drawn, motion, known=look is by_own_camera):
             return box
-    some = (said for picture in drawn if (said := resembling(picture, motion)))
     return Shown(False, "wrong-motion", next(some, "what moves does not move with the body"))
 
 
@@ -130,15 +131,16 @@ def _agrees(picture: Picture, camera: Array, motion: Motion, match: Match) -> bo
     )
 
 
-def _box(drawn: list[Picture], motion: Motion) -> Shown | None:
-    """What points drawn in no order show of a box."""
+def _box(drawn: list[Picture], motion: Motion, *, known: bool) -> Shown | None:
+    """What points without order show of a box; ``known``: those with paths together, as of a perspective that no camera fits."""
     if motion.half is None or not len(motion.laws):
         return None
     for picture in drawn:
-        if found := boxes.box_seen(picture, motion.R, motion.half, motion.laws):
+        sets = boxes.together(picture) if known else picture.sets
+        if found := boxes.box_seen(sets, motion.R, motion.half, motion.laws):
             if other := unlabelled(picture, found[0]):
                 return Shown(False, "mirrored", other)
             return Shown(True, None, f"the box is drawn, {samples(found[1], motion.n)}")
-        if boxes.box_seen(picture, np.swapaxes(motion.R, 1, 2), motion.half, motion.laws):
+        if boxes.box_seen(sets, np.swapaxes(motion.R, 1, 2), motion.half, motion.laws):
             return Shown(False, "transposed-rotation", TRANSPOSED)
     return None

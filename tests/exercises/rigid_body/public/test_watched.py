@@ -464,7 +464,8 @@ def cone(angle):
 
 
 ALMOST = {
-    "narrow": (cone(0.5), "on a cone of 29° about L"),  # its tip alone is a scaled and shifted ê₃
+    "narrow": (cone(0.5), "on a cone of 29° about L"),
+    "wide": (cone(1.4), "on a cone of 80° about L"),  # its tip alone is a scaled and shifted ê₃
     "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "keeps its z coordinate"),
     "level": (TIP * [1, 1, 0] + [0, 0, TIP[0, 2]], "keeps its z coordinate"),
     "noise": (TIP + 0.05 * np.random.default_rng(4).normal(size=TIP.shape), "scatters about its path"),
@@ -528,3 +529,19 @@ def test_polar_axes_may_be_a_map_of_directions(unit):
     assert body_shown(drawn(TIP), T, R, 2, L).found and momentum_shown(drawn(TIP), T, R, L).found
     assert body_shown(drawn(R[:, :, 0]), T, R, 2, L).found is False
     assert body_shown(drawn(TIP[2 * ALL % 96]), T, R, 2, L).found is False
+
+
+def test_with_one_frame_for_each_sample_no_part_is_stretched():
+    stretched = np.interp(0.7 * ALL, ALL, ALL)
+    tip = np.column_stack([np.interp(stretched, ALL, column) for column in TIP.T])
+    shown = body_shown(scene(tip), T, R, 2, L)
+    assert shown.code == "wrong-frames" and "frame 95 of 96 shows sample 66 of 96" in shown.sentence, shown
+    assert body_shown(scene(tip[::2]), T, R, 2, L).found, "a part with a full turn at another number of frames"
+
+
+def test_what_is_drawn_in_place_of_L_or_stands_still_is_named():
+    omega = L / 1.25 - 0.3 * TIP
+    shown = momentum_shown(frames(line(TIP), line(omega)), T, R, L)
+    assert (shown.found, shown.code) == (False, "moving-angular-momentum") and "follows ω" in shown.sentence
+    shown = body_shown(scene(TIP[np.minimum(ALL, 12)]), T, R, 2, L)
+    assert shown.code == "wrong-frames" and "from frame 12 of 96 on the picture stands still" in shown.sentence, shown

@@ -34,6 +34,10 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     for code, sentence, value in _box_mistakes(boxes, truth):
         if _same(moments, value):
             return [_cause(code, sentence)]
+    for of_what, size in (("", np.ones(len(boxes))), (", times the mass", boxes[:, 0])):
+        shares = moments / size[:, None]
+        if _same(shares, np.broadcast_to(shares[0], shares.shape)):
+            return [_cause("hard-coded-moments", f"the same numbers for every box{of_what}: compute them from a, b and c")]
     ratio = moments / truth
     off = float(np.abs(ratio - 1).max())
     if off <= NEARLY and np.ptp(ratio, axis=0).max() > AGREEMENT:
@@ -67,6 +71,7 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
             yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
     unsquared = "the edges are not squared: I₁ holds b + c where b² + c² belongs"
     yield "wrong-power", unsquared, m / 12 * (np.sqrt(first) + np.sqrt(second))
+    yield "wrong-power", "I₁ holds 2b + 2c where b² + c² belongs: the square is b**2", m / 6 * (np.sqrt(first) + np.sqrt(second))
     yield "wrong-power", "I₁ holds the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
     volume = np.prod(boxes[:, 1:], axis=1, keepdims=True)
     yield "wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume
@@ -83,6 +88,9 @@ def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
     for code, sentence, value in _tensor_mistakes(tensors, truth):
         if _same(seen, np.sort(value, axis=1)):
             return [_cause(code, sentence)]
+    shares = seen / np.trace(tensors, axis1=1, axis2=2)[:, None]
+    if len(shares) > 1 and _same(shares, np.broadcast_to(shares[0], shares.shape)):
+        return [_cause("hard-coded-moments", "the same shares of the trace for every tensor: its eigenvalues are due")]
     factor = float(np.sum(seen * truth / truth**2) / seen.size)
     if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
         return [_cause("constant-factor", f"{factor:.10g} times the right value: look for a factor that does not belong")]

@@ -63,6 +63,7 @@ def test_arrays_come_back(either_sandbox):
     assert seen.defined == {"f"}
 
 
+@BY_THE_HOST
 @pytest.mark.parametrize(
     ("body", "ending", "code"),
     [

@@ -363,7 +363,9 @@ def test_a_box_has_the_given_proportions_and_another_body_any(camera):
     assert shown(np.array([[1, 0.2, 0.1], [-0.3, 0.8, 0.1], [0.2, 0.3, -0.9], [-0.9, 0.1, 0.4]])).found is True
 
 
-@pytest.mark.parametrize("camera", [SPACE, VIEW, XY, ISOMETRIC], ids=["3d", "turned", "xy", "isometric"])
+@pytest.mark.parametrize(
+    "camera", [SPACE, VIEW, XY, pytest.param(ISOMETRIC, marks=pytest.mark.slow)], ids=["3d", "turned", "xy", "isometric"]
+)
 def test_a_box_turns_about_its_centre_with_its_edges_along_the_body_axes(camera):
     def shown(corners, *more, place=(0, 0, 0), edges=False):
         drawn = np.einsum("ia,cfa->cfi", camera, np.einsum("fab,cb->cfa", TUMBLE, corners) + place)

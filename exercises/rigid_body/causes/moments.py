@@ -29,15 +29,18 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     """For ``box_moments``, (n, 3) for the boxes (m, a, b, c) asked: an order, a convention, or what each moment is made of."""
     boxes = np.asarray(inputs["boxes"], dtype=float)
     truth = np.array([reference.box_moments(*row) for row in boxes])
-    if (known := _nothing(moments, "box_moments") or _few_digits(moments, truth)) or _same(moments, truth):
+    constant = "the same numbers for every box{}: compute them from a, b and c"
+    known = (
+        _nothing(moments, "box_moments")
+        or _few_digits(moments, truth)
+        or _constant(moments, constant.format(""))
+        or _constant(moments / boxes[:, :1], constant.format(", times the mass"))
+    )
+    if known or _same(moments, truth):
         return known
     for code, sentence, value in _box_mistakes(boxes, truth):
         if _same(moments, value):
             return [_cause(code, sentence)]
-    for of_what, size in (("", np.ones(len(boxes))), (", times the mass", boxes[:, 0])):
-        shares = moments / size[:, None]
-        if _same(shares, np.broadcast_to(shares[0], shares.shape)):
-            return [_cause("hard-coded-moments", f"the same numbers for every box{of_what}: compute them from a, b and c")]
     ratio = moments / truth
     off = float(np.abs(ratio - 1).max())
     if off <= NEARLY and np.ptp(ratio, axis=0).max() > AGREEMENT:
@@ -88,9 +91,6 @@ def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
     for code, sentence, value in _tensor_mistakes(tensors, truth):
         if _same(seen, np.sort(value, axis=1)):
             return [_cause(code, sentence)]
-    shares = seen / np.trace(tensors, axis1=1, axis2=2)[:, None]
-    if len(shares) > 1 and _same(shares, np.broadcast_to(shares[0], shares.shape)):
-        return [_cause("hard-coded-moments", "the same shares of the trace for every tensor: its eigenvalues are due")]
     factor = float(np.sum(seen * truth / truth**2) / seen.size)
     if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
         return [_cause("constant-factor", f"{factor:.10g} times the right value: look for a factor that does not belong")]
@@ -102,7 +102,9 @@ def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
     if _majorised(seen, truth):
         return [_cause("diagonal-only", UNFINISHED)]
     off = float(np.abs(seen / truth - 1).max())
-    return [_nearly(f"within {off:.2g} of the right moments")] if off <= NEARLY else []
+    shares = seen / np.trace(tensors, axis1=1, axis2=2)[:, None]
+    constant = _constant(shares, "the same shares of the trace for every tensor: its eigenvalues are due")
+    return [_nearly(f"within {off:.2g} of the right moments")] if off <= NEARLY else constant
 
 
 def _majorised(seen: Array, truth: Array) -> bool:
@@ -161,6 +163,12 @@ def _nothing(moments: Array, function: str) -> list[Diagnosis]:
     if not np.all(np.isfinite(moments)):
         return [_cause("not-finite", f"{function} returns values that are not finite")]
     return [] if moments.any() else [_cause("returns-zero", f"{function} returns zeros whatever it is asked")]
+
+
+def _constant(values: Array, sentence: str) -> list[Diagnosis]:
+    """The diagnosis where the rows of ``values`` (n, 3) are all the same."""
+    same = len(values) > 1 and _same(values, np.broadcast_to(values[0], values.shape))
+    return [_cause("hard-coded-moments", sentence)] if same else []
 
 
 def _few_digits(moments: Array, truth: Array) -> list[Diagnosis]:

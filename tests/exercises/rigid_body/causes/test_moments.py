@@ -91,6 +91,12 @@ def test_tensors(answer, scene, rigid_body):
     assert [cause.code for cause in found] == [code] and said in found[0].sentence
 
 
+def test_fixed_shares_of_the_trace(rigid_body):
+    tensors = np.asarray(draw_inputs(rigid_body.scene("tensors"), 4)["tensors"])
+    (cause,) = causes({"tensors": tensors}, np.trace(tensors, axis1=1, axis2=2)[:, None] * [0.1, 0.4, 0.5])
+    assert cause.code == "hard-coded-moments" and "shares of the trace" in cause.sentence
+
+
 def test_eigenvalues_of_absolute_values(rigid_body):
     given = draw_inputs(rigid_body.scene("tensors"), 4)
     (cause,) = causes(given, np.linalg.eigvalsh(np.abs(given["tensors"])))

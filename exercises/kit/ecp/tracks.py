@@ -49,6 +49,8 @@ def drawn(figure: Any) -> list[Drawn]:
                 continue
             kind = type(artist).__name__
             seen[kind] += 1
+            if dimensions == 2 and points.shape[1] == 2:
+                points = _transformed(artist, axes, points)
             full = np.zeros((len(points), 3))
             full[:, : points.shape[1]] = points
             if axes.name == "polar":
@@ -57,6 +59,16 @@ def drawn(figure: Any) -> list[Drawn]:
         counted = [d._replace(oldest=seen[d.key[1]] + 1 - d.key[2]) if d.key[0] == number else d for d in found]
         found = counted
     return found
+
+
+def _transformed(artist: Any, axes: Any, points: Array) -> Array:
+    """The points (n, 2) after the artist's own transform, as of a patch that is rotated, in data coordinates."""
+    from matplotlib.artist import Artist
+
+    own = Artist.get_transform(artist)
+    if own == axes.transData or not own.contains_branch(axes.transData):
+        return points
+    return np.asarray((own - axes.transData).transform(points))
 
 
 def labelled(figure: Any) -> Array:

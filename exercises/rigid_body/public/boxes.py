@@ -141,12 +141,15 @@ def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | 
             return found
     if drawn.shape[2] == 3:
         return None  # a rotated and a mirrored box are the same set
-    law, around = _even(laws), _around()
-    some = corners[timing.on_grid(law[few], len(corners))]
-    costs = [_off(drawn[few], _seen(camera, some), free=True).mean() for camera in around]
-    best = [around[k] for k in np.argsort(costs)[:REFINED]]
-    central = [np.block([[camera, np.zeros((2, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]) for camera in best[:PERSPECTIVE]]
-    return next((fit for camera in (*best, *central) if (fit := _fitted(drawn, corners, camera, law))), None)
+    again = [law for law in laws if np.any(np.diff(law) < 0)]
+    for law in (_even(laws), *again[:1]):
+        some = corners[timing.on_grid(law[few], len(corners))]
+        costs = [_off(drawn[few], _seen(camera, some), free=True).mean() for camera in _around()]
+        best = [_around()[k] for k in np.argsort(costs)[:REFINED]]
+        central = [np.block([[camera, np.zeros((2, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]) for camera in best[:PERSPECTIVE]]
+        if found := next((fit for camera in (*best, *central) if (fit := _fitted(drawn, corners, camera, law))), None):
+            return found
+    return None
 
 
 @cache

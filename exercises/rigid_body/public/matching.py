@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 MISFIT = 0.03  # root mean square, of the path's own: 1 % of ê₃'s length here; interpolating linearly costs a tenth of it
 HOPEFUL = 0.5  # the same before times are fitted: 1.5 samples of the fastest turn here cost a third
 TRIES = 6  # paths whose times are fitted, the most hopeful first
+REFINED = 3  # rounds in which times and perspective are fitted in turn
+NEAREST = 0.5  # inverse of the distance of a camera from the centre, in lengths of the axis
+SKEW = 0.1  # sine of the angle between the line of sight and the normal of the paper
 MOST_SAMPLES = 400  # of a motion: laws grow with their square
 
 
@@ -170,6 +173,9 @@ def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Ar
         camera = cameras.straightened(fit.coefficients.T) if fit else None
         if fit is not None and camera is not None:
             return camera, fit.times, [path.origin] if path.bound else []
+    for path in picture.paths if motion.axis is not None and picture.dimensions == 2 else []:
+        if path.bound and (seen := _in_perspective(motion, path.places, laws)):
+            return *seen, [path.origin]
     nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
     for paths in _bodies(picture):
         values = np.stack([path.places for path in paths], axis=1)
@@ -178,6 +184,37 @@ def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Ar
         if fit is not None and camera is not None:
             return camera, fit.times, []
     return None
+
+
+def _in_perspective(motion: Motion, drawn: Array, laws: Array) -> tuple[Array, Array] | None:
+    """A camera (2, 3) and the times of the axis, whose tip p is ``drawn`` (f, 2) as M p / (1 − q·p).
+
+    q points towards the viewer, which no mirror image has it do. On the cone p·L is constant: a multiple of L may be added to q while
+    M is scaled.
+    """
+    if motion.L is None:
+        return None
+    curve = motion.R[:, :, motion.axis]
+    law = laws[int(np.argmin(timing.screened(curve[:, None], drawn[:, None, :], laws).sum(axis=1)))]
+    times, none = law, np.zeros((len(drawn), 3))
+    camera: Array | None = None
+    for _ in range(REFINED):
+        tip = curve[timing.on_grid(times, len(curve))]
+        rows = [np.column_stack([*(tip if k == row else none for k in (0, 1)), drawn[:, [row]] * tip]) for row in (0, 1)]
+        q = np.linalg.lstsq(np.concatenate(rows), drawn.T.ravel(), rcond=None)[0][6:]
+        fit = _timed(curve[:, None], (drawn * (1 - tip @ q)[:, None])[:, None, :], law[None])
+        camera = cameras.straightened(fit.coefficients.T) if fit else None
+        if fit is None or camera is None:
+            return None
+        times = fit.times
+    assert camera is not None
+    L = motion.L / np.linalg.norm(motion.L)
+    design = np.column_stack([L, np.cross(camera[0], camera[1])])
+    along, near = np.linalg.lstsq(design, q, rcond=None)[0]
+    scale = 1 - along * float(np.mean(curve @ L))
+    if np.linalg.norm(design @ [along, near] - q) > SKEW * np.linalg.norm(q) or not 0 < near / scale < NEAREST:
+        return None
+    return camera, times
 
 
 def _bodies(picture: Picture) -> list[list[Path]]:

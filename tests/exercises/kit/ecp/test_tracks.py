@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
+from matplotlib.transforms import Affine2D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from ecp import animate, film, judge, strict, tracks
@@ -194,3 +195,14 @@ def test_labels_of_flat_axes_name_coordinates():
     figure.add_subplot(projection="polar", xlabel="x", ylabel="y")
     assert tracks.labelled(figure).tolist() == [*expected, [6, -2, -2]]
     assert tracks.labelled(Figure()).tolist() == [[-1, -1, -1]]
+
+
+def test_an_artist_with_a_transform_of_its_own_is_where_it_is_seen():
+    figure = Figure()
+    axes = figure.add_subplot()
+    turned = Affine2D().rotate_deg(90).translate(1.0, 0.0) + axes.transData
+    axes.plot([0.0, 2.0], [0.0, 0.0], transform=turned)
+    axes.add_patch(Polygon([[0, 0], [2, 0], [2, 1]], transform=turned))
+    lines, polygon = sorted((d for d in tracks.drawn(figure)), key=lambda d: d.key[1])
+    np.testing.assert_allclose(lines.points, [[1, 0, 0], [1, 2, 0]], atol=1e-12)
+    np.testing.assert_allclose(polygon.points[[0, 2, 3]], [[1, 0, 0], [1, 2, 0], [0, 2, 0]], atol=1e-12)

@@ -547,3 +547,15 @@ def test_what_is_drawn_in_place_of_L_or_stands_still_is_named():
     assert (shown.found, shown.code) == (False, "moving-angular-momentum") and "follows ω" in shown.sentence
     shown = body_shown(scene(TIP[np.minimum(ALL, 12)]), T, R, 2, L)
     assert shown.code == "wrong-frames" and "from frame 12 of 96 on the picture stands still" in shown.sentence, shown
+
+
+def test_an_axis_in_perspective():
+    def seen(v):
+        return (v @ ISOMETRIC.T) / (1 - v @ np.cross(*ISOMETRIC) / 6)[:, None]
+
+    def drawn(tip, L=UNIT):
+        return frames(line(seen(tip)), line(np.tile(seen(L[None]), (len(tip), 1))))
+
+    assert body_shown(drawn(TIP), T, R, 2, L).found and momentum_shown(drawn(TIP), T, R, L).found
+    for wrong in (drawn(R[:, :, 0]), drawn(TIP, np.eye(3)[2]), drawn(TIP * [1, -1, 1])):
+        assert not body_shown(wrong, T, R, 2, L).found or not momentum_shown(wrong, T, R, L).found

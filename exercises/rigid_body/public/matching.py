@@ -189,8 +189,8 @@ def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Ar
 def _in_perspective(motion: Motion, drawn: Array, laws: Array) -> tuple[Array, Array] | None:
     """A camera (2, 3) and the times of the axis, whose tip p is ``drawn`` (f, 2) as M p / (1 − q·p).
 
-    q points towards the viewer, which no mirror image has it do. On the cone p·L is constant: a multiple of L may be added to q while
-    M is scaled.
+    q points towards the viewer, which no mirror image has it do. On the cone p·L is constant: a multiple of L may be added to q,
+    and M scaled.
     """
     if motion.L is None:
         return None

@@ -36,8 +36,8 @@ env: .venv/runtime  ## make .venv from the hashed lock and compile its bytecode
 		|| echo "polhode: there is no chromium: tests of pages in a browser will be skipped"
 	@touch $@
 
-demo: env  ## start a server, grade the specimens over HTTP, print the lines (ONCE=1: then stop)
-	@$(CLEAN_ENV) $(BIN)/python -m service.demo $(if $(ONCE),--once)
+demo: env  ## start a server, grade the samples over HTTP, print the lines (ONCE=1: then stop)
+	@$(CLEAN_ENV) $(BIN)/python -m service.cli.demo $(if $(ONCE),--once)
 
 serve: env  ## start the server on port 8000 with its data in ./.data
 	@$(CLEAN_ENV) POLHODE_DATA=$${POLHODE_DATA:-.data} $(BIN)/polhode serve

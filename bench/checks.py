@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ecp import film
-from exercises.assignment import assignments
+from ecp import animation
+from exercises.catalogue import assignments
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
-from exercises.rigid_body.drawn import DRAWN
 from exercises.rigid_body.mutants import mutants
+from exercises.rigid_body.public.animation_checks import body_shown
 from exercises.rigid_body.public.momentum import momentum_shown
-from exercises.rigid_body.public.watched import body_shown
+from exercises.rigid_body.random_motions import DRAWN
 from service.grading.grade import draw_inputs, truth
 
 ASSIGNMENT = assignments()["rigid-body"]
@@ -101,7 +101,7 @@ def _milliseconds(inputs, seen) -> float:
 
 def animations() -> None:
     """Print what following and judging an animation costs beside drawing its frames and stills."""
-    folder, ratios = ASSIGNMENT.folder / "specimens", []
+    folder, ratios = ASSIGNMENT.folder / "samples", []
     inputs = ASSIGNMENT.scene("film").inputs
     for file in sorted(folder.glob("right_animation_*.py"))[::3]:
         bare, judged = (min(_watched(file, inputs, follow) for _ in range(2)) for follow in (False, True))
@@ -114,8 +114,8 @@ def _watched(file: Path, inputs, follow: bool) -> float:
 
     names = {}
     exec((ASSIGNMENT.folder / "setup.py").read_text() + "\n" + file.read_text(), names)
-    real = film.drawn
-    film.drawn = real if follow else lambda figure: []
+    real = animation.drawn
+    animation.drawn = real if follow else lambda figure: []
     try:
         began = time.process_time()
         seen = plays.animation(names, inputs)
@@ -124,7 +124,7 @@ def _watched(file: Path, inputs, follow: bool) -> float:
             momentum_shown(seen, inputs["t"], inputs["R"], inputs["L"])
         return time.process_time() - began
     finally:
-        film.drawn = real
+        animation.drawn = real
         plt.close("all")
 
 

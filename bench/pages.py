@@ -14,9 +14,9 @@ import psycopg
 
 from bench.queue import server
 from ecp.document import document
-from service.store import gradebook
-from service.store.people import COURSE
-from service.store.postgres import running_url
+from service.store.course import gradebook
+from service.store.course.people import COURSE
+from service.store.postgres.server import running_url
 from tests.support.reports import ASSIGNMENT, SLIP, report_of_marks
 
 STUDENTS, EACH, REPEATS = 500, 5, 7

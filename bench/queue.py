@@ -18,12 +18,12 @@ from pathlib import Path
 import httpx2
 import psycopg
 
-from exercises.assignment import assignments
-from service.demo import free_port
+from exercises.catalogue import assignments
+from service.cli.demo import free_port
+from service.grading import grader
 from service.grading.submission import Submission
-from service.sandbox.choose import choose
-from service.store.postgres import running_url
-from service.workers import hand
+from service.sandbox.select import choose
+from service.store.postgres.server import running_url
 
 PATH = "/v1/assignments/rigid-body/submissions"
 SOURCE = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
@@ -113,8 +113,8 @@ def starting(url: str, data: Path, count: int = 60) -> None:
 
 def overhead(url: str, count: int = 25) -> tuple[float, float]:
     """Medians of a grading over HTTP and of the same in this process, in turn."""
-    hand.start(choose())
-    hand.ready()
+    grader.start(choose())
+    grader.ready()
     submission, slug, through, direct = Submission(SOURCE), assignments()["rigid-body"].slug, [], []
     with httpx2.Client(headers=ME | {"Prefer": "wait=30"}, timeout=40) as client:
         for seed in range(count):
@@ -122,7 +122,7 @@ def overhead(url: str, count: int = 25) -> tuple[float, float]:
             client.post(url + PATH, json=FAST)
             through.append(time.perf_counter() - began)
             began = time.perf_counter()
-            hand.grade_one(submission, slug, ["2"], seed)
+            grader.grade_one(submission, slug, ["2"], seed)
             direct.append(time.perf_counter() - began)
     return statistics.median(through), statistics.median(direct)
 

@@ -1,7 +1,7 @@
 """The surge before a deadline against a real server: is anything lost, who waits how long, and was that to be foreseen.
 
-``python -m bench.surge`` (five minutes on two cores). Students send the specimens below at moments drawn as ``service.plan`` draws
-them; the waits are read from the database, and the same arrivals are played through ``service.plan`` for comparison.
+``python -m bench.surge`` (five minutes on two cores). Students send the samples below at moments drawn as ``polhode plan`` draws
+them; the waits are read from the database, and the same arrivals are played through ``service.cli.plan`` for comparison.
 ``--write`` keeps the measured service times as those that ``polhode plan`` draws from.
 """
 
@@ -26,10 +26,10 @@ import httpx2
 import numpy as np
 import psycopg
 
-from exercises.assignment import assignments
-from service.demo import free_port
-from service.plan import MEASURED, Arrivals, Deadline, begin, draw, summary, table
-from service.store.postgres import running_url
+from exercises.catalogue import assignments
+from service.cli.demo import free_port
+from service.cli.plan import MEASURED, Arrivals, Deadline, begin, draw, summary, table
+from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3
 RIGHT = ("cross", "terms", "roll", "oop", "cross_solve", "einsum_levi_civita", "skew_matrix", "list_return")
@@ -109,7 +109,7 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
 
 async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
     """Send every submission at its moment; the answers in the same order."""
-    folder = assignments()["rigid-body"].folder / "specimens"
+    folder = assignments()["rigid-body"].folder / "samples"
     names = [f"right_{name}.py" for name in RIGHT] + [f"wrong_{name}.py" for name in WRONG]
     sources = np.random.default_rng(seed).choice([(folder / name).read_text() for name in names], len(arrivals.accepted))
     limits, zero = httpx2.Limits(max_connections=100, max_keepalive_connections=100), time.monotonic()
@@ -195,7 +195,7 @@ def occupied(rows: list[Row]) -> np.ndarray:
 def overtaken(rows: list[Row]) -> list[tuple[int, int]]:
     """Pairs of places in ``rows``: one that was taken while another waited that was its person's oldest before the one was.
 
-    By the rule of ``service.queue`` there is none: whatever is its person's oldest without result waits at the top, behind those
+    By the rule of the queue there is none: whatever is its person's oldest without result waits at the top, behind those
     that came to be so before it, and what is not is taken where nothing waits at the top.
     """
     started, oldest = np.array([r.started for r in rows]), _oldest(rows)
@@ -244,7 +244,7 @@ def _write(asked: Deadline, seconds: np.ndarray) -> None:
     document = {
         "measured_at": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{(told or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}",
-        "what": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong specimens, from start to the worker's next start, "
+        "what": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong samples, from start to the worker's next start, "
         f"by bench.surge with {asked.students} students, {60 * asked.minutes:g} s and {asked.workers} workers",
         "seconds": [round(float(s), 4) for s in seconds],
     }

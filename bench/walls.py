@@ -14,15 +14,16 @@ from pathlib import Path
 
 import numpy as np
 
-from exercises.assignment import Blank, assignments
-from exercises.rigid_body import drive
+from exercises.assignment import Blank
+from exercises.catalogue import assignments
+from exercises.rigid_body import host_integration
 from service.grading.crosscheck import Attempt, cross_check
 from service.grading.grade import draw_inputs, truth
-from service.sandbox import conversation
-from service.sandbox.choose import choose
+from service.sandbox import session
+from service.sandbox.isolation import tier_b
 from service.sandbox.job import Cell, Job, Played
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.tier_b import tier_b
+from service.sandbox.select import choose
 
 RIGHT = """
 def euler_eqs(t, w, I):
@@ -126,7 +127,7 @@ def memory(sandbox: Sandbox) -> None:
 
 def kill_latency(sandbox: Sandbox) -> None:
     """From the end of the host's patience until the child is buried."""
-    conversation.GRACE_S = 0.0
+    session.GRACE_S = 0.0
     source = "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [14])\ndef f(x):\n    while True: pass"
     job = replace(TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),))
     late = [timed(lambda: sandbox.play(job)) - 0.3 for _ in range(10)]
@@ -145,7 +146,7 @@ def _cold(walls) -> None:
     subprocess.run(command, env=dict(walls.environment), check=True)
 
 
-_IMPORTS = "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, ecp.film"
+_IMPORTS = "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, ecp.animation"
 
 
 def _path(walls) -> list[str]:
@@ -173,7 +174,7 @@ def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
 
 def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
     asked = dict(inputs["torque-free"]) | {"orientation": False}
-    scene = Played("torque-free", "", "euler_eqs", {}, {}, 20.0, None, lambda ask: drive.motion(asked, ask))
+    scene = Played("torque-free", "", "euler_eqs", {}, {}, 20.0, None, lambda ask: host_integration.motion(asked, ask))
     motion = sandbox.play(replace(job, scenes=(scene,))).driven["torque-free"]
     assert np.all(np.isfinite(motion["w"]))
 

@@ -1,10 +1,9 @@
-"""The grammar of an assignment: scenes to play, exercises that judge them, figures that show them; and every one there is."""
+"""The grammar of an assignment: scenes to play, exercises that judge them, figures that show them."""
 
-import functools
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise
 from ecp.outcome import Diagnosis, Swept
-from exercises import declaration, folders
 
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
@@ -102,7 +100,7 @@ class Assignment:
     matplotlib: they must be installed on the server. ``diagnose`` names the causes of one scene's numbers, and
     ``diagnose_function`` those that explain all scenes of a function together, or None: then each scene is diagnosed alone.
     ``codes`` are the diagnosis codes that its causes and plays give:
-    ``polhode verify`` tells those that no specimen shows.
+    ``polhode verify`` tells those that no sample shows.
     """
 
     slug: str
@@ -116,10 +114,6 @@ class Assignment:
     sweep: Sweep | None = None
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        if errors := declaration.errors(self):
-            raise InvalidAssignment(self.slug, errors)
 
     def scene(self, name: str) -> Scene:
         """The scene of that name."""
@@ -148,56 +142,3 @@ class Assignment:
     def functions(self) -> set[str]:
         """Every name a student may define to be played."""
         return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.asks_for()}
-
-
-class Found(NamedTuple):
-    """The assignments by their slugs; and those that cannot be used, with all that is wrong with each."""
-
-    sound: dict[str, Assignment]
-    broken: dict[str, InvalidAssignment]
-
-
-def assignments() -> dict[str, Assignment]:
-    """Every assignment that can be used, by its slug."""
-    return found().sound
-
-
-def find(slug: str) -> Assignment:
-    """The assignment of that slug, or of that folder's name; InvalidAssignment for a broken one, NoAssignment for none."""
-    slug = slug.replace("_", "-")
-    if (error := found().broken.get(slug)) and slug not in found().sound:
-        raise error
-    if slug not in found().sound:
-        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(found().sound)) or 'none'}")
-    return found().sound[slug]
-
-
-@functools.cache
-def found() -> Found:
-    """Each package in this folder, and each that POLHODE_ASSIGNMENTS names: one that is broken costs no other."""
-    sound, broken = {}, {}
-    for folder in folders.folders():
-        slug = folders.slug_of(folder)
-        try:
-            assignment = _load(slug, folder)
-        except InvalidAssignment as error:
-            broken[slug] = error
-        else:
-            sound[slug] = assignment
-    return Found(sound, broken)
-
-
-def _load(slug: str, folder: Path) -> Assignment:
-    try:
-        assignment, errors = folders.load(folder)
-    except InvalidAssignment as error:
-        raise InvalidAssignment(slug, error.errors) from error
-    except (Exception, SystemExit) as error:
-        raise InvalidAssignment(slug, [folders.told(error, folder)]) from error
-    if not errors and not isinstance(assignment, Assignment):
-        errors = [f"ASSIGNMENT is {type(assignment).__name__}, no Assignment"]
-    elif not errors and assignment.slug != slug:
-        errors = [f"its slug is {assignment.slug}, but its folder's name makes it {slug}"]
-    if errors:
-        raise InvalidAssignment(slug, errors)
-    return assignment

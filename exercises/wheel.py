@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 import ecp
-from exercises import packages, reproducible
-from exercises.assignment import Assignment, Scene, assignments
+from exercises import packages, zipfiles
+from exercises.assignment import Assignment, Scene
+from exercises.catalogue import assignments
 
 log = logging.getLogger(__name__)
 NAME = f"polhode_kit-{ecp.KIT}-py3-none-any.whl"
@@ -49,7 +50,7 @@ def wheel(server: str | None = None) -> bytes:
     made = {"build": build()} | ({"server": server} if server else {})
     files = _content() | {"ecp/assignments/made.json": json.dumps(made).encode()}
     files |= {f"{INFO}/METADATA": METADATA.encode(), f"{INFO}/WHEEL": FORM.encode()}
-    return reproducible.wheel(INFO, files)
+    return zipfiles.wheel(INFO, files)
 
 
 def has_notebook(assignment: Assignment) -> bool:
@@ -121,7 +122,7 @@ def _packed(arrays: Mapping[str, Any]) -> bytes:
         member = io.BytesIO()
         np.save(member, np.asarray(array), allow_pickle=False)
         files[f"{name}.npy"] = member.getvalue()
-    return reproducible.zipped(files)
+    return zipfiles.zipped(files)
 
 
 def _listed(value: Any) -> Any:

@@ -9,14 +9,14 @@ import zipfile
 import pytest
 from hypothesis import HealthCheck, settings
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 from exercises.wheel import wheel
-from service.sandbox.choose import choose
+from service.sandbox.isolation import tier_b
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.tier_b import tier_b
-from service.store.migrate import migrate
-from service.store.postgres import EmbeddedPostgres
-from service.store.rescue import LEASE_S
+from service.sandbox.select import choose
+from service.store.database import migrate
+from service.store.postgres.server import EmbeddedPostgres
+from service.store.workers import LEASE_S
 from tests.support.database import new_database, sql
 from tests.support.hub import Hub
 from tests.support.server import Server
@@ -24,7 +24,7 @@ from tests.support.server import Server
 # Files that take longest begin first, so that the short ones fill what is left where two processes share the files.
 LONGEST = (
     "test_attacks",
-    "test_specimens",
+    "test_samples",
     "test_notebooks",
     "test_routes",
     "test_workers",

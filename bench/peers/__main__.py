@@ -23,7 +23,7 @@ from bench.peers.otter import Otter
 from bench.peers.peer import Peer, Place, clean_environment
 from bench.peers.polhode import Polhode
 from bench.peers.rounds import cases, play
-from bench.peers.submissions import SPECIMENS, submissions
+from bench.peers.submissions import SAMPLES, submissions
 from bench.peers.warm import Warm
 from bench.queue import server
 
@@ -48,7 +48,7 @@ def main() -> int:
     tools = [ours, *_peers(cache)]
     print(about(), flush=True)
     given = verdicts(tools, sent)
-    print(f"\n{table.verdicts(list(SPECIMENS), given)}\n", flush=True)
+    print(f"\n{table.verdicts(list(SAMPLES), given)}\n", flush=True)
     if wrong := [t.name for t in tools if not sound(given[t.name]) and (t is ours or answers(given[t.name]))]:
         print(f"broken: {', '.join(wrong)} cannot tell what is right from a slipped sign", file=sys.stderr)
         return 2

@@ -4,7 +4,7 @@ They use the submission's own ``integrate_body``, ``T_rot`` and ``L_body``, as t
 polhode's checks have.
 """
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 
 _EXERCISE = assignments()["rigid-body"]
 _MOTION = _EXERCISE.scene("torque-free").inputs

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from bench.peers.clock import Broke, clock
 from bench.peers.peer import Marks, Peer, Unread
-from bench.peers.submissions import SPECIMENS, Submission, file_name
+from bench.peers.submissions import SAMPLES, Submission, file_name
 
 Given = Mapping[str, Marks | str]
 
@@ -18,7 +18,7 @@ def verdicts(tools: Sequence[Peer], sent: Mapping[str, Submission]) -> dict[str,
             given[tool.name] = _judged(tool)
         except Broke as error:
             print(f"{tool.name}: {error}")
-            given[tool.name] = dict.fromkeys(SPECIMENS, "no answer")
+            given[tool.name] = dict.fromkeys(SAMPLES, "no answer")
     return given
 
 
@@ -34,13 +34,13 @@ def sound(given: Given) -> bool:
 
 
 def _judged(tool: Peer) -> Given:
-    for kind in SPECIMENS:
+    for kind in SAMPLES:
         try:
             clock([tool.one(file_name(kind))], tool.place, codes=())
         except Broke as error:
             print(f"{tool.name}, {kind}: {error}")
     clock(tool.export(), tool.place)
-    return {kind: _marks(tool, kind) for kind in SPECIMENS}
+    return {kind: _marks(tool, kind) for kind in SAMPLES}
 
 
 def _marks(tool: Peer, kind: str) -> Marks | str:

@@ -1,14 +1,14 @@
-"""What is graded: the Setup cell of the course notebook and an ``euler_eqs`` of the specimens, as a script and as a notebook."""
+"""What is graded: the Setup cell of the course notebook and an ``euler_eqs`` of the samples, as a script and as a notebook."""
 
 import ast
 import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 
 FOLDER = assignments()["rigid-body"].folder
-SPECIMENS = {
+SAMPLES = {
     "right": "right_terms.py",
     "sign slip": "wrong_sign_flipped.py",
     "zeros": "wrong_zeros.py",
@@ -45,7 +45,7 @@ class Submission:
 
 def submissions(batch: int) -> dict[str, Submission]:
     """By their names: one of each kind, the right one without matplotlib, and ``batch`` copies of the right one."""
-    answers = {kind: (FOLDER / "specimens" / file).read_text() for kind, file in SPECIMENS.items()}
+    answers = {kind: (FOLDER / "samples" / file).read_text() for kind, file in SAMPLES.items()}
     course, lean = (imports + "\n\n" + _setup_functions() for imports in (COURSE, LEAN))
     found = [Submission(file_name(kind), course, answer) for kind, answer in answers.items()]
     found.append(Submission("lean", lean, answers["right"]))

@@ -1,4 +1,4 @@
-"""Wrong ``euler_eqs`` written out: the slips of the catalogue, pairs of them drawn at random, and each change of right specimens.
+"""Wrong ``euler_eqs`` written out: the slips of the catalogue, pairs of them drawn at random, and each change of right samples.
 
 ``polhode mutants`` grades them all. That they are wrong is found out here, by means the checks have no part in.
 """
@@ -18,7 +18,7 @@ from exercises.mutation import Mutant, mutants_of
 
 W, I = ("w[0]", "w[1]", "w[2]"), ("I[0]", "I[1]", "I[2]")
 PAIRS = 60
-SPECIMENS = (
+SAMPLES = (
     "right_terms.py",
     "right_cross.py",
     "right_roll.py",
@@ -45,8 +45,8 @@ def mutants() -> Iterator[Mutant]:
     for (first, k, one), (second, m, other) in rng.sample(pairs, PAIRS):
         yield Mutant("two slips", f"{first}; {second}", _function({k: one, m: other}))
     yield from _whole()
-    folder = Path(__file__).parent / "specimens"
-    for file in SPECIMENS:
+    folder = Path(__file__).parent / "samples"
+    for file in SAMPLES:
         yield from mutants_of((folder / file).read_text(), "euler_eqs", file)
 
 

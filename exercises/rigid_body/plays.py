@@ -15,8 +15,8 @@ from matplotlib.animation import Animation
 from scipy.integrate import solve_ivp
 
 import ecp.animate
-from ecp.film import watch
-from ecp.strict import WrongAnswer, exchanged, real_array, takes
+from ecp.animation import watch
+from ecp.return_value import WrongAnswer, exchanged, real_array, takes
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000

@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 import reference
 from exercises.assignment import Blank, Inputs, Scene
 from exercises.rigid_body import probes
-from exercises.rigid_body.drawn import DRAWN
-from exercises.rigid_body.drive import DRIVE
+from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
-from exercises.rigid_body.public.setting import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
+from exercises.rigid_body.public.parameters import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
+from exercises.rigid_body.random_motions import DRAWN
 from exercises.rigid_body.turning import TURNING
 
 Array = NDArray[np.float64]

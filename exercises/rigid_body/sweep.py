@@ -6,7 +6,7 @@ import reference
 from ecp.checks import Arrays
 from ecp.outcome import Swept, SweptPoint
 from exercises.assignment import Blank, Inputs, Scene, Sweep
-from exercises.rigid_body.public.setting import BODY, TORQUE_FREE
+from exercises.rigid_body.public.parameters import BODY, TORQUE_FREE
 from reference.errors import errors
 from reference.exact import Sampled
 from reference.method import Run

@@ -10,8 +10,8 @@ from ecp.checks import Arrays
 from ecp.outcome import Ending, SceneEnding
 from exercises.assignment import Ask, Assignment, Inputs, Scene
 from service.sandbox.job import Job, Played
+from service.sandbox.result import Seen
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Seen
 
 DRIVE_S = 20.0
 TRIES = 2

@@ -21,8 +21,8 @@ from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import Attempt, CrossCheck, cross_check
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Played
+from service.sandbox.result import Fault, Seen
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Fault, Seen
 
 log = logging.getLogger(__name__)
 Tell = Callable[[str, int, int], None]

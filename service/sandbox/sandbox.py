@@ -4,10 +4,10 @@ import threading
 from collections.abc import Callable
 
 from ecp.outcome import Ending, SceneEnding
+from service.sandbox.isolation import Walls
 from service.sandbox.job import Job
-from service.sandbox.probe import probe
-from service.sandbox.seen import Fault, Seen, Stopped
-from service.sandbox.walls import Walls
+from service.sandbox.result import Fault, Seen, Stopped
+from service.sandbox.self_test import probe
 from service.sandbox.zygote import Zygote, ZygoteLost
 
 MOST_PLAYS = 1000  # of one zygote

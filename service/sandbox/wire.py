@@ -22,7 +22,7 @@ from service.sandbox import claims
 from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import ANSWER
 from service.sandbox.job import Job
-from service.sandbox.seen import GUEST_CODES, Seen
+from service.sandbox.result import GUEST_CODES, Seen
 
 MOST_JSON = 64 * 1024
 MOST_TEXT = 8 * 1024

@@ -9,10 +9,10 @@ import tempfile
 import threading
 from collections.abc import Callable, Mapping, Sequence
 
-from service.sandbox.conversation import Conversation, Ended, Pipes
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
-from service.sandbox.seen import KEPT_OUTPUT, Fault, Seen, Stopped
+from service.sandbox.result import KEPT_OUTPUT, Fault, Seen, Stopped
+from service.sandbox.session import Conversation, Ended, Pipes
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0

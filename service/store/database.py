@@ -4,18 +4,21 @@ import asyncio
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any, TypeVar
 from uuid import UUID
 
 import psycopg
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
 from procrastinate.exceptions import ConnectorException
-from sqlalchemy import Executable, Row, text
+from sqlalchemy import Executable, Row, create_engine, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.ext.asyncio import AsyncConnection, create_async_engine
 
 from service.settings import DATABASE_WAIT_S
-from service.store.migrate import driver_url
 
 T = TypeVar("T")
 CONNECT_S = 3
@@ -124,3 +127,28 @@ async def patiently(action: Callable[[], Awaitable[T]], most_s: float) -> T:
                 raise
             await asyncio.sleep(pause)
             pause = min(2 * pause, 2.0)
+
+
+# Any constant of our own: PostgreSQL's advisory locks are named by a number.
+MIGRATION_LOCK = 2_6_2026
+
+
+def driver_url(url: str) -> str:
+    """A ``postgresql://`` address for SQLAlchemy with the psycopg driver."""
+    return url.replace("postgresql://", "postgresql+psycopg://", 1).replace("postgres://", "postgresql+psycopg://", 1)
+
+
+def migrate(url: str) -> str:
+    """Run the missing revisions in one transaction under a lock; the revision reached."""
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    bounded = {"connect_timeout": 5, "options": "-c lock_timeout=60s -c statement_timeout=600s"}
+    engine = create_engine(driver_url(url), connect_args=bounded)
+    try:
+        with engine.begin() as connection:
+            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK})
+            config.attributes["connection"] = connection
+            command.upgrade(config, "head")
+            return str(MigrationContext.configure(connection).get_current_revision())
+    finally:
+        engine.dispose()

@@ -6,7 +6,7 @@ from datetime import datetime
 from uuid import UUID
 
 from service.store.database import Database
-from service.store.reading import LATE, SHOWN, STATUS
+from service.store.records import LATE, SHOWN, STATUS
 
 MOST = 100
 

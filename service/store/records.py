@@ -2,12 +2,20 @@
 
 import hashlib
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from hashlib import sha256
 from uuid import UUID
 
+from sqlalchemy import Executable, Row, select
+from sqlalchemy.dialects.postgresql import insert
+
+from ecp.document import read as read_document
 from ecp.report import Report
 from service.grading.submission import Submission
+from service.store.database import Database
+from service.store.tables import artefact, kept
 
 
 @dataclass(frozen=True)
@@ -76,3 +84,134 @@ class Listed:
     max_score: int | None
     points: int | None = None
     total: int | None = None
+
+
+def points(given: str, attempt: str, score: str) -> str:
+    """SQL to join, as ``given``, the ``points`` of that attempt of submission ``s``: its score, but for what an instructor gave
+    instead; and whether anything was given, ``overridden``."""
+    return f"""LATERAL (
+    SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
+        {score} + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
+    FROM override o LEFT JOIN outcome v ON v.attempt_id = {attempt} AND v.check_id = o.check_id AND v.counted
+    WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
+) {given} ON true"""
+
+
+# The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was, and
+# one that is held is not shown.
+SHOWN = f"""
+LATERAL (
+    SELECT a.id AS attempt, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
+        coalesce(CAST(r.report->>'total' AS int), r.max_score) AS total,
+        r.attempt_id IS NOT NULL AS finished, r.finished_at, r.version
+    FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+    WHERE a.submission_id = s.id AND NOT a.held ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
+) shown ON true
+LEFT JOIN {points("given", "shown.attempt", "shown.score")}
+LEFT JOIN LATERAL (
+    SELECT phase, scene, scenes FROM run
+    WHERE run.attempt_id = shown.attempt AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
+) going ON true
+"""
+
+STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
+    WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
+
+# A deadline that was moved later, for all or for one person, forgives; one that was moved earlier does not make late.
+LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
+    SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
+)), false)) AS late"""
+
+_ONE = f"""
+SELECT s.id, x.slug AS assignment, p.name AS person, p.full_name, s.source, s.filename, s.exercises, s.submitted_at,
+    {LATE}, shown.*,
+    given.points, {STATUS}
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+WHERE s.id = :id
+"""
+
+_LIST = f"""
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS}
+FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
+"""
+
+_STATE = f"""
+SELECT s.id, shown.finished, shown.score, shown.max_score, shown.total, shown.attempt, shown.number, going.phase, going.scene,
+    going.scenes, {STATUS} FROM submission s JOIN {SHOWN} WHERE s.id = :id
+"""
+
+_POSITIONS = """
+SELECT args->>'attempt' AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position
+FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
+"""
+
+
+async def read(database: Database, id: UUID) -> Stored | None:
+    """The submission of that id, or None."""
+    rows = await database.rows(_ONE, {"id": id})
+    return _stored(rows[0]) if rows else None
+
+
+async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Listed]:
+    """The latest submissions, of all or of one person, newest first, without their source and report."""
+    return [
+        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
+        for r in await database.rows(_LIST, {"most": most, "person": person})
+    ]
+
+
+async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
+    """What of a submission changes while it is graded: a row with ``finished``, ``status``, scores, ``attempt`` and progress."""
+    rows = await database.rows(_STATE, {"id": id})
+    return rows[0] if rows else None
+
+
+async def positions(database: Database) -> Mapping[str, int]:
+    """By attempt, which place in the queue it has; the next to start is at 1."""
+    return {row.attempt: row.position for row in await database.rows(_POSITIONS)}
+
+
+async def find_artefact(database: Database, attempt: UUID, name: str) -> tuple[bytes, str] | None:
+    """Content and SHA-256 of an artefact, or None."""
+    query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, kept)
+    rows = await database.rows(query.where(kept.c.attempt_id == attempt, kept.c.name == name))
+    return (rows[0].content, rows[0].sha256) if rows else None
+
+
+async def keep(database: Database, attempt: UUID, artefacts: Mapping[str, bytes]) -> None:
+    """Keep artefacts made later, such as a figure drawn when somebody looked."""
+    async with database.begin() as connection:
+        for statement in keeping(attempt, artefacts):
+            await connection.execute(statement)
+
+
+def keeping(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
+    """The statements that keep them, each content once however many attempts share it."""
+    marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
+    contents = {marks[name]: content for name, content in artefacts.items()}
+    return [
+        *(insert(artefact).values(sha256=mark, content=contents[mark]).on_conflict_do_nothing() for mark in sorted(contents)),
+        *(insert(kept).values(attempt_id=attempt, name=n, sha256=mark).on_conflict_do_nothing() for n, mark in marks.items()),
+    ]
+
+
+def _stored(row: Row[tuple[object, ...]]) -> Stored:
+    return Stored(
+        id=row.id,
+        assignment=row.assignment,
+        person=row.person,
+        submission=Submission(row.source, row.filename),
+        exercises=row.exercises,
+        submitted_at=row.submitted_at,
+        late=row.late,
+        attempt=row.attempt,
+        number=row.number,
+        seed=row.seed,
+        report=None if row.report is None else read_document(Report, row.report),
+        fault=row.fault,
+        status=row.status,
+        cancelled_by=row.cancelled_by,
+        points=row.points,
+        full_name=row.full_name,
+    )

@@ -14,11 +14,11 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from ecp.document import document
 from ecp.report import Report
+from service.grading.result import state
 from service.grading.submission import Submission
-from service.queue import send_attempt, send_next
-from service.store import outcomes
 from service.store.database import Database
-from service.store.reading import keeping
+from service.store.queue import send_attempt, send_next
+from service.store.records import keeping
 from service.store.tables import outcome, result, run
 
 CHANNEL = "polhode"
@@ -147,7 +147,7 @@ def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
 
 
 def _by_check(attempt: UUID, report: Report) -> list[Executable]:
-    rows = outcomes.rows(attempt, report)
+    rows = outcome_rows(attempt, report)
     return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
 
 
@@ -190,3 +190,19 @@ WHERE id = :run AND coalesce(ending, '') NOT IN ('finished', 'cancelled')
 _END_IF_OPEN = text("UPDATE run SET ended_at = now(), ending = :ending, note = :note WHERE id = :run AND ended_at IS NULL")
 
 _DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :attempt AND task_name = 'grade'")
+
+
+def outcome_rows(attempt: UUID, report: Report) -> list[dict[str, Any]]:
+    """A row of the table ``outcome`` for each check of the report."""
+    return [
+        {
+            "attempt_id": attempt,
+            "check_id": outcome.id,
+            "state": state(outcome, report.endings),
+            "counted": outcome.counted,
+            "margin": outcome.margin,
+            "codes": [cause.code for cause in outcome.diagnosis],
+            "causes": [cause.sentence for cause in outcome.diagnosis],
+        }
+        for outcome in report.outcomes()
+    ]

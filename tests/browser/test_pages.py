@@ -6,8 +6,8 @@ import uuid
 import pytest
 
 from service.grading.submission import Submission
-from service.store.accept import accept
 from service.store.records import New
+from service.store.submissions import accept
 from tests.support.app import App
 from tests.support.axe import wrong
 from tests.support.course_pages import BASE, fill

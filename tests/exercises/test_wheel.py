@@ -14,7 +14,7 @@ def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
         names = archive.namelist()
     public = {path.name for path in (rigid_body.folder / "public").glob("*.py")}
     assert held.keys() == public | {"plays.py", "public.json", "truth.npz"}
-    assert not any("specimens" in name or name.endswith(("secret.py", "truth.py", "scenes.py")) for name in names)
+    assert not any("samples" in name or name.endswith(("hidden_checks.py", "truth.py", "scenes.py")) for name in names)
 
 
 def test_no_scene_that_is_drawn_for_an_attempt_is_in_the_kit(rigid_body):

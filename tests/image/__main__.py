@@ -13,9 +13,9 @@ import time
 from hashlib import sha256
 from pathlib import Path
 
-from exercises.assignment import assignments
-from exercises.specimens import Specimen, specimens
-from service.demo import free_port
+from exercises.catalogue import assignments
+from exercises.samples import Sample, samples
+from service.cli.demo import free_port
 from tests.image import calls, stand_ins
 from tests.image.course import BY_WORKER, LOST, Course, stop
 from tests.image.engine import Failed, Podman
@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 IMAGE, MOST_BYTES = "localhost/polhode", 700e6
 HARDENED = ["--read-only", "--tmpfs", "/tmp", "--cap-drop", "ALL", "--security-opt", "no-new-privileges"]
 TIER_A = ["--cap-drop", "ALL", "--security-opt", "seccomp=unconfined", "--security-opt", "apparmor=unconfined"]
-KNOWN = {one.file.stem: one for one in specimens(assignments()["rigid-body"])}
+KNOWN = {one.file.stem: one for one in samples(assignments()["rigid-body"])}
 RIGHT, WRONG = KNOWN["right_all"], KNOWN["wrong_sign_flipped"]
 SOME = [RIGHT, WRONG, KNOWN["right_animation_box"], KNOWN["wrong_zeros"]]
 EVERY_FILE = """
@@ -75,8 +75,8 @@ def _look_into(podman: Podman) -> None:
     files = dict(line.split(" ", 1) for line in _inside(podman, "python3", "-c", EVERY_FILE).splitlines())
     kept_out = [*(one.file for one in KNOWN.values()), *(ROOT / "tests").rglob("*.py")]
     found = [files[digest] for path in kept_out if (digest := sha256(path.read_bytes()).hexdigest()) in files]
-    _expect(len(files) > 1000 and not found, f"{len(files)} different Python files, no specimen or test among them {found or ''}")
-    told = _inside(podman, "sh", "-c", "python3 -v -c 'import service.web.app, service.workers.slot, scipy.integrate' 2>&1")
+    _expect(len(files) > 1000 and not found, f"{len(files)} different Python files, no sample or test among them {found or ''}")
+    told = _inside(podman, "sh", "-c", "python3 -v -c 'import service.app, service.workers.worker, scipy.integrate' 2>&1")
     slow = [line for line in told.splitlines() if line.startswith("# code object from") and not line.endswith("c'")]
     fast = told.count(".pyc matches")
     _expect(fast > 500 and not slow, f"{fast} modules imported, all from bytecode {slow[:3] or ''}")
@@ -138,7 +138,7 @@ def _serve(podman: Podman, name: str, *flags: str) -> tuple[str, float]:
     return address, took
 
 
-def _grade(address: str) -> dict[str, Specimen]:
+def _grade(address: str) -> dict[str, Sample]:
     ids = {calls.submit(address, one): one for one in (RIGHT, WRONG)}
     for id, one in ids.items():
         report = calls.graded(address, id, one)

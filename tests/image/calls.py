@@ -7,7 +7,7 @@ import urllib.request
 from collections.abc import Callable
 from typing import Any
 
-from exercises.specimens import Specimen
+from exercises.samples import Sample
 from tests.image.engine import Failed
 
 GRADED_S = 90
@@ -31,20 +31,20 @@ def until(seen: Callable[[], Any], seconds: float, what: str) -> Any:
     return found
 
 
-def submit(address: str, specimen: Specimen, token: str | None = None) -> str:
+def submit(address: str, sample: Sample, token: str | None = None) -> str:
     """Send it; the submission's id."""
-    body = {"source": specimen.file.read_text()} | ({"exercises": specimen.ask} if specimen.ask else {})
+    body = {"source": sample.file.read_text()} | ({"exercises": sample.ask} if sample.ask else {})
     headers = {"Content-Type": "application/json"} | _bearer(token)
     sent = urllib.request.Request(f"{address}/v1/assignments/rigid-body/submissions", json.dumps(body).encode(), headers)
     return str(_json(sent)["id"])
 
 
-def graded(address: str, id: str, specimen: Specimen, token: str | None = None) -> dict[str, Any]:
+def graded(address: str, id: str, sample: Sample, token: str | None = None) -> dict[str, Any]:
     """Its report once there is one; Failed where it is not the one expected."""
     asked = urllib.request.Request(f"{address}/v1/submissions/{id}", headers=_bearer(token))
-    told = until(lambda: (now := _json(asked))["status"] not in ("queued", "running") and now, GRADED_S, specimen.file.name)
-    if told["report"] is None or (odd := specimen.unexpected(told["report"])):
-        raise Failed(f"{specimen.file.name}: {told['status']} {told.get('fault', '')}{'' if told['report'] is None else odd}")
+    told = until(lambda: (now := _json(asked))["status"] not in ("queued", "running") and now, GRADED_S, sample.file.name)
+    if told["report"] is None or (odd := sample.unexpected(told["report"])):
+        raise Failed(f"{sample.file.name}: {told['status']} {told.get('fault', '')}{'' if told['report'] is None else odd}")
     report: dict[str, Any] = told["report"]
     return report
 

@@ -5,8 +5,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from exercises.specimens import Specimen
-from service.demo import free_port
+from exercises.samples import Sample
+from service.cli.demo import free_port
 from tests.image.calls import graded, readyz, submit, until
 from tests.image.engine import Failed, Podman
 
@@ -40,13 +40,13 @@ class Course:
         told = self.podman("exec", "-i", self._container("server")[0], "sh", "-c", ENTER, sent=PEOPLE)
         return dict(line.split(",") for line in told.split())["ada"]
 
-    def grade(self, some: Sequence[Specimen], token: str) -> None:
+    def grade(self, some: Sequence[Sample], token: str) -> None:
         """Send them all, then wait for the reports they should get."""
         sent = [(submit(self.address, one, token), one) for one in some]
         for id, one in sent:
             graded(self.address, id, one, token)
 
-    def grade_while_one_dies(self, some: Sequence[Specimen], token: str) -> str:
+    def grade_while_one_dies(self, some: Sequence[Sample], token: str) -> str:
         """As ``grade``, but a worker that has one of them in hand is killed; its container."""
         sent = [(submit(self.address, one, token), one) for one in some]
         names = {self.podman("exec", worker, "cat", "/etc/hostname").strip(): worker for worker in self._container("worker")}

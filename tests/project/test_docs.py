@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from ecp import checks
-from exercises.specimens import specimens
+from exercises.samples import samples
+from service import app
+from service.api import parse_submission
+from service.http import errors
 from service.settings import Settings
-from service.web import app, intake, problems
 
 ROOT = Path(__file__).parents[2]
 
@@ -18,7 +20,7 @@ def doc(name):
 
 
 def sources(*folders):
-    return "\n".join(p.read_text() for f in folders for p in (ROOT / f).rglob("*.py") if "specimens" not in p.parts)
+    return "\n".join(p.read_text() for f in folders for p in (ROOT / f).rglob("*.py") if "samples" not in p.parts)
 
 
 def test_every_route_is_documented():
@@ -30,10 +32,10 @@ def test_every_route_is_documented():
 
 
 def test_every_problem_is_documented():
-    raised = set(re.findall(r"(?:Problem\(\s*\d+, |Refused\()\"([a-z-]+)\"", sources("service"))) | set(problems.BY_STATUS.values())
-    for kind in raised | set(problems.TITLES):
+    raised = set(re.findall(r"(?:Problem\(\s*\d+, |Refused\()\"([a-z-]+)\"", sources("service"))) | set(errors.BY_STATUS.values())
+    for kind in raised | set(errors.TITLES):
         assert f"`{kind}`" in doc("docs/http.md"), kind
-    assert intake.MOST_BYTES == 256 * 1024 and "256 KiB" in doc("docs/http.md")
+    assert parse_submission.MOST_BYTES == 256 * 1024 and "256 KiB" in doc("docs/http.md")
 
 
 def test_every_setting_is_documented():
@@ -58,7 +60,7 @@ def test_every_diagnosis_code_is_documented_and_every_documented_one_has_a_sourc
     code = sources("exercises", "service")
     for name in documented:
         assert f'"{name}"' in code, name
-    named = {code for s in specimens(rigid_body) for code in s.codes}
+    named = {code for s in samples(rigid_body) for code in s.codes}
     assert named <= documented
     assert len(named) >= 30
     of_the_guest = {"missing-function", "syntax-error", "raises", "timeout", "memory", "not-deterministic"}
@@ -77,7 +79,7 @@ GLOSSARY = [
     "margin",
     "diagnosis",
     "mistake",
-    "specimen",
+    "sample",
     "submission",
     "attempt",
     "report",
@@ -100,7 +102,7 @@ def test_links_and_rooms_of_the_readme_exist():
 def test_nothing_names_a_package_registry_and_no_page_names_another_host():
     for name in ("requirements.lock", "requirements-test.lock"):
         assert "://" not in doc(name)
-    for page in [*(ROOT / "service/web/templates").iterdir(), *(ROOT / "service/web/static").iterdir()]:
+    for page in [*(ROOT / "service/pages/templates").iterdir(), *(ROOT / "service/pages/static").iterdir()]:
         assert "://" not in page.read_text(), page
 
 

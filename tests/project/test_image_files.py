@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from service.demo import free_port
+from service.cli.demo import free_port
 from service.settings import Settings
 from tests.image.__main__ import HARDENED, TIER_A
 from tests.support.fake_server import Scripted, says
@@ -21,10 +21,10 @@ from tests.support.fake_server import Scripted, says
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = re.sub(r"\\\n", "", (ROOT / "Dockerfile").read_text())
 LOCKS = ("requirements.lock", "requirements-uv.lock")
-PLANTED = (".env", ".venv/bin/python", "exercises/next/specimens/right.py", "exercises/rigid_body/__pycache__/scenes.pyc")
+PLANTED = (".env", ".venv/bin/python", "exercises/next/samples/right.py", "exercises/rigid_body/__pycache__/scenes.pyc")
 NEEDED = (
-    "service/web/templates/account.html",
-    "service/measured/stability.json",
+    "service/pages/templates/account.html",
+    "service/grading/measured/stability.json",
     "exercises/rigid_body/notebook.ipynb",
     "ecp/__init__.py",
 )
@@ -46,8 +46,8 @@ def in_context(path):
 
 
 def holds_solutions(name):
-    """A specimen of an assignment; those of the template of new ones solve nobody's."""
-    return "specimens/" in name and not name.startswith("service/scaffold/")
+    """A sample of an assignment; those of the template of new ones solve nobody's."""
+    return "samples/" in name and not name.startswith("service/cli/scaffold/")
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def context(tmp_path_factory):
     return folder
 
 
-def test_the_context_holds_neither_specimens_nor_tests_nor_what_is_private(context):
+def test_the_context_holds_neither_samples_nor_tests_nor_what_is_private(context):
     names = {str(path.relative_to(context)) for path in context.rglob("*") if path.is_file()}
     assert not [name for name in names if holds_solutions(name) or name.startswith(("tests/", "docs/", "bench/", "."))]
     assert not [name for name in PLANTED if in_context(name)]
@@ -147,6 +147,8 @@ def test_the_flags_that_are_tried_are_those_that_are_documented():
 
 
 def test_chart_without_numba_says_so_as_in_the_image():
-    program = "import sys; sys.modules['numba'] = None; from service.cli import main; sys.exit(main(['chart', 'stability']))"
+    program = (
+        "import sys; sys.modules['numba'] = None; from service.cli.__main__ import main\nsys.exit(main(['chart', 'stability']))"
+    )
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert told.returncode == 2 and told.stderr.endswith("are compiled with numba, which is not installed here\n")

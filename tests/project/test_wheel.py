@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from service.gradescope.bundle import bundle
-from service.gradescope.own_wheel import own_wheel
+from service.cli.gradescope_bundle import bundle, own_wheel
 
 ROOT = Path(__file__).parents[2]
 
@@ -45,31 +44,31 @@ def read(archive):
         return {name: opened.read(name) for name in opened.namelist()}
 
 
-def test_it_holds_what_runs_and_no_specimen(wheel, rigid_body):
+def test_it_holds_what_runs_and_no_sample(wheel, rigid_body):
     found = contents(wheel)
-    assert {"exercises/rigid_body/notebook.ipynb", "ecp/__init__.py", "service/gradescope/setup.sh"} <= found.keys()
-    assert found["service/gradescope/requirements.lock"] == (ROOT / "requirements.lock").read_bytes()
-    solutions = {p.read_bytes() for p in (rigid_body.folder / "specimens").iterdir() if p.is_file()}
+    assert {"exercises/rigid_body/notebook.ipynb", "ecp/__init__.py", "service/cli/gradescope_zip/setup.sh"} <= found.keys()
+    assert found["service/cli/gradescope_zip/requirements.lock"] == (ROOT / "requirements.lock").read_bytes()
+    solutions = {p.read_bytes() for p in (rigid_body.folder / "samples").iterdir() if p.is_file()}
     assert len(solutions) > 100 and not solutions & set(found.values())
 
 
 def test_the_one_made_of_what_runs_is_the_same(wheel):
     name, content = own_wheel()
     ours, built = read(content), contents(wheel)
-    assert name.startswith("polhode-") and ours.keys() == {n for n in built if "/specimens/" not in n}
+    assert name.startswith("polhode-") and ours.keys() == {n for n in built if "/samples/" not in n}
     different = {n.rpartition("/")[2] for n in ours if ours[n] != built[n]}
     assert different <= {"WHEEL", "RECORD", "METADATA"}
 
 
 def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_path):
-    told = polhode(wheel, "grade", rigid_body.folder / "specimens/right_terms.py", "--exercise", "2", cwd=tmp_path)
+    told = polhode(wheel, "grade", rigid_body.folder / "samples/right_terms.py", "--exercise", "2", cwd=tmp_path)
     assert told.returncode == 0 and "5 of 5 points" in told.stdout, told.stderr
     told = polhode(wheel, "export", "gradescope", "--exercise", "2", "--out", "autograder.zip", cwd=tmp_path)
     assert told.returncode == 0 and "with 5 points" in told.stdout, told.stderr
     assert (tmp_path / "autograder.zip").read_bytes() == bundle(rigid_body, ["2"])
 
 
-def test_an_assignment_from_outside_comes_along_without_its_specimens(rigid_body, tmp_path):
+def test_an_assignment_from_outside_comes_along_without_its_samples(rigid_body, tmp_path):
     shutil.copytree(rigid_body.folder, tmp_path / "spinning_top")
     (tmp_path / "spinning_top" / ".git").mkdir()
     for private in (".env", ".git/config", "solution.ipynb"):

@@ -8,7 +8,8 @@ import threading
 import time
 from pathlib import Path
 
-from service import logs, serve
+from service import logs
+from service.cli import serve
 from service.settings import Settings
 
 

@@ -4,8 +4,8 @@ import asyncio
 
 import httpx2
 
+from service.app import create_app
 from service.settings import Settings
-from service.web.app import create_app
 
 
 def visit(url, *paths):

@@ -5,9 +5,9 @@ import os
 import shutil
 import sys
 
-from exercises import folders, wheel
-from exercises.assignment import found
-from service.scaffolding import TEMPLATE
+from exercises import catalogue, wheel
+from exercises.catalogue import found
+from service.cli.scaffolding import TEMPLATE
 
 
 def copied(to, name="damped_oscillator"):
@@ -26,17 +26,17 @@ def change(file, old, new):
 @contextlib.contextmanager
 def known(*paths):
     """These are what POLHODE_ASSIGNMENTS names, beside rigid-body and whatever else lies in exercises/ of this tree not."""
-    before, modules, here = os.environ.get(folders.SETTING), set(sys.modules), folders._here
-    folders._here = lambda: [folder for folder in here() if folder.name == "rigid_body"]
-    os.environ[folders.SETTING] = os.pathsep.join(map(str, paths))
+    before, modules, here = os.environ.get(catalogue.SETTING), set(sys.modules), catalogue._here
+    catalogue._here = lambda: [folder for folder in here() if folder.name == "rigid_body"]
+    os.environ[catalogue.SETTING] = os.pathsep.join(map(str, paths))
     _forget_what_depends_on_it()
     try:
         yield found()
     finally:
-        os.environ.pop(folders.SETTING)
+        os.environ.pop(catalogue.SETTING)
         if before is not None:
-            os.environ[folders.SETTING] = before
-        folders._here = here
+            os.environ[catalogue.SETTING] = before
+        catalogue._here = here
         for name in set(sys.modules) - modules:
             if name.startswith("exercises."):
                 del sys.modules[name]

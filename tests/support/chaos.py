@@ -28,12 +28,12 @@ from pathlib import Path
 
 import psycopg
 
-from service.store.dump import check
-from service.store.postgres import running_url
+from service.store.postgres.backup import check
+from service.store.postgres.server import running_url
 from tests.support.machines import Machine, Relay, children, command_of, started_with
 
 ROOT = Path(__file__).parents[2]
-RIGHT = (ROOT / "exercises/rigid_body/specimens/right_terms.py").read_text()
+RIGHT = (ROOT / "exercises/rigid_body/samples/right_terms.py").read_text()
 ACTIONS = {  # how often each is drawn
     "kill a worker": 40,
     "freeze a worker": 12,

@@ -4,7 +4,7 @@ import contextlib
 import io
 from typing import NamedTuple
 
-from service.cli import main
+from service.cli.__main__ import main
 
 
 class Result(NamedTuple):

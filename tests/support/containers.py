@@ -9,7 +9,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from service.sandbox.tier_a import find_bubblewrap
+from service.sandbox.bubblewrap import find_bubblewrap
 
 OURS = ("polhode", "_polhode", "ecp", "__pycache__")
 OF_PIP = ("pip", "setuptools", "pkg_resources", "_distutils_hack", "distutils-precedence")  # a virtual environment gets its own

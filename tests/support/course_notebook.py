@@ -6,9 +6,9 @@ Setup and solutions are our own spelling; names, signatures, numbers, labels and
 import json
 from collections.abc import Iterable
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 
-FILE = assignments()["rigid-body"].folder / "specimens" / "right_course_notebook.ipynb"
+FILE = assignments()["rigid-body"].folder / "samples" / "right_course_notebook.ipynb"
 LABELS = (
     "principal moments match the analytic box result",
     "rotational energy conserved (torque-free)",

@@ -4,9 +4,10 @@ import uuid
 from datetime import UTC, datetime, timedelta
 
 from service.grading.submission import Submission
-from service.store import cancelling, enrolment, extending, overriding, people, queueing, regrading, runs
-from service.store.accept import accept
+from service.store import gradings, queue_overview, regrades, runs, workers
+from service.store.course import deadlines, overrides, people
 from service.store.records import New
+from service.store.submissions import accept
 from tests.support import submissions
 from tests.support.database import run, sql
 from tests.support.reports import ASSIGNMENT
@@ -40,15 +41,15 @@ async def _fill(database, url, sandbox, source, texts):
     real = await _played(database, name, source, texts["filename"], sandbox)
     bad = await hand_in(database, "ben", {"2-energy": ("✗", 1e-3), "2-momentum": "⏱", "2-motion": "!"}, filename=texts["filename"])
     later = datetime.now(UTC) + timedelta(days=20)
-    await queueing.set_rules(database, ASSIGNMENT.slug, queueing.Rules(later, 3600.0, 20), "prof")
-    await extending.extend(database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof")
-    await overriding.give(database, first, "prof", check="2-energy", points=0, reason=words, seen=0)
-    await overriding.give(database, bad, "prof", check=None, points=3, reason=words, seen=0)
-    decided = await regrading.begin(database, ASSIGNMENT.slug, bad, "tutor", told=words)
+    await queue_overview.set_rules(database, ASSIGNMENT.slug, queue_overview.Rules(later, 3600.0, 20), "prof")
+    await deadlines.extend(database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof")
+    await overrides.give(database, first, "prof", check="2-energy", points=0, reason=words, seen=0)
+    await overrides.give(database, bad, "prof", check=None, points=3, reason=words, seen=0)
+    decided = await regrades.begin(database, ASSIGNMENT.slug, bad, "tutor", told=words)
     await submissions.grade(database, bad, {"2-energy": "✓", "2-momentum": ("✗", 0.1)}, version="2")
-    regrade = await regrading.begin(database, ASSIGNMENT.slug, first, "prof", told="one submission")
+    regrade = await regrades.begin(database, ASSIGNMENT.slug, first, "prof", told="one submission")
     await submissions.grade(database, first, {"2-energy": ("✗", 0.1), "2-momentum": "✓"}, version="2")
-    await regrading.apply(database, decided, "prof")
+    await regrades.apply(database, decided, "prof")
     going = await _queue(database, url, name)
     paths = {"course": "/", "people": "/people", "class": f"{BASE}/class", "account": "/account", "login": "/login"}
     paths |= {"chosen": f"{BASE}/class/submissions?check=2-momentum&state=not-pass", "queue": "/queue", "audit": "/audit"}
@@ -70,7 +71,7 @@ async def _queue(database, url, name):
     """One runs for ever, one waits, one was cancelled, one is a fault of ours; the one that waits."""
     ids = [await hand_in(database, who, None) for who in (name, "ben", name, "ben")]
     attempts = [(await database.rows(_LATEST, {"id": id}))[0].id for id in ids]
-    await cancelling.cancel(database, attempts[0], "tutor")
+    await gradings.cancel(database, attempts[0], "tutor")
     claimed = [await runs.claim(database, attempts[k], uuid.uuid4(), "test worker") for k in (1, 2)]
     await runs.beat(database, claimed[0], "playing", 2, 5)
     ended = "INSERT INTO result (attempt_id, run_id, fault) VALUES (%s, %s, %s)"
@@ -79,6 +80,6 @@ async def _queue(database, url, name):
     sql(url, "UPDATE run SET scene_at = now() - interval '8 s', beat_at = now() + interval '1 h' WHERE id = %s", claimed[0].run)
     sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)", [str(attempts[k]) for k in (0, 1, 2)])
     for worker, refusal in (("test worker", None), ("another worker", "no user namespaces")):
-        await enrolment.enrol(database, worker, None if refusal else "tier A: namespaces", refusal)
+        await workers.enrol(database, worker, None if refusal else "tier A: namespaces", refusal)
     sql(url, "UPDATE worker SET seen_at = now() + interval '1 h'")
     return ids[3]

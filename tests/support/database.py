@@ -6,13 +6,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import psycopg
 
-from exercises.assignment import assignments
-from service import passwords
+from exercises.catalogue import assignments
+from service.auth import passwords
 from service.grading.submission import Submission
-from service.store import people, tokens
-from service.store.accept import register
+from service.store.course import people, tokens
 from service.store.database import Database
 from service.store.records import New
+from service.store.submissions import register
 
 
 def new(person="ann", source="def euler_eqs(t, w, I): return w", seed=7, **more):

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime
 
-from service.grades.row import Row
+from service.formats.grade_row import Row
 
 TITLE, CHECKS = "2.6 Rigid-Body Rotation", ("2-energy", "2-motion")
 

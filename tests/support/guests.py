@@ -2,7 +2,7 @@
 
 import os
 
-from service import batch
+from service.grading import batch
 from service.sandbox.sandbox import Sandbox
 
 

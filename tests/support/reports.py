@@ -6,8 +6,8 @@ from pathlib import Path
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding, Tolerance
 from ecp.report import ExerciseReport, Picture, Provenance, Report
-from exercises.assignment import assignments
-from service.tellings.files import GradedFile
+from exercises.catalogue import assignments
+from service.grading.result import GradedFile
 
 ASSIGNMENT = assignments()["rigid-body"]
 PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"}, walls="tier B", phases_ms={"grade": 1000.0})

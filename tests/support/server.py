@@ -11,9 +11,9 @@ from pathlib import Path
 
 import uvicorn
 
-from service.demo import free_port
+from service.app import create_app
+from service.cli.demo import free_port
 from service.settings import Settings
-from service.web.app import create_app
 
 
 class Server:

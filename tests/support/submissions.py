@@ -6,13 +6,13 @@
 import time
 import uuid
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 from service.grading import grade as grading
-from service.grading import pictures
+from service.grading import rendering
 from service.grading.submission import Submission
 from service.store import runs
-from service.store.accept import accept
 from service.store.records import New
+from service.store.submissions import accept
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_marks, report_of_verdicts
 
@@ -45,7 +45,7 @@ async def grade_really(database, submission, sandbox, phases_ms):
     asked = claimed.submission, assignments()[claimed.assignment], sandbox, claimed.seed, claimed.exercises
     graded = grading.grade(*asked)
     graded.report.provenance.phases_ms = phases_ms
-    assert await runs.finish(database, claimed, graded.report, pictures.pack(graded))
+    assert await runs.finish(database, claimed, graded.report, rendering.pack(graded))
 
 
 def submitted(url, person="ann", **more):

@@ -29,12 +29,11 @@ from ecp.judge import Verdict
 from exercises.assignment import Blank
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox import conversation, job
-from service.sandbox.choose import choose
+from service.sandbox import job, session
+from service.sandbox.bubblewrap import find_bubblewrap, tier_a
+from service.sandbox.isolation import LAYERS, tier_b
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.tier_a import find_bubblewrap, tier_a
-from service.sandbox.tier_b import tier_b
-from service.sandbox.walls import LAYERS
+from service.sandbox.select import choose
 
 HERE = Path(__file__).parents[1] / "attacks"
 ATTACKS = sorted(HERE.glob("*.py"))
@@ -166,7 +165,7 @@ def impatient(rigid_body):
 def hurry(monkeypatch):
     """Little time to load, and little more than that before the host stops a guest."""
     monkeypatch.setattr("service.grading.grade.Job", partial(job.Job, load_budget_s=0.4))
-    monkeypatch.setattr(conversation, "GRACE_S", 0.3)
+    monkeypatch.setattr(session, "GRACE_S", 0.3)
 
 
 def declared(file):

@@ -10,12 +10,11 @@ from hypothesis import given
 from markdown_it import MarkdownIt
 
 from ecp.judge import MARKS, Verdict
-from exercises.assignment import assignments
-from service.grades import canvas, moodle, nbgrader, own
-from service.tellings import classroom50, github, gradescope, junit
-from service.tellings.detail import shown
-from service.tellings.grades import row
-from tests.service.tellings.test_classroom50 import ABOUT, Result
+from exercises.catalogue import assignments
+from service.formats import canvas, classroom50, github, grades_csv, gradescope, junit, moodle, nbgrader
+from service.formats.check_text import shown
+from service.formats.grade_row import row
+from tests.service.formats.test_classroom50 import ABOUT, Result
 from tests.support.random_reports import graded_files
 from tests.support.workflow_log import commands
 
@@ -83,7 +82,7 @@ def agrees_in_classroom50(file):
 def agrees_in_csv(file):
     told, report = row(file, RIGID), file.report
     ids = [outcome.id for outcome in report.outcomes()]
-    (mine,) = read(own.assignment([told], ids).removeprefix("\ufeff"))
+    (mine,) = read(grades_csv.assignment([told], ids).removeprefix("\ufeff"))
     assert {id: OF_STATE.get(mine[id], mine[id]) for id in ids} == {o.id: o.verdict.value for o in report.outcomes()}
     assert (int(mine["points"]), int(mine["score"]), int(mine["counted"])) == (report.score, report.score, report.max_score)
     (nb,) = read(nbgrader.text([told]))

@@ -14,9 +14,9 @@ import psycopg
 import pytest
 import trustme
 
-from service.demo import free_port
-from service.store.account import as_server, own
-from service.store.postgres import find_programs
+from service.cli.demo import free_port
+from service.store.postgres.os_user import as_server, own
+from service.store.postgres.server import find_programs
 from tests.support.machines import NAMESPACES, Machine
 from tests.support.waiting import wait_for
 from tests.system.test_workers import SLOW, TAKEOVER_S, get, post, rows

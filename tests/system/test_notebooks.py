@@ -10,8 +10,8 @@ import urllib.request
 
 import pytest
 
-from service.store import tokens
-from service.store.postgres import running_url
+from service.store.course import tokens
+from service.store.postgres.server import running_url
 from tests.support import course_notebook
 from tests.support.database import run, sql
 from tests.support.http_client import Browser
@@ -196,7 +196,7 @@ def test_a_server_that_is_killed_and_started_again_in_mid_wait(new_server, tmp_p
 @pytest.fixture
 def asking(server, monkeypatch):
     """A server beside the one that grades, on its database, which asks who somebody is."""
-    monkeypatch.setattr("service.web.login.INTERVAL_S", 0.5)
+    monkeypatch.setattr("service.auth.device_login.INTERVAL_S", 0.5)
     with WebApplication(running_url(server.data), identity="token") as application:
         yield application
 
@@ -250,10 +250,10 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
 
 
 def solutions(rigid_body):
-    """Functions of right specimens by name, as source."""
+    """Functions of right samples by name, as source."""
     found = {}
     for name in ("right_all.py", "right_tumble_box_polys.py"):
-        source = (rigid_body.folder / "specimens" / name).read_text()
+        source = (rigid_body.folder / "samples" / name).read_text()
         found |= {
             node.name: ast.get_source_segment(source, node) for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)
         }

@@ -8,8 +8,8 @@ import urllib.request
 import psycopg
 import pytest
 
-from service.store.dump import check
-from service.store.postgres import EmbeddedPostgres
+from service.store.postgres.backup import check
+from service.store.postgres.server import EmbeddedPostgres
 
 RIGHT = "import time\ntime.sleep({})\ndef euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 # Seconds it is out, seconds a submission sleeps in each of two children, workers, and settings. Procrastinate has been seen to

@@ -5,10 +5,10 @@ import time
 
 import pytest
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.seen import Stopped
+from service.sandbox.result import Stopped
 
 GOOD = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 LOOPS = {

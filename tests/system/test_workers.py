@@ -18,7 +18,7 @@ from pathlib import Path
 import psycopg
 import pytest
 
-from service.cli import main
+from service.cli.__main__ import main
 from tests.support.database import sql
 from tests.support.machines import children, command_of, started_with
 from tests.support.server import WebApplication

@@ -16,7 +16,7 @@ _HOME = {
     "check": "local",
     "connect": "course",
     "submit": "remote",
-    "attempts": "past",
+    "attempts": "past_submissions",
     "login": "identity",
     "logout": "identity",
     "Report": "report",

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ecp.checks import Arrays
+from ecp.errors import Explained
 from ecp.exercise import Exercise
-from ecp.explained import Explained
 from ecp.outcome import Diagnosis
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ecp.explained import Explained
-from ecp.notebook.bundling import Bundling
+from ecp.errors import Explained
+from ecp.notebook.all_cells import whole
+from ecp.notebook.dependencies import Bundling
 from ecp.notebook.history import History
 from ecp.notebook.sources import Sources
-from ecp.notebook.whole import whole
-from ecp.strict import is_written
+from ecp.return_value import is_written
 
 
 class CannotSend(Explained):

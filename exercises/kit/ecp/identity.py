@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ecp import course
-from ecp.explained import Explained
+from ecp.errors import Explained
+from ecp.http import CONTACT_S, Refused, call
 from ecp.progress import Line
-from ecp.transport import CONTACT_S, Refused, call
 
 JSON = {"Content-Type": "application/json"}
 

@@ -18,11 +18,10 @@ from ecp.checks import Arrays, Check
 from ecp.course import NotKnown, PublicAssignment, PublicScene
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
-from ecp.limited import OutOfTime, limited
 from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
 from ecp.report import ExerciseReport, Provenance, Report, pictures
-from ecp.stopped import stopped
-from ecp.strict import is_written
+from ecp.return_value import is_written, stopped
+from ecp.time_limit import OutOfTime, limited
 
 OURS = Path(__file__).parent
 WALLS = "none: checked in your own kernel"

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module
 from typing import Any, NamedTuple
 
-from ecp.answers import MOST_BYTES, Answer, Unreachable, moved, place, same_origin, too_long
+from ecp.errors import MOST_BYTES, Answer, Unreachable, moved, place, same_origin, too_long
 
 OWN = ("user-agent",)  # browsers drop it, complain of it, or ask the server's leave for it
 

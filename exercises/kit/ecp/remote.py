@@ -9,13 +9,13 @@ from typing import Any
 
 from ecp import course
 from ecp.document import NotADocument, read
-from ecp.explained import Explained
+from ecp.errors import Explained
 from ecp.gather import Bundle, CannotSend, gather, whole_notebook
+from ecp.http import CONTACT_S, Event, Trouble, call, events
 from ecp.identity import JSON, authorization
 from ecp.progress import Line
 from ecp.report import Report
-from ecp.strict import is_empty
-from ecp.transport import CONTACT_S, Event, Trouble, call, events
+from ecp.return_value import is_empty
 
 PATIENCE_S = 300.0  # with a server that has taken it: it may be started again meanwhile
 

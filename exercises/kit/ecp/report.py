@@ -155,7 +155,7 @@ class Report:
         return self.text()
 
     def _repr_html_(self) -> str:
-        from ecp.shown import html
+        from ecp.report_html import html
 
         return html(self)
 

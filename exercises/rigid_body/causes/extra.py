@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 import reference
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.agreement import AGREEMENT, ROUNDING
-from exercises.rigid_body.causes.form import Form, ordinary
-from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, SPIN, Slip, slips, told
+from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, SPIN, Slip, slips, told
+from exercises.rigid_body.causes.term_fit import Form, ordinary
 from exercises.rigid_body.probes import scale
 
 Array = NDArray[np.float64]

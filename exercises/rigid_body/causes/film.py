@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from ecp.animation import moving_share
 from ecp.checks import Arrays
-from ecp.film import moving_share
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
+from exercises.rigid_body.public.animation_checks import STILL, body_shown
 from exercises.rigid_body.public.momentum import momentum_shown
-from exercises.rigid_body.public.watched import STILL, body_shown
 
 
 def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:

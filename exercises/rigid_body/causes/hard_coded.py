@@ -3,8 +3,8 @@
 import numpy as np
 
 from ecp.outcome import Diagnosis
-from exercises.rigid_body.causes.slips import Slip
-from exercises.rigid_body.public.setting import BODY, SYMMETRIC
+from exercises.rigid_body.causes.errors import Slip
+from exercises.rigid_body.public.parameters import BODY, SYMMETRIC
 from exercises.rigid_body.scenes import BOOK
 
 KNOWN = {"exercises 2 and 3": BODY, "exercises 4 and 6": SYMMETRIC, "the book": tuple(BOOK)}

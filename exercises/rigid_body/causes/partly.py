@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 import reference
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.agreement import Mask, agree
-from exercises.rigid_body.causes.form import Points
+from exercises.rigid_body.causes.errors import COMPONENT, Slip, read, told
 from exercises.rigid_body.causes.sectors import described
-from exercises.rigid_body.causes.slips import COMPONENT, Slip, read, told
+from exercises.rigid_body.causes.term_fit import Points
 from exercises.rigid_body.probes import scale
 
 Array = NDArray[np.float64]

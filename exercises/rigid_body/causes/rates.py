@@ -10,14 +10,14 @@ import reference
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
 from exercises.rigid_body.causes.agreement import Mask, agree, same
+from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, Slip, read, slips, told
 from exercises.rigid_body.causes.extra import extra_terms
-from exercises.rigid_body.causes.form import LEAST_POINTS, Form, Points, relabelled
 from exercises.rigid_body.causes.hard_coded import same_body
 from exercises.rigid_body.causes.partly import nearly_right, partly_right
 from exercises.rigid_body.causes.precision import SINGLE, digits_kept, in_single, lost, precision_lost
 from exercises.rigid_body.causes.sectors import described
-from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, Slip, read, slips, told
 from exercises.rigid_body.causes.table import readings, table
+from exercises.rigid_body.causes.term_fit import LEAST_POINTS, Form, Points, relabelled
 
 Array = NDArray[np.float64]
 Order = tuple[int, int, int]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import reference
 from exercises.rigid_body.causes.agreement import Mask
-from exercises.rigid_body.causes.slips import COMPONENT, MOMENT, SPIN
+from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, SPIN
 
 Array = NDArray[np.float64]
 LEAST_POINTS = 3  # on each side of a threshold

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import reference
 from exercises.rigid_body.causes.agreement import agree
-from exercises.rigid_body.causes.slips import COMPONENT, DIFFERENCE, MOMENT, SPIN, Slip
+from exercises.rigid_body.causes.errors import COMPONENT, DIFFERENCE, MOMENT, SPIN, Slip
 
 Array = NDArray[np.float64]
 LEAST_LIMIT = 1e-9  # of rates that were clipped, not lost

@@ -6,10 +6,10 @@ from ecp.checks import Arrays, below, close, shows
 from ecp.exercise import Animation, Exercise
 
 from . import figures, motions
-from .measures import orthonormality_error, space_momentum
+from .common_checks import DRIVE, NOTEBOOK, attitude, film
 from .momentum import momentum_shown
-from .setting import SYMMETRIC
-from .wording import DRIVE, NOTEBOOK, attitude, film
+from .observables import orthonormality_error, space_momentum
+from .parameters import SYMMETRIC
 
 
 def _keeps_momentum(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:

@@ -4,9 +4,9 @@ from ecp.checks import conserved
 from ecp.exercise import Exercise
 
 from . import figures, motions
-from .measures import kinetic_energy, momentum_norm
-from .setting import BODY
-from .wording import NOTEBOOK, at_time, omega
+from .common_checks import NOTEBOOK, at_time, omega
+from .observables import kinetic_energy, momentum_norm
+from .parameters import BODY
 
 EULER = Exercise(
     "2",

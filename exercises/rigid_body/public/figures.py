@@ -11,10 +11,10 @@ from ecp.checks import Arrays
 from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 from ecp.exercise import Figure
 
-from .allowance import as_closely
-from .measures import kinetic_energy, momentum_norm, space_momentum, transverse, turning_rate
-from .setting import BODY, NUDGE, SPIN, SYMMETRIC, SYMMETRIC_RATE
-from .setting import BOX as BOX_NUMBERS
+from .observables import kinetic_energy, momentum_norm, space_momentum, transverse, turning_rate
+from .parameters import BODY, NUDGE, SPIN, SYMMETRIC, SYMMETRIC_RATE
+from .parameters import BOX as BOX_NUMBERS
+from .tolerance import as_closely
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

@@ -7,9 +7,9 @@ from ecp.checks import Arrays, close, holds
 from ecp.exercise import Animation, Exercise
 
 from . import figures, motions
-from .measures import transverse
-from .setting import NUDGE, SPIN
-from .wording import film, omega
+from .common_checks import film, omega
+from .observables import transverse
+from .parameters import NUDGE, SPIN
 
 Array = NDArray[np.float64]
 

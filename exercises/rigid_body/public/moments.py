@@ -6,7 +6,7 @@ from ecp.checks import close
 from ecp.exercise import Exercise
 
 from . import figures
-from .wording import NOTEBOOK
+from .common_checks import NOTEBOOK
 
 MOMENTS = Exercise(
     "1",

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays
 
 from . import cameras, timing
+from .animation_checks import compared
 from .matching import Motion, along, fewer
 from .pictures import Picture, directions, pictures, sound
 from .reading import PARALLEL, Shown
-from .watched import compared
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from ecp.checks import close
 from ecp.exercise import Exercise
 
 from . import figures
-from .measures import kinetic_energy, momentum_norm
-from .setting import BODY
-from .wording import NOTEBOOK, at_time, omega
+from .common_checks import NOTEBOOK, at_time, omega
+from .observables import kinetic_energy, momentum_norm
+from .parameters import BODY
 
 POLHODE = Exercise(
     "3",

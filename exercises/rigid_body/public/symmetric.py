@@ -9,9 +9,9 @@ from ecp.judge import Judgement
 from ecp.outcome import Tolerance
 
 from . import figures
-from .measures import turning_rate
-from .setting import SYMMETRIC_RATE
-from .wording import NOTEBOOK, omega
+from .common_checks import NOTEBOOK, omega
+from .observables import turning_rate
+from .parameters import SYMMETRIC_RATE
 
 RTOL, ATOL = 1e-3, 1e-9
 

@@ -9,8 +9,7 @@ import os
 import stat
 from collections.abc import Iterable
 
-from .kernel import syscall
-from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT
+from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT, syscall
 
 WRITE_FILE, READ_FILE, READ_DIR = 1 << 1, 1 << 2, 1 << 3
 SINK = "/dev/null"  # the only file that may be written to

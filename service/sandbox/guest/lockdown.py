@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import landlock, seccomp
-from .kernel import call, syscall
-from .syscalls import CLOSE_RANGE, MACHINES
+from .syscalls import CLOSE_RANGE, MACHINES, call, syscall
 
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_NO_NEW_PRIVS = 1, 4, 38
 CAPABILITY_VERSION_3 = 0x20080522

@@ -8,8 +8,7 @@ import ctypes
 import errno
 import struct
 
-from .kernel import syscall
-from .syscalls import NEWEST, Machine
+from .syscalls import NEWEST, Machine, syscall
 
 LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 KILL, ALLOW, FAIL = 0x80000000, 0x7FFF0000, 0x00050000

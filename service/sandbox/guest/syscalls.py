@@ -6,7 +6,9 @@ anything that makes, changes or removes a file, shared memory, timers but the on
 io_uring, userfaultfd and all that came later.
 """
 
-from typing import NamedTuple
+import ctypes
+import os
+from typing import Any, NamedTuple
 
 
 class Machine(NamedTuple):
@@ -60,3 +62,26 @@ MACHINES = {
     "x86_64": Machine(0xC000003E, _X86_64, dict(zip(_NARROW, _NARROW_X86_64, strict=True)) | {"open": 2}, foreign=0x40000000),
     "aarch64": Machine(0xC00000B7, _AARCH64, dict(zip(_NARROW, _NARROW_AARCH64, strict=True)), foreign=None),
 }
+
+
+_libc = ctypes.CDLL(None, use_errno=True)
+_libc.syscall.restype = ctypes.c_long
+
+
+def call(name: str, *args: Any) -> None:
+    """A function of the C library that answers 0, or fails."""
+    if getattr(_libc, name)(*args) != 0:
+        raise _error(name)
+
+
+def syscall(number: int, *args: Any) -> int:
+    """A system call the C library has no function for."""
+    answer = int(_libc.syscall(ctypes.c_long(number), *(ctypes.c_long(a) if isinstance(a, int) else a for a in args)))
+    if answer < 0:
+        raise _error(f"system call {number}")
+    return answer
+
+
+def _error(what: str) -> OSError:
+    number = ctypes.get_errno()
+    return OSError(number, f"{what}: {os.strerror(number)}")

@@ -16,9 +16,9 @@ from typing import Any
 LOCKDOWN_FAILED = 97
 REAPED = struct.Struct("<i")  # wait status
 WARM = (
-    "ecp.film",
+    "ecp.animation",
     "guest.lockdown",
-    "guest.play",
+    "guest.run_scenes",
     "matplotlib.animation",
     "matplotlib.backends.backend_agg",
     "matplotlib.pyplot",
@@ -70,10 +70,10 @@ def _child(walls: Any, job: int, result: int, output: int) -> None:
     try:
         quiet = os.open(os.devnull, os.O_RDONLY)
         walls.put_up({0: quiet, 1: output, 2: output, 3: job, 4: result})
-        from . import play
+        from . import run_scenes
 
         code = 1
-        play.run(3, 4)
+        run_scenes.run(3, 4)
         code = 0
     except BaseException:
         if code == LOCKDOWN_FAILED:

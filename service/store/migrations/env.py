@@ -1,4 +1,4 @@
-"""Alembic's entry: run the revisions on the connection that ``service.store.migrate`` hands over."""
+"""Alembic's entry: run the revisions on the connection that ``service.store.database`` hands over."""
 
 from alembic import context
 

@@ -18,7 +18,7 @@ from bench.peers.goals import ONE, SERVER, best, goals
 from bench.peers.judging import answers, sound, verdicts
 from bench.peers.peer import Command, Marks, Peer, Place, Unread, clean_environment
 from bench.peers.rounds import Case, graded, play
-from bench.peers.submissions import SPECIMENS, file_name, submissions
+from bench.peers.submissions import SAMPLES, file_name, submissions
 
 LEFT = Path(__file__).parent / "outputs"
 READERS = (
@@ -83,7 +83,7 @@ def test_the_peers_checks_integrate_and_are_those_of_the_notebook():
 
 def test_submissions_are_scripts_and_valid_notebooks_of_the_same_text():
     sent = submissions(3)
-    assert {file_name(kind) for kind in SPECIMENS} | {"lean", "copy-0", "copy-1", "copy-2"} == set(sent)
+    assert {file_name(kind) for kind in SAMPLES} | {"lean", "copy-0", "copy-1", "copy-2"} == set(sent)
     for submission in sent.values():
         cells = nbformat.reads(submission.notebook, as_version=4).cells
         assert "\n\n".join(c.source for c in cells) == submission.script
@@ -243,7 +243,7 @@ def test_every_kind_is_judged_and_timed_ones_must_be_right(tmp_path, capsys):
     _, place = here(tmp_path)
     tool, sent = Strict(place), submissions(1)
     given = verdicts([tool], sent)["strict"]
-    assert list(given) == list(SPECIMENS)
+    assert list(given) == list(SAMPLES)
     assert (given["right"], given["zeros"], given["np.max patched"]) == (Marks(1, 1), Marks(0, 1), "no answer")
     assert "strict, np.max patched: np.max" in capsys.readouterr().out
     assert len(graded(tool, [tool.one("right")], ["right"])) == 1

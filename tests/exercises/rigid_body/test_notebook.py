@@ -7,7 +7,7 @@ import re
 import nbformat
 import pytest
 
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 
 ASSIGNMENT = assignments()["rigid-body"]
 FILE = ASSIGNMENT.folder / "notebook.ipynb"
@@ -86,9 +86,9 @@ def test_one_cell_submits_every_entry_point():
     assert {ast.unparse(argument) for argument in call.value.args} == ASSIGNMENT.functions()
 
 
-@pytest.mark.parametrize("specimen", ["right_all.py", "right_tumble_box_polys.py"])
-def test_no_line_of_a_right_specimen_that_says_how_is_in_it(specimen):
-    text = (ASSIGNMENT.folder / "specimens" / specimen).read_text(encoding="utf-8")
+@pytest.mark.parametrize("sample", ["right_all.py", "right_tumble_box_polys.py"])
+def test_no_line_of_a_right_sample_that_says_how_is_in_it(sample):
+    text = (ASSIGNMENT.folder / "samples" / sample).read_text(encoding="utf-8")
     telling = [line.strip() for line in text.splitlines() if any(word in line for word in TELLING)]
     written = "\n".join(_source(cell) for cell in CELLS)
     assert telling

@@ -9,7 +9,7 @@ from matplotlib.animation import FuncAnimation, writers
 
 import reference
 from ecp import animate
-from ecp.strict import WrongAnswer
+from ecp.return_value import WrongAnswer
 from exercises.rigid_body import plays
 
 

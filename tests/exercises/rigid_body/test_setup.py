@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import reference
-from exercises.assignment import assignments
+from exercises.catalogue import assignments
 
 SOURCE = (assignments()["rigid-body"].folder / "setup.py").read_text(encoding="utf-8")
 I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)

@@ -50,9 +50,9 @@ class Runner:
 def runner(tmp_path, rigid_body):
     made = Runner(tmp_path)
     installed(made.action)
-    specimens = rigid_body.folder / "specimens"
+    samples = rigid_body.folder / "samples"
     for name in ("right_terms.py", "wrong_zeros.py"):
-        (made.work / name).write_bytes((specimens / name).read_bytes())
+        (made.work / name).write_bytes((samples / name).read_bytes())
     (made.work / "unreadable.py").write_bytes(b"\xff\xfe")
     return made
 

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from service.cli import _parse
+from service.cli.__main__ import _parse
 from tests.support.checkout import ROOT, installed
 
 [(_, JOB)] = yaml.safe_load((ROOT / "docs/ci/gitlab-ci.yml").read_text()).items()
@@ -47,7 +47,7 @@ def test_what_is_kept_is_what_the_script_writes():
 @pytest.mark.parametrize(("name", "code"), [pytest.param("wrong_zeros.py", 1, marks=pytest.mark.slow), (None, 2)])
 def test_exit_codes_and_what_is_kept(project, rigid_body, name, code):
     if name:
-        (project / "submissions" / name).write_bytes((rigid_body.folder / "specimens" / name).read_bytes())
+        (project / "submissions" / name).write_bytes((rigid_body.folder / "samples" / name).read_bytes())
     told = shell([*PREPARE, *JOB["script"]], project)
     assert told.returncode == code, told.stdout + told.stderr
     assert JOB["allow_failure"]["exit_codes"] == 1 and JOB["retry"]["exit_codes"] == 2

@@ -33,7 +33,7 @@ def test_pre_commit_takes_the_manifest():
 def test_polhode_grade_is_given_file_names(tmp_path, rigid_body):
     names = ["right_terms.py", "wrong_zeros.py"]
     for name in names:
-        (tmp_path / name).write_bytes((rigid_body.folder / "specimens" / name).read_bytes())
+        (tmp_path / name).write_bytes((rigid_body.folder / "samples" / name).read_bytes())
     told = run("polhode-grade", tmp_path, ["--exercise", "2"], names)
     assert told.returncode == 1 and all(f"== {name}" in told.stdout for name in names), told.stderr
 
@@ -41,7 +41,9 @@ def test_polhode_grade_is_given_file_names(tmp_path, rigid_body):
 def test_polhode_verify_takes_the_modules_of_the_clone_it_is_in(tmp_path):
     (tmp_path / "service").mkdir()
     (tmp_path / "service" / "__init__.py").touch()
-    (tmp_path / "service" / "cli.py").write_text("import sys\n\n\ndef main():\n    print(sys.argv[1:])\n")
+    (tmp_path / "service" / "cli").mkdir()
+    (tmp_path / "service" / "cli" / "__init__.py").touch()
+    (tmp_path / "service" / "cli" / "__main__.py").write_text("import sys\n\n\ndef main():\n    print(sys.argv[1:])\n")
     told = run("polhode-verify", tmp_path, ["--only", "right_terms.py"])
     assert (told.returncode, told.stdout) == (0, "['verify', '--only', 'right_terms.py']\n"), told.stderr
 
@@ -50,7 +52,7 @@ def test_polhode_verify_takes_the_modules_of_the_clone_it_is_in(tmp_path):
 def test_polhode_verify_judges_by_the_clone_it_is_in(tmp_path):
     for room in ("exercises", "reference", "service"):
         shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
-    expected, only = tmp_path / "exercises/rigid_body/specimens/expected.toml", ["--only", "right_terms.py", "rigid-body"]
+    expected, only = tmp_path / "exercises/rigid_body/samples/expected.toml", ["--only", "right_terms.py", "rigid-body"]
     told = run("polhode-verify", tmp_path, only)
     assert told.returncode == 0, told.stdout + told.stderr
     entry = '["right_terms.py"]\n'

@@ -7,7 +7,7 @@ import pytest
 from ecp.document import document, read
 from ecp.judge import Verdict
 from ecp.report import Report
-from exercises.specimens import specimens
+from exercises.samples import samples
 from service.grading.grade import UnknownExercise, draw_inputs, grade
 from service.grading.submission import Submission
 
@@ -27,7 +27,7 @@ ROUND_OFF = {"2-energy", "2-momentum", "3-energy", "3-momentum", "6-orthonormal"
 
 @pytest.fixture(scope="module")
 def files(rigid_body):
-    return {s.file.name: s for s in specimens(rigid_body)}
+    return {s.file.name: s for s in samples(rigid_body)}
 
 
 def graded(files, name, rigid_body, sandbox, seed=5, numbers=None):
@@ -35,7 +35,7 @@ def graded(files, name, rigid_body, sandbox, seed=5, numbers=None):
     return grade(Submission.from_bytes(data, name), rigid_body, sandbox, seed, numbers)
 
 
-def test_the_right_specimen_prints_the_notebooks_nine_lines(files, rigid_body, sandbox):
+def test_the_right_sample_prints_the_notebooks_nine_lines(files, rigid_body, sandbox):
     report = graded(files, "right_all.py", rigid_body, sandbox).report
     outcomes = {o.id: o for o in report.outcomes()}
     assert report.passed and set(NINE) <= set(outcomes)

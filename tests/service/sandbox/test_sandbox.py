@@ -16,12 +16,12 @@ import pytest
 
 from ecp.outcome import Ending
 from exercises.assignment import Blank
-from service.sandbox import conversation, zygote
-from service.sandbox.choose import choose
+from service.sandbox import session, zygote
+from service.sandbox.isolation import Walls
 from service.sandbox.job import Cell, Job, Played
+from service.sandbox.result import Fault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.seen import Fault
-from service.sandbox.walls import Walls
+from service.sandbox.select import choose
 from tests.support.isolation import BY_THE_HOST
 
 PLAYS = """
@@ -35,7 +35,7 @@ def ask(student, inputs):
 @pytest.fixture(autouse=True)
 def short_waits(monkeypatch):
     """Let the host wait less long for a guest that does not come back."""
-    monkeypatch.setattr(conversation, "GRACE_S", 0.5)
+    monkeypatch.setattr(session, "GRACE_S", 0.5)
     monkeypatch.setattr(zygote, "ANSWER_S", 1.5)
 
 
@@ -379,9 +379,9 @@ def test_a_zygote_is_recycled_after_many_plays_and_after_an_odd_one(monkeypatch,
 
 HOST = """
 import time
-from service.sandbox.choose import choose
+from service.sandbox.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.tier_b import tier_b
+from service.sandbox.isolation import tier_b
 sandbox = Sandbox(WALLS)
 sandbox.rehearse()
 print(sandbox._zygote._process.pid, flush=True)

@@ -11,7 +11,7 @@ from ecp.outcome import Ending
 from exercises.assignment import Blank
 from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.job import Cell, Job, Played
-from service.sandbox.seen import Seen
+from service.sandbox.result import Seen
 from service.sandbox.wire import ProtocolError, Reader, text
 
 SCENE = Played("s", "play", "f", {}, {"w": Blank((3, 2)), "film": Blank((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None)

@@ -1,6 +1,6 @@
 """A person's own history: their submissions and nobody else's."""
 
-from service.store import history, reading
+from service.store import history, records
 from tests.support.database import run
 from tests.support.submissions import graded, submitted
 
@@ -18,8 +18,8 @@ def test_lists_have_the_total_of_the_report_or_else_the_checks_made(url):
     old = graded(url, "eve", "+-+")
     for found in (history.past, history.timeline):
         assert {one.id: one.total for one in run(url, lambda d, f=found: f(d, "eve", "rigid-body"))} == {new: 36, old: 3}
-    assert {one.id: one.total for one in run(url, lambda d: reading.recent(d, 9, "eve"))} == {new: 36, old: 3}
-    assert run(url, lambda d: reading.read(d, old)).report.total is None
+    assert {one.id: one.total for one in run(url, lambda d: records.recent(d, 9, "eve"))} == {new: 36, old: 3}
+    assert run(url, lambda d: records.read(d, old)).report.total is None
 
 
 def test_the_submission_before_is_of_the_same_person(url):

@@ -8,9 +8,9 @@ import pytest
 from sqlalchemy import text
 
 from ecp.report import Provenance, Report
-from service.store import reading, rescue, runs
-from service.store.accept import Refused, accept, add_attempt
-from service.store.queueing import grade_again, look
+from service.store import records, runs, workers
+from service.store.queue_overview import grade_again, look
+from service.store.submissions import Refused, accept, add_attempt
 from tests.support.database import new, run, sql
 
 
@@ -54,13 +54,13 @@ def take_jobs(url):
 def test_a_result_and_its_artefacts(database_url, attempt):
     claimed = claim(database_url, attempt[0])
     assert (claimed.submission_id, claimed.seed, claimed.assignment) == (attempt[1], 7, "rigid-body")
-    assert run(database_url, lambda d: reading.read(d, attempt[1])).status == "running"
+    assert run(database_url, lambda d: records.read(d, attempt[1])).status == "running"
     assert finish(database_url, claimed, a="same", b="same", c="other")
     assert finish(database_url, claimed, a="same")  # the answer to the first got lost
-    stored = run(database_url, lambda d: reading.read(d, attempt[1]))
+    stored = run(database_url, lambda d: records.read(d, attempt[1]))
     assert stored.status == "graded" and stored.report.provenance.seed == 7
     assert sql(database_url, "SELECT count(*) FROM artefact") == [(2,)] and endings(database_url) == ["finished"]
-    content, digest = run(database_url, lambda d: reading.find_artefact(d, attempt[0], "b"))
+    content, digest = run(database_url, lambda d: records.find_artefact(d, attempt[0], "b"))
     assert content == b"same" and len(digest) == 64
     assert claim(database_url, attempt[0]) is None
     with pytest.raises(psycopg.errors.RaiseException, match="never altered"):
@@ -71,23 +71,23 @@ def test_who_comes_second_changes_nothing(database_url, attempt):
     first, second = claim(database_url, attempt[0]), claim(database_url, attempt[0], "w2")
     assert finish(database_url, second, seed=2, a="two")
     assert not finish(database_url, first, seed=1, a="one", z="one")
-    assert run(database_url, lambda d: reading.read(d, attempt[1])).report.provenance.seed == 2
+    assert run(database_url, lambda d: records.read(d, attempt[1])).report.provenance.seed == 2
     assert endings(database_url) == ["superseded", "finished"] and sql(database_url, "SELECT name FROM kept") == [("a",)]
 
 
 def test_a_silent_run_is_lost_and_queued_again_and_a_living_one_is_not(database_url, attempt):
     assert take_jobs(database_url) == 1
     claim(database_url, attempt[0])
-    assert run(database_url, rescue.rescue) == []
+    assert run(database_url, workers.rescue) == []
     fall_silent(database_url)
-    assert run(database_url, rescue.rescue) == [attempt[0]]
+    assert run(database_url, workers.rescue) == [attempt[0]]
     assert endings(database_url) == ["lost"] and take_jobs(database_url) == 1
 
 
 def test_a_job_that_was_taken_and_never_begun_is_queued_again(database_url, attempt):
     take_jobs(database_url)
     fall_silent(database_url)
-    assert run(database_url, rescue.rescue) == [attempt[0]]
+    assert run(database_url, workers.rescue) == [attempt[0]]
     assert take_jobs(database_url) == 1
 
 
@@ -96,7 +96,7 @@ def test_a_job_left_behind_by_a_finished_attempt_goes(database_url, attempt):
     finish(database_url, claim(database_url, attempt[0]))
     sql(database_url, "UPDATE run SET beat_at = beat_at - interval '1 minute', ended_at = ended_at - interval '1 minute'")
     sql(database_url, "UPDATE procrastinate_events SET at = at - interval '1 minute'")
-    assert run(database_url, rescue.rescue) == []
+    assert run(database_url, workers.rescue) == []
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)]
 
 
@@ -106,15 +106,15 @@ def test_three_lost_runs_are_a_fault_that_can_be_graded_again(database_url, atte
         fall_silent(database_url)
         take_jobs(database_url)
         fall_silent(database_url)
-        run(database_url, rescue.rescue)
+        run(database_url, workers.rescue)
     assert claim(database_url, attempt[0]) is None
-    stored = run(database_url, lambda d: reading.read(d, attempt[1]))
+    stored = run(database_url, lambda d: records.read(d, attempt[1]))
     assert stored.status == "faulted" and "begun 3 times" in stored.fault and "host/2" in stored.fault
     assert run(database_url, lambda d: grade_again(d, "faults", "an instructor")) == 1
-    assert run(database_url, lambda d: reading.read(d, attempt[1])).status == "queued"
+    assert run(database_url, lambda d: records.read(d, attempt[1])).status == "queued"
     ((again,),) = sql(database_url, "SELECT id FROM attempt WHERE number = 2")
     finish(database_url, claim(database_url, again))
-    assert run(database_url, lambda d: reading.read(d, attempt[1])).status == "graded"
+    assert run(database_url, lambda d: records.read(d, attempt[1])).status == "graded"
     assert sql(database_url, "SELECT who, action FROM audit") == [("an instructor", "regrade")]
 
 
@@ -123,7 +123,7 @@ def test_a_run_that_comes_back_late_gives_the_result_and_is_no_loss(database_url
     fall_silent(database_url)
     take_jobs(database_url)
     fall_silent(database_url)
-    run(database_url, rescue.rescue)
+    run(database_url, workers.rescue)
     assert endings(database_url) == ["lost"] and finish(database_url, slow) and endings(database_url) == ["finished"]
 
 
@@ -136,23 +136,23 @@ def test_released_runs_do_not_count_and_failed_ones_do(database_url, attempt):
         claimed = claim(database_url, attempt[0])
         run(database_url, lambda d, c=claimed: runs.give_back(d, c, "failed", "no room left"))
     assert claim(database_url, attempt[0]) is None
-    assert "no room left" in run(database_url, lambda d: reading.read(d, attempt[1])).fault
+    assert "no room left" in run(database_url, lambda d: records.read(d, attempt[1])).fault
 
 
 def test_what_has_no_job_gets_one(database_url, attempt):
     sql(database_url, "DELETE FROM procrastinate_jobs")
-    assert run(database_url, rescue.sweep) == []  # it may be on its way
+    assert run(database_url, workers.sweep) == []  # it may be on its way
     sql(database_url, "UPDATE attempt SET requested_at = now() - interval '1 minute'")
-    assert run(database_url, rescue.sweep) == [attempt[0]] and run(database_url, rescue.sweep) == []
+    assert run(database_url, workers.sweep) == [attempt[0]] and run(database_url, workers.sweep) == []
 
 
 def test_a_regrade_does_not_hide_what_there_was(database_url, attempt):
     finish(database_url, claim(database_url, attempt[0]))
     assert run(database_url, lambda d: grade_again(d, "all", "x")) == 1
     assert run(database_url, lambda d: grade_again(d, "all", "x")) == 0  # one is under way
-    stored = run(database_url, lambda d: reading.read(d, attempt[1]))
+    stored = run(database_url, lambda d: records.read(d, attempt[1]))
     assert stored.status == "graded" and stored.number == 1
-    assert run(database_url, lambda d: reading.recent(d, 5))[0].status == "graded"
+    assert run(database_url, lambda d: records.recent(d, 5))[0].status == "graded"
 
 
 def test_persons_take_turns(database_url):
@@ -193,7 +193,7 @@ def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_ur
 
 def place(url, attempt):
     """Which place in the queue an attempt has."""
-    return int(run(url, reading.positions)[str(attempt)])
+    return int(run(url, records.positions)[str(attempt)])
 
 
 def test_what_was_begun_and_lost_or_given_back_does_not_wait_again(database_url, attempt):
@@ -205,7 +205,7 @@ def test_what_was_begun_and_lost_or_given_back_does_not_wait_again(database_url,
     claimed = claim(database_url, attempt[0])
     run(database_url, others)
     fall_silent(database_url)
-    run(database_url, rescue.rescue)
+    run(database_url, workers.rescue)
     assert place(database_url, attempt[0]) == 1
     again = claim(database_url, attempt[0], "w2")
     run(database_url, lambda d: runs.give_back(d, again, "released", "stopped"))
@@ -216,16 +216,16 @@ def test_what_was_begun_and_lost_or_given_back_does_not_wait_again(database_url,
 def test_a_run_whose_job_is_gone_is_lost_too(database_url, attempt):
     claim(database_url, attempt[0])
     sql(database_url, "DELETE FROM procrastinate_jobs")
-    assert run(database_url, rescue.rescue) == []
+    assert run(database_url, workers.rescue) == []
     fall_silent(database_url)
-    assert run(database_url, rescue.rescue) == [attempt[0]] and run(database_url, rescue.rescue) == []
+    assert run(database_url, workers.rescue) == [attempt[0]] and run(database_url, workers.rescue) == []
 
 
 def test_a_worker_that_was_only_cut_off_for_a_while_is_not_counted(database_url, attempt):
     claimed = claim(database_url, attempt[0])
     for _ in range(4):
         fall_silent(database_url)
-        run(database_url, rescue.rescue)
+        run(database_url, workers.rescue)
         run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 2))
     assert endings(database_url) == [None]
     assert claim(database_url, attempt[0]) is not None  # no fault

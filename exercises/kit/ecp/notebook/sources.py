@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ecp.notebook.codes import fingerprint, functions_of, makes, prints_in, same_defaults
+from ecp.notebook.fingerprint import fingerprint, functions_of, makes, prints_in, same_defaults
 from ecp.notebook.history import History
+from ecp.notebook.literals import import_line, literal, own_file
 from ecp.notebook.names import Names, names_in
-from ecp.notebook.spelled import import_line, literal, own_file
 
 # The record of inputs and outputs that IPython keeps among the names; it changes with every cell.
 _RECORD = re.compile(r"In|Out|_+|_[dio]h|_i+|_i?\d+")

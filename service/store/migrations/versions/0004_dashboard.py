@@ -35,7 +35,7 @@ ALTER TABLE run ADD scene_at timestamptz NOT NULL DEFAULT now();
 ALTER TABLE result ADD cancelled_by text;
 """
 
-# As service.store.outcomes tells them of a new report.
+# As service.store.runs tells them of a new report.
 KNOWN = """
 INSERT INTO outcome (attempt_id, check_id, state, counted, margin, codes, causes)
 SELECT r.attempt_id, o->>'id',

@@ -12,7 +12,7 @@ from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
 from ecp.gather import CannotSend, gather, whole_notebook
-from service.sandbox.guest.cells import runnable
+from service.sandbox.guest.magics import runnable
 
 
 class Notebook:

@@ -78,7 +78,7 @@ def checked(kit, rigid_body, *files, drawn=False):
 
 @pytest.mark.parametrize("names", [SAME, pytest.param(LONG, marks=pytest.mark.slow)], ids=["short", "long"])
 def test_local_and_remote_lines_are_identical(kit, rigid_body, sandbox, names):
-    files = [rigid_body.folder / "specimens" / f"{name}.py" for name in names]
+    files = [rigid_body.folder / "samples" / f"{name}.py" for name in names]
     reports = [grade(Submission(file.read_text()), rigid_body, sandbox, 11).report for file in files]
     told = checked(kit, rigid_body, *[(f, [e.number for e in r.exercises]) for f, r in zip(files, reports, strict=True)])
     for file, report, here in zip(files, reports, told, strict=True):
@@ -90,8 +90,8 @@ def shown(kit, rigid_body, tmp_path_factory):
     """What one kernel shows of some functions, by name."""
     folder = tmp_path_factory.mktemp("mine")
     sources = {
-        "zeros": ((rigid_body.folder / "specimens" / "wrong_zeros.py").read_text(), ["2"]),
-        "right": ((rigid_body.folder / "specimens" / "right_terms.py").read_text(), ["5"]),
+        "zeros": ((rigid_body.folder / "samples" / "wrong_zeros.py").read_text(), ["2"]),
+        "right": ((rigid_body.folder / "samples" / "right_terms.py").read_text(), ["5"]),
         "reversed": ("def euler_eqs(t, w, I):\n    return np.cross(w, I * w) / I\n", ["2", "3"]),
         "stopped": ("def euler_eqs(t, w, I):\n    return 1 / 0\n", ["2"]),
         "markup": ("def principal_moments(tensor):\n    raise ValueError('<script>alert(1)</script>')\n", []),
@@ -164,4 +164,4 @@ def test_the_wheel_is_the_same_each_time_installs_and_holds_no_solution(tmp_path
     )
     assert done.returncode == 0, done.stderr
     text = "".join(p.read_text() for p in (tmp_path / "to").rglob("*.py"))
-    assert "def euler_eqs" not in text and "def principal_moments" not in text and not list((tmp_path / "to").rglob("*specimen*"))
+    assert "def euler_eqs" not in text and "def principal_moments" not in text and not list((tmp_path / "to").rglob("*sample*"))

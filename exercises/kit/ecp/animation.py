@@ -1,0 +1,179 @@
+"""A matplotlib animation watched: stills, the paths of what is drawn, and what the drawing costs. Endless ones are stopped."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from operator import length_hint
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.artists import Drawn, drawn, labelled, painted, unordered
+from ecp.return_value import WrongAnswer
+
+FRAME_CAP = 600
+STILLS, POINTS = 24, 256  # pictures kept, points kept of every frame
+WIDTH, HEIGHT = 480, 360
+VISIBLE = 16  # of 255 levels of a colour
+
+
+def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
+    """Draw every frame once, in order, because drawing may depend on earlier ones. Returns
+
+    - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
+    - ``tracks`` (f, p, 3): where the artists put their points in each of f ≤ FRAME_CAP frames, in data coordinates
+    - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
+      for points without order) and their number
+    - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see ``tracks.labelled``
+    - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and how many there are
+    - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
+
+    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds`` of CPU time.
+    """
+    from matplotlib import pyplot as plt
+    from matplotlib.animation import Animation
+
+    if not isinstance(anim, Animation):
+        raise WrongAnswer("no-animation", f"expected a matplotlib Animation, returned or shown; got {type(anim).__name__}")
+    deadline = process_time() + seconds
+    figure = anim._fig  # type: ignore[attr-defined]
+    listed = length_hint(getattr(anim, "_tee_from", ()))
+    values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
+    with _borrowed(figure) as canvas, _clearing() as cleared:
+        canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
+        anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
+        anim._init_draw()  # type: ignore[attr-defined]
+        sequence = anim.new_frame_seq()
+        known = max(listed, length_hint(sequence))  # 0 for a generator
+        for number, frame in enumerate(sequence):
+            if max(number + 1, known) > FRAME_CAP:
+                raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
+            if process_time() > deadline:
+                raise WrongAnswer("timeout", f"drawing stopped after {number} frames: {seconds:g} s of CPU time were allowed")
+            began = perf_counter()
+            anim._draw_frame(frame)  # type: ignore[attr-defined]
+            drawing += perf_counter() - began
+            values.append(_number(frame))
+            paths.append(drawn(figure))
+            if number % stride == 0:
+                pictures[number] = _picture(figure, canvas)
+                if len(pictures) == 2 * STILLS:  # how many there will be is not known before the last
+                    stride *= 2
+                    pictures = {k: picture for k, picture in pictures.items() if k % stride == 0}
+    if not values:
+        raise WrongAnswer("no-animation", "the animation has no frames")
+    at = [[number, value, len(values)] for number, value in enumerate(values)]
+    tracks, owners = _tracks(paths)
+    left_open = plt.fignum_exists(getattr(figure, "number", -1))
+    cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
+    kept = [pictures[k] for k in sorted(pictures)]
+    stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
+    named = {"tracks": tracks, "owners": owners, "labels": labelled(figure)}
+    return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
+
+
+def moving_share(frames: NDArray[np.uint8]) -> float:
+    """Largest share of pixels that differ visibly between the first still and another; ``frames`` (n, h, w, 3)."""
+    if len(frames) < 2:
+        return 0.0
+    difference = np.abs(frames[1:].astype(np.int16) - frames[0].astype(np.int16)).max(axis=3)
+    return float((difference > VISIBLE).mean(axis=(1, 2)).max())
+
+
+def _picture(figure: Any, canvas: Any) -> NDArray[np.uint8]:
+    for artist in figure.findobj(lambda artist: artist.get_animated()):
+        artist.set_animated(False)  # blitting had marked it, and an ordinary draw leaves marked artists out
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())
+    return np.array(pixels[:HEIGHT, :WIDTH, :3])
+
+
+def _stack(pictures: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """One array; of a figure that changes its size the part that all pictures have."""
+    high, wide = (min(p.shape[k] for p in pictures) for k in (0, 1))
+    return np.stack([p[:high, :wide] for p in pictures])
+
+
+def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points of the artists that are there in every frame; of those whose number of points changes the first and the last.
+
+    Artists are told apart by their order from the newest on, and where their number changes also from the oldest on.
+    """
+    newest = [{d.key: d for d in frame} for frame in paths]
+    oldest = [{(*d.key[:2], -d.oldest): d for d in frame} for frame in paths]
+    columns, owners, ranks = [], [], [0]
+    for by_key in (newest, oldest):
+        for key, first in by_key[0].items():
+            seen = [frame[key] for frame in by_key if key in frame]
+            if len(seen) < len(by_key) or (by_key is oldest and all(d.key == first.key for d in seen)):
+                continue
+            points = [d.points for d in seen]
+            same = min(map(len, points)) == max(map(len, points))
+            many = len(first.points) if same else min(2, *map(len, points))
+            columns.append(np.stack([p[:many] for p in points]))
+            owners += [[len(columns), first.dimensions, first.key[0]]] * many
+            ranks += range(many)
+    for (axes, _), sets in unordered(paths).items():
+        columns.append(np.stack([d.points for d in sets]))
+        many = columns[-1].shape[1]
+        owners += [[len(columns), -sets[0].dimensions, axes]] * many
+        ranks += range(many)
+    tracks = np.concatenate([np.zeros((len(paths), 1, 3)), *columns], axis=1)
+    owned = np.array([[0, 0, 0], *owners], dtype=float)
+    tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
+    ends, moved = np.array(ranks) < 2, np.ptp(tracks, axis=0).max(axis=1)
+    chosen = np.sort(np.lexsort((-moved, ~ends))[:POINTS])  # the ends of every artist first, then what moves before what stands
+    return tracks[:, chosen], owned[chosen]
+
+
+@contextmanager
+def _borrowed(figure: Any) -> Iterator[Any]:
+    """A canvas of our own for the figure, small enough; afterwards the figure has again what it had."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    own, dpi = figure.canvas, figure.dpi
+    wide, high = figure.get_size_inches()
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(min(WIDTH / wide, HEIGHT / high))
+    try:
+        yield canvas
+    finally:
+        figure.set_canvas(own)
+        figure.set_dpi(dpi)
+
+
+@contextmanager
+def _clearing() -> Iterator[list[float]]:
+    """Seconds spent in each clearing of axes within."""
+    from matplotlib.axes import Axes
+
+    spent: list[float] = []
+    clear = Axes._AxesBase__clear if hasattr(Axes, "_AxesBase__clear") else None
+    if clear is None:
+        yield spent
+        return
+
+    def timed(axes: Any) -> None:
+        began = perf_counter()
+        clear(axes)
+        spent.append(perf_counter() - began)
+
+    Axes._AxesBase__clear = timed  # type: ignore[attr-defined]
+    try:
+        yield spent
+    finally:
+        Axes._AxesBase__clear = clear  # type: ignore[attr-defined]
+
+
+def _spread(n: int, most: int) -> list[int]:
+    """At most ``most`` of n numbers, evenly spread."""
+    return np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(int)).tolist()
+
+
+def _number(frame: Any) -> float:
+    try:
+        value = float(frame)
+    except (TypeError, ValueError):
+        return -1.0
+    return value if np.isfinite(value) else -1.0

@@ -1,0 +1,185 @@
+"""Errors for whoever sits at the notebook."""
+
+import json
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from email.utils import parsedate_to_datetime
+from typing import Any, NamedTuple, Protocol
+from urllib.parse import urlsplit
+
+
+class Explained(Exception):
+    """Its text says what happened and what to do; IPython shows that sentence and no traceback."""
+
+    def _render_traceback_(self) -> list[str]:
+        return [str(self)]
+
+
+MOST_BYTES = 16 * 2**20
+DEFAULT_PORTS = {"http": 80, "https": 443}
+
+
+class Trouble(Explained):
+    """``passing``: the same request may succeed later; ``wait_s``: how long the server asks to wait before that."""
+
+    passing: bool
+    wait_s: float | None = None
+
+
+class Unreachable(Trouble):
+    """No answer: no network, refused, timed out, not trusted."""
+
+    def __init__(self, sentence: str, *, passing: bool = True) -> None:
+        super().__init__(sentence)
+        self.passing = passing
+
+
+class Refused(Trouble):
+    """An answer that is an error. ``kind`` is the last part of the problem's type, "" where the server told none."""
+
+    def __init__(self, status: int, kind: str, sentence: str, *, passing: bool = False) -> None:
+        super().__init__(sentence)
+        self.status, self.kind, self.passing = status, kind, passing
+
+
+class Answer(NamedTuple):
+    """One HTTP answer; the names of its headers are lower-case."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+    def json(self) -> Any:
+        """The body as JSON; Refused (not-polhode) if it is not."""
+        try:
+            return json.loads(self.body)
+        except ValueError:
+            sentence = "The answer is not JSON, so it does not come from a polhode server: check the address."
+            raise Refused(self.status, "not-polhode", sentence) from None
+
+
+class Backend(Protocol):
+    """Who carries requests. Header names are lower-case; a redirect is either returned or, within one origin, followed."""
+
+    def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
+        """Any answer; Unreachable if there is none."""
+        ...
+
+    def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
+        """An event stream as it comes, Unreachable after ``silence`` seconds without a byte; None if there is no stream."""
+        ...
+
+
+def checked(url: str) -> str:
+    """The address without its fragment, if it is one of http or https that can be sent; else Unreachable."""
+    try:
+        parts = urlsplit(url)
+        host = (parts.hostname or "").encode("idna")  # ValueError for labels that no name has
+        usable = parts.scheme in DEFAULT_PORTS and bool(host) and parts.port != 0
+    except ValueError:
+        usable = False
+    if usable and "@" not in parts.netloc and url.isascii() and url.isprintable() and " " not in url:
+        return parts._replace(fragment="").geturl()
+    shown = url.rpartition("@")[2].partition("?")[0][:80]
+    sentence = f"{shown!r} is not the address of a server: it should look like https://polhode.example.org, without a password."
+    raise Unreachable(sentence, passing=False)
+
+
+def place(url: str) -> str:
+    """The server's part of an address, as it is shown to people."""
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.netloc.rpartition('@')[2]}"
+
+
+def same_origin(one: str, other: str) -> bool:
+    """Whether scheme, host and port agree."""
+    a, b = urlsplit(one), urlsplit(other)
+    ports = (a.port or DEFAULT_PORTS.get(a.scheme), b.port or DEFAULT_PORTS.get(b.scheme))
+    return (a.scheme, a.hostname) == (b.scheme, b.hostname) and ports[0] == ports[1]
+
+
+def moved(status: int, url: str, target: str) -> Refused:
+    """The trouble that a server sends us on to somebody else."""
+    sentence = f"The server at {place(url)} sends us on to {place(target)}. Use that address instead if it is your course's."
+    return Refused(status, "moved", sentence)
+
+
+def too_long(url: str) -> Refused:
+    """The trouble that an answer has more than MOST_BYTES."""
+    return Refused(200, "not-polhode", f"What {place(url)} answers is too long to come from a polhode server: check the address.")
+
+
+PASSING = (429, 502, 503, 504)
+LONGEST_DETAIL, SHORTEST_TOKEN = 500, 6
+SENTENCES = {
+    "nobody": "The server at {place} does not know who you are{detail}: run ecp.login() and try again.",
+    "deadline-over": "The deadline is over{detail}: nothing was submitted.",
+    "none-left": "You have no submission left{detail}: nothing was submitted.",
+    "too-large": "What you send is too large for the server at {place}{detail}: clear the outputs or send less.",
+    "busy": "The server at {place} is busy and does not take this now{detail}: try again in a few minutes.",
+    "fault": "The server at {place} failed, and not by your mistake{number}: try again; if it stays so, tell your course staff.",
+    "not-polhode": "There is no polhode server at {place}, something else answered ({status}{page}): check the address.",
+    "": "The server at {place} refused this ({status}).",
+}
+WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(PASSING, "busy")
+
+
+def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> Refused:
+    """The exception for an error answer to a request with ``headers``, whose token is never repeated."""
+    problem = _problem(answer)
+    kind = str(problem.get("type", "")).rpartition(":")[2] if problem else WITHOUT_PROBLEM.get(answer.status, "")
+    detail = _clean(str(problem.get("detail", "")), headers)
+    passing = answer.status in PASSING
+    refused = Refused(answer.status, kind, _sentence(answer, url, kind, detail), passing=passing)
+    refused.wait_s = retry_after(answer.headers.get("retry-after", ""), datetime.now(UTC)) if passing else None
+    return refused
+
+
+def not_polhode(answer: Answer, url: str) -> Refused:
+    """The exception for an answer that polhode does not give, whatever its status."""
+    return Refused(answer.status, "not-polhode", _sentence(answer, url, "not-polhode", ""))
+
+
+def retry_after(value: str, now: datetime) -> float | None:
+    """Seconds that ``Retry-After`` asks for, given as a number or as a date; None if it tells neither."""
+    if value.strip().isdecimal():
+        return float(value)
+    try:
+        return max(0.0, (parsedate_to_datetime(value) - now).total_seconds())
+    except (ValueError, TypeError):  # TypeError: a date without a zone
+        return None
+
+
+def is_page(answer: Answer) -> bool:
+    """Whether the answer is a web page."""
+    return "html" in answer.headers.get("content-type", "")
+
+
+def _sentence(answer: Answer, url: str, kind: str, detail: str) -> str:
+    key = "nobody" if answer.status == 401 else kind
+    if detail and key not in SENTENCES:
+        return detail[0].upper() + detail[1:].rstrip(".") + "."
+    request = "".join(c for c in answer.headers.get("x-request-id", "")[:80] if c.isascii() and (c.isalnum() or c in "-_"))
+    return SENTENCES.get(key, SENTENCES[""]).format(
+        place=place(url),
+        status=answer.status,
+        detail=f" ({detail.rstrip('.')})" if detail else "",
+        number=f" (request {request})" if request else "",
+        page=", a web page, perhaps one to log in" if is_page(answer) else "",
+    )
+
+
+def _problem(answer: Answer) -> dict[str, Any]:
+    if not answer.headers.get("content-type", "").startswith("application/problem+json"):
+        return {}
+    try:
+        problem = json.loads(answer.body)
+    except ValueError:
+        return {}
+    return problem if isinstance(problem, dict) else {}
+
+
+def _clean(detail: str, headers: Mapping[str, str]) -> str:
+    token = headers.get("authorization", "").rpartition(" ")[2]
+    plain = "".join(c if c.isprintable() else " " for c in detail)
+    return (plain.replace(token, "…") if len(token) >= SHORTEST_TOKEN else plain)[:LONGEST_DETAIL].strip()

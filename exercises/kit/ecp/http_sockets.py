@@ -1,0 +1,148 @@
+"""Requests by the standard library, as every Python with sockets has it."""
+
+import errno
+import ssl
+import time
+from collections.abc import Iterator, Mapping
+from http.client import BadStatusLine, HTTPConnection, HTTPException, HTTPResponse, HTTPSConnection, RemoteDisconnected
+from ipaddress import ip_address
+from socket import EAI_NONAME, gaierror
+from typing import Any
+from urllib.error import URLError
+from urllib.parse import urlsplit
+from urllib.request import HTTPErrorProcessor, HTTPHandler, HTTPSHandler, ProxyHandler, Request, build_opener
+
+from ecp.errors import MOST_BYTES, Answer, Unreachable, place, too_long
+
+CHUNK = 2**16
+NO_NETWORK = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.ENETDOWN)
+
+
+class Sockets:
+    """The back end of an ordinary kernel. Redirects are returned, not followed."""
+
+    def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
+        """Any answer, whole within ``timeout`` seconds after its first byte; Unreachable if there is none."""
+        try:
+            with _open(Request(url, body, dict(headers), method=method), timeout) as response:  # noqa: S310
+                return Answer(response.status, _lower(response), _whole(response, url, time.monotonic() + timeout))
+        except (OSError, HTTPException) as error:
+            raise unreachable(error, url, timeout) from None
+
+    def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
+        """What comes, as it comes; None for an answer that is no event stream."""
+        try:
+            response = _open(Request(url, None, dict(headers)), silence)  # noqa: S310
+        except (OSError, HTTPException) as error:
+            raise unreachable(error, url, silence) from None
+        if response.status == 200 and _lower(response).get("content-type", "").startswith("text/event-stream"):
+            return _chunks(response, url, silence)
+        response.close()
+        return None
+
+
+class _AsItIs(HTTPErrorProcessor):
+    """Errors and redirects are answers like others."""
+
+    def http_response(self, request: Request, response: HTTPResponse) -> HTTPResponse:
+        return response
+
+    https_response = http_response
+
+
+class _Listening(HTTPConnection):
+    """A server may answer (413, say) and hang up before it has read all we send: then its answer is what counts."""
+
+    def send(self, data: Any) -> None:
+        try:
+            super().send(data)
+        except (BrokenPipeError, ConnectionResetError, ConnectionAbortedError):
+            if self.sock is None:
+                raise
+
+
+class _ListeningTLS(_Listening, HTTPSConnection):
+    pass
+
+
+class _Plain(HTTPHandler):
+    def http_open(self, req: Request) -> HTTPResponse:
+        return self.do_open(_Listening, req)
+
+
+class _Secure(HTTPSHandler):
+    def https_open(self, req: Request) -> HTTPResponse:
+        return self.do_open(_ListeningTLS, req, context=ssl.create_default_context())
+
+
+def unreachable(error: Exception, url: str, timeout: float) -> Unreachable:
+    """The sentence for why there is no answer. A name or certificate that is wrong will stay wrong."""
+    cause = error.reason if isinstance(error, URLError) and isinstance(error.reason, Exception) else error
+    sentence = _why(cause, place(url), urlsplit(url).hostname or "", timeout)
+    lasting = isinstance(cause, ssl.SSLCertVerificationError) or (isinstance(cause, gaierror) and cause.errno == EAI_NONAME)
+    return Unreachable(sentence, passing=not lasting)
+
+
+def _why(cause: Exception, at: str, host: str, timeout: float) -> str:
+    match cause:
+        case ssl.SSLCertVerificationError():
+            sentence = (
+                f"The certificate of {at} is not trusted ({cause.verify_message}): check the address and this computer's clock, "
+                "then ask your course staff (on a Mac, run “Install Certificates.command” first)."
+            )
+        case ssl.SSLError():
+            sentence = f"{at} was not reached securely: check whether its address begins with https:// or http://."
+        case gaierror():
+            sentence = f"The name {host} was not found: check the address and your network."
+        case TimeoutError():
+            sentence = f"{at} did not answer within {timeout:g} s: check your network and try again."
+        case ConnectionRefusedError():
+            sentence = f"Nothing answers at {at} (connection refused): check the address, or try again when the server is up."
+        case OSError() if cause.errno in NO_NETWORK:
+            sentence = f"There is no network to {at}: check your connection and try again."
+        case OSError() if "Tunnel" in str(cause):
+            sentence = f"The proxy of your network does not let us through to {at}: check HTTPS_PROXY or use another network."
+        case BadStatusLine() if not isinstance(cause, RemoteDisconnected):
+            sentence = f"What answers at {at} does not speak HTTP: check the address and its port."
+        case _:
+            sentence = f"The connection to {at} was lost: check your network and try again."
+    return sentence
+
+
+def _open(request: Request, timeout: float) -> HTTPResponse:
+    proxies = ProxyHandler({}) if _is_loopback(urlsplit(request.full_url).hostname or "") else ProxyHandler()
+    response: HTTPResponse = build_opener(proxies, _AsItIs, _Plain, _Secure).open(request, timeout=timeout)
+    return response
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost" or host.endswith(".localhost")
+
+
+def _lower(response: HTTPResponse) -> dict[str, str]:
+    return {name.lower(): value for name, value in response.headers.items()}
+
+
+def _whole(response: HTTPResponse, url: str, until: float) -> bytes:
+    body = bytearray()
+    while chunk := response.read1(CHUNK):
+        body += chunk
+        if len(body) > MOST_BYTES:
+            raise too_long(url)
+        if time.monotonic() > until:
+            raise TimeoutError
+    if response.length:  # read1 is silent about a body that ends too soon
+        raise ConnectionResetError
+    return bytes(body)
+
+
+def _chunks(response: HTTPResponse, url: str, silence: float) -> Iterator[bytes]:
+    with response:
+        try:
+            while chunk := response.read1(CHUNK):
+                yield chunk
+        except (OSError, HTTPException) as error:
+            raise unreachable(error, url, silence) from None

@@ -1,0 +1,58 @@
+"""``ecp.attempts``: what you have submitted so far, and what changed from one to the next."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from html import escape
+from typing import Any
+
+from ecp import course
+from ecp.http import CONTACT_S, call
+from ecp.identity import authorization
+from ecp.report_html import fragment
+
+
+@dataclass(frozen=True, repr=False)
+class Attempts:
+    """Your submissions to an assignment, newest first, as the server tells them; the ids of the best and the last."""
+
+    assignment: str
+    submissions: list[dict[str, Any]]
+    best: str | None
+    last: str | None
+    address: str
+
+    def __len__(self) -> int:
+        return len(self.submissions)
+
+    def __repr__(self) -> str:
+        if not self.submissions:
+            return "nothing submitted yet"
+        return "\n".join("  ".join(row) for row in self._rows())
+
+    def _repr_html_(self) -> str:
+        if not self.submissions:
+            return "nothing submitted yet"
+        cells = [f"<tr><td>{'</td><td>'.join(map(escape, row))}</td></tr>" for row in self._rows()]
+        head = "<tr><th>submitted</th><th>points</th><th></th><th>changed since the one before</th></tr>"
+        link = f'<a href="{escape(self.address, quote=True)}" target="_blank" rel="noopener">On the server</a>'
+        return fragment(f"<table><thead>{head}</thead><tbody>{''.join(cells)}</tbody></table>{link}")
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [self._row(one) for one in self.submissions]
+
+    def _row(self, one: dict[str, Any]) -> tuple[str, ...]:
+        at = datetime.fromisoformat(one["submitted_at"]).astimezone()
+        when = f"{at:%Y-%m-%d %H:%M}{' late' if one['late'] else ''}"
+        points = one.get("points", one["score"])
+        graded = "" if points == one["score"] else f" (graded {one['score']})"
+        most = one.get("total", one["max_score"])
+        score = one["status"] if one["score"] is None else f"{points} of {most}{graded}"
+        note = ", ".join(word for word, id in (("best", self.best), ("last", self.last)) if id == one["id"])
+        return when, score, note, one["changed"]["told"] if one["changed"] else ""
+
+
+def attempts(server: str | None = None, assignment: str | None = None) -> Attempts:
+    """Your submissions so far: times, verdicts, the best and the last, and what changed."""
+    where, slug = course.server(server), course.assignment(assignment)
+    told = call("GET", f"{where}/v1/assignments/{slug}/submissions", headers=authorization(where), patience=CONTACT_S).json()
+    return Attempts(told["assignment"], told["submissions"], told["best"], told["last"], f"{where}/assignments/{slug}")

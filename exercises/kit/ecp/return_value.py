@@ -1,0 +1,107 @@
+"""What a student's function returned, taken strictly: a real array of just the asked shape, or a sentence saying what is wrong."""
+
+import dis
+import inspect
+import traceback
+import types
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class WrongAnswer(Exception):
+    """The function answered, but not with what was asked for. ``code`` is the public diagnosis code, if one fits."""
+
+    def __init__(self, code: str | None, sentence: str) -> None:
+        super().__init__(sentence)
+        self.code = code
+
+
+def takes(function: Any, names: tuple[str, ...], called: str) -> None:
+    """Raise WrongAnswer if ``function`` cannot be called with one argument for each of ``names``."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return  # some callables written in C tell nothing
+    try:
+        signature.bind(*names)
+    except TypeError:
+        raise WrongAnswer(
+            "signature", f"{called} is called as {called}({', '.join(names)}); yours is {called}{signature}"
+        ) from None
+
+
+def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
+    """The parameters of ``function`` where they carry these names in another order, else None."""
+    try:
+        own = tuple(inspect.signature(function).parameters)[: len(names)]
+    except (TypeError, ValueError):
+        return None
+    return f"({', '.join(own)})" if own != names and sorted(own) == sorted(names) else None
+
+
+def is_written(value: Any) -> bool:
+    """Whether it is a function, or anything else to call, with something in it."""
+    return callable(value) and not is_empty(value)
+
+
+def is_empty(function: Any) -> bool:
+    """Whether a function's body is nothing but a docstring, ``...`` or ``pass``: nobody has written it yet."""
+    if not isinstance(function, types.FunctionType):
+        return False
+    steps = list(dis.get_instructions(function))
+    return {step.opname for step in steps} <= _NOTHING and all(s.argval is None for s in steps if s.opname in _CONSTANT)
+
+
+_CONSTANT = {"LOAD_CONST", "RETURN_CONST"}
+_NOTHING = _CONSTANT | {"RESUME", "NOP", "RETURN_VALUE"}
+
+
+def real_array(value: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    """``value`` as float64 of exactly ``shape``; lists and tuples of numbers are fine, broadcasting and casting are not."""
+    if value is None:
+        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise WrongAnswer("wrong-shape", f"{name} returned a ragged list; expected shape {shape}") from None
+    if array.dtype.kind not in "fiu":
+        raise WrongAnswer("wrong-shape", f"{name} must return real numbers; it returned {_kind(value, array)}")
+    if array.shape != shape:
+        raise WrongAnswer("wrong-shape", f"{name} must return shape {shape}; it returned shape {array.shape}")
+    return np.array(array, dtype=np.float64)
+
+
+def _kind(value: Any, array: NDArray[Any]) -> str:
+    return f"dtype {array.dtype}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+
+
+def stopped(error: BaseException, own: Callable[[str], bool]) -> dict[str, str | None]:
+    """The fields ``ending``, ``code``, ``sentence`` and ``traceback`` of a scene's ending; ``own(filename)``: theirs."""
+    match error:
+        case WrongAnswer():
+            return {"ending": "wrong-answer", "code": error.code, "sentence": str(error)}
+        case MemoryError():
+            sentence = "your code asked for more memory than is allowed"
+            return {"ending": "memory", "code": "memory", "sentence": sentence, "traceback": _trace(error, own)}
+        case SyntaxError():
+            return {"ending": "syntax-error", "code": "syntax-error", "sentence": _said(error), "traceback": _trace(error, own)}
+    return {"ending": "raised", "code": "raises", "sentence": _said(error), "traceback": _trace(error, own)}
+
+
+def _said(error: BaseException) -> str:
+    try:
+        return f"{type(error).__name__}: {error}"[:500]
+    except BaseException:  # its own __str__ fails
+        return type(error).__name__[:500]
+
+
+def _trace(error: BaseException, own: Callable[[str], bool]) -> str | None:
+    """The student's own lines of the traceback: frames of the harness and of the libraries are left out."""
+    try:
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if own(f.filename)]
+        return "".join(traceback.format_list(frames[-8:]) + traceback.format_exception_only(error))[:6000]
+    except BaseException:
+        return None

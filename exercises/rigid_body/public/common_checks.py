@@ -1,0 +1,99 @@
+"""What several exercises say in the same way: places in arrays, reasons for tolerances, ω(t) against the exact motion."""
+
+import numpy as np
+
+from ecp.animation import moving_share
+from ecp.checks import Arrays, Check, holds, shows, within
+
+from .animation_checks import STILL, body_shown
+from .tolerance import as_closely
+
+NOTEBOOK = "the notebook's own tolerance"
+DRIVE = "the integrator, at rtol 1e-11, strays less than 1e-9 from the exact motion on this scene"
+
+SLOW = 0.3  # part of the drawing that clearing may take before it is worth a word
+PRODUCT = "rtol × (sensitivity + angle turned) × safety, worked out for each scene"
+
+
+def at_time(index: tuple[int, ...], seen: Arrays) -> str:
+    """The time of an index into a series (n,)."""
+    return f"t = {seen['t'][index[0]]:.4g} s"
+
+
+def at_component(index: tuple[int, ...], seen: Arrays) -> str:
+    """Component and time of an index into ω (3, n)."""
+    return f"ω{'₁₂₃'[index[0]]}, t = {seen['t'][index[1]]:.4g} s"
+
+
+def omega(id: str, label: str, scene: str) -> Check:
+    """ω (3, n) of a trajectory agrees with the exact motion, as closely as the scene lets any integrator come."""
+    return within(
+        id,
+        label,
+        scene,
+        measured=lambda seen: seen["w"],
+        expected=lambda truth: truth["w"],
+        scale=lambda truth: np.linalg.norm(truth["w"][:, 0]),
+        limit=as_closely,
+        reason=f"of |ω(0)|: {PRODUCT}",
+        locate=at_component,
+    )
+
+
+def attitude(id: str, label: str, scene: str) -> Check:
+    """R (n, 3, 3) of a trajectory agrees with the exact motion, as closely as the scene lets any integrator come."""
+    return within(
+        id,
+        label,
+        scene,
+        measured=lambda seen: seen["R"],
+        expected=lambda truth: truth["R"],
+        scale=lambda truth: 1.0,
+        limit=as_closely,
+        reason=PRODUCT,
+        locate=lambda index, seen: f"R{index[1] + 1}{index[2] + 1}, t = {seen['t'][index[0]]:.4g} s",
+    )
+
+
+def film(number: str, scene: str, function: str, axis: int | None, what: str) -> tuple[Check, ...]:
+    """An animation moves, and something drawn follows body axis ``axis``, or for None the body."""
+
+    def follows(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
+        shown = body_shown(seen, truth["t"], truth["R"], axis, truth.get("L"), half=truth.get("half"))
+        return shown.found, shown.sentence
+
+    return (
+        holds(
+            f"{number}-moves",
+            f"{function} draws a moving picture",
+            scene,
+            claim=_moves,
+            reason="a picture in which fewer than one pixel in ten thousand changes does not move",
+            hint=_cost,
+        ),
+        shows(
+            f"{number}-follows",
+            f"{function} draws something that follows {what}",
+            scene,
+            claim=follows,
+            reason="a direction from a fixed place or points of the body, to 3 % of the path, at samples within 1.5 of an even run",
+        ),
+    )
+
+
+def _moves(seen: Arrays) -> tuple[bool, str]:
+    share = moving_share(seen["frames"])
+    return share > STILL, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
+
+
+def _cost(seen: Arrays) -> list[str]:
+    frames, drawing, clearing, left_open, _, unkept = seen["cost"]
+    hints = []
+    if clearing > SLOW * drawing and clearing > 1e-3 * frames:
+        part = "more than half" if clearing > drawing / 2 else "about a third"
+        hints.append(f"clearing the axes takes {part} of the drawing time: keep the artists and set their data instead")
+    if left_open:
+        hints.append("the figure stays open, and a notebook shows it once more as a still: plt.close(fig) before you return")
+    if unkept:
+        hints.append("the sandbox keeps no files: your function stopped at one, so the animation that it had made is judged")
+    return hints

@@ -1,0 +1,117 @@
+"""Whether an assignment is declared well: everything that is wrong with it at once, as sentences for its author."""
+
+import ast
+import importlib
+import math
+import traceback
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from ecp.exercise import Exercise
+from exercises.assignment import Assignment
+
+NEEDED = ("setup.py", "plays.py")
+
+
+def errors(assignment: Assignment) -> list[str]:
+    """What is wrong with the declaration; empty if nothing is."""
+    found = [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
+    if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
+        found.append(f"packages is {assignment.packages!r}, not a tuple of names")
+    return [*found, *_doubles(assignment), *_of_exercises(assignment), *_of_scenes(assignment)]
+
+
+def syntax_errors(folder: Path) -> list[str]:
+    """Of every Python file of an assignment's folder but its samples, which may be wrong in any way."""
+    found = []
+    for path in sorted(folder.rglob("*.py")):
+        if "samples" not in path.relative_to(folder).parts:
+            try:
+                compile(path.read_bytes(), str(path), "exec")
+            except (SyntaxError, ValueError) as error:  # ValueError: zero bytes
+                line = f" line {error.lineno}" if isinstance(error, SyntaxError) else ""
+                found.append(f"{path.relative_to(folder)}{line}: {getattr(error, 'msg', error)}")
+    return found
+
+
+def _doubles(assignment: Assignment) -> Iterator[str]:
+    exercises = assignment.exercises
+    yield from (f"scene {name} is declared twice" for name in _twice(s.name for s in assignment.scenes))
+    yield from (f"check id {id} is used twice" for id in _twice(c.id for e in exercises for c in e.checks))
+    yield from (f"exercise {number} is declared twice" for number in _twice(e.number for e in exercises))
+    yield from (f"figure {name} is declared twice" for name in _twice(f.name for e in exercises for f in e.figures))
+    yield from (f"animation {name} is declared twice" for name in _twice(a.name for e in exercises for a in e.animations))
+
+
+def _of_exercises(assignment: Assignment) -> Iterator[str]:
+    scenes = {s.name: s for s in assignment.scenes}
+    if not assignment.exercises:
+        yield "it has no exercise"
+    for exercise in assignment.exercises:
+        yield from (f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(scenes)))
+        yield from (e for c in exercise.checks for e in c.errors())
+        for motion in exercise.motions:
+            if motion.scene in scenes and "R" not in scenes[motion.scene].returns:
+                yield f"motion {motion.name}: scene {motion.scene} brings no R"
+
+
+def _of_scenes(assignment: Assignment) -> Iterator[str]:
+    names, plays = [s.name for s in assignment.scenes], _plays(assignment.folder / "plays.py")
+    for at, scene in enumerate(assignment.scenes):
+        if scene.after is not None and scene.after not in names[:at]:
+            yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
+        if scene.drive is not None and scene.drive.proof not in names[:at]:
+            yield f"scene {scene.name} is proved by {scene.drive.proof}, which is not declared before it"
+        if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
+            yield f"scene {scene.name}: its budget is {scene.budget_s} s"
+    for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:
+        if plays is not None and scene.play not in plays:
+            yield f"scene {scene.name}: plays.py has no function {scene.play}"
+
+
+def _plays(path: Path) -> set[str] | None:
+    """Names of the functions of plays.py; None where it cannot be read."""
+    try:
+        return {node.name for node in ast.parse(path.read_bytes()).body if isinstance(node, ast.FunctionDef)}
+    except (OSError, SyntaxError, ValueError):
+        return None
+
+
+def _twice(names: Iterable[str]) -> list[str]:
+    listed = list(names)
+    return sorted({name for name in listed if listed.count(name) > 1})
+
+
+def public_errors(assignment: Assignment) -> list[str]:
+    """Empty where nothing is wrong, or where there is no folder public/: then ``ecp.check`` does not know the assignment."""
+    if not (assignment.folder / "public").is_dir():
+        return []
+    try:
+        public = importlib.import_module(f"exercises.{assignment.folder.name}.public")
+    except (Exception, SystemExit) as error:
+        return [f"public/: {format_error(error, assignment.folder)}"]
+    if not hasattr(public, "EXERCISES"):
+        return ["public/__init__.py defines no EXERCISES"]
+    return [f"public/: {error}" for error in _public_errors(assignment, public.EXERCISES)]
+
+
+def _public_errors(assignment: Assignment, exercises: Sequence[Exercise]) -> Iterator[str]:
+    served = {e.number: {c.id for c in e.checks} for e in assignment.exercises}
+    drawn = {s.name for s in assignment.scenes if callable(s.inputs)}
+    for exercise in exercises:
+        if exercise.number not in served:
+            yield f"the server has no exercise {exercise.number}"
+            continue
+        yield from (f"the server does not make the check {c.id}" for c in exercise.checks if c.id not in served[exercise.number])
+        yield from (
+            f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - {s.name for s in assignment.scenes})
+        )
+        known = sorted(exercise.scenes() & drawn)
+        yield from (f"exercise {exercise.number} reads the scene {s}, which is drawn for each attempt" for s in known)
+
+
+def format_error(error: BaseException, folder: Path) -> str:
+    """An error while the folder was imported, with the line of the folder's own that raised it."""
+    said = f"{type(error).__name__}: {error}"
+    own = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).is_relative_to(folder)]
+    return f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {said}" if own else said

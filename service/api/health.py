@@ -1,0 +1,62 @@
+"""Is the server alive, can it grade, and how is it doing."""
+
+import time
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import JSONResponse
+
+from exercises.catalogue import found
+from service.http.metrics import exposition
+from service.store.database import Database
+
+router = APIRouter()
+KNOWN_FOR_S = 1.0
+
+_CREW = """
+SELECT name, walls, refusal FROM worker WHERE seen_at > now() - interval '10 s' ORDER BY refusal IS NOT NULL, name
+"""
+
+
+@router.get("/livez")
+async def livez() -> dict[str, str]:
+    """The process is alive."""
+    return {"status": "alive"}
+
+
+@router.get("/readyz")
+async def readyz(request: Request) -> JSONResponse:
+    """Whether submissions can be graded, and what was checked."""
+    checks = {"walls": "no worker has been heard of", "database": "ok"}
+    broken = {"assignments": f"broken: {', '.join(found().broken)}"} if found().broken else {}  # the others can be graded
+    try:
+        await request.app.state.database.ping()
+        walls, refusal = await request.app.state.crew.known()
+        checks["walls"] = walls or refusal or checks["walls"]
+    except Exception as error:
+        walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
+    if walls is None:
+        return JSONResponse({"status": "not ready", "checks": checks | broken}, 503, {"Retry-After": "5"})
+    return JSONResponse({"status": "ready", "checks": checks | broken})
+
+
+@router.get("/metrics")
+async def metrics(request: Request) -> Response:
+    """Everything counted, for Prometheus."""
+    return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")
+
+
+class Crew:
+    """Who grades, as the workers tell it; asked for at most once a second."""
+
+    def __init__(self, database: Database) -> None:
+        self._database, self._asked = database, float("-inf")
+        self._known: tuple[str | None, str | None] = None, None
+
+    async def known(self) -> tuple[str | None, str | None]:
+        """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
+        now = time.monotonic()
+        if now - self._asked > KNOWN_FOR_S:
+            found = await self._database.rows(_CREW)
+            self._known = next((w.walls for w in found if w.walls), None), next((w.refusal for w in found if w.refusal), None)
+            self._asked = now
+        return self._known

@@ -1,0 +1,32 @@
+"""What a student fetches: the kit as a wheel, and the notebook that already holds this server's address."""
+
+import asyncio
+
+from fastapi import APIRouter, Request, Response
+
+from exercises import wheel
+from service.api.submissions import find_assignment
+from service.http.errors import Problem
+from service.http.requests import public_address
+
+router = APIRouter()
+
+
+@router.get("/kit/{name}")
+async def kit(name: str, request: Request) -> Response:
+    """The students' kit, for ``%pip install``; its name stays the same while notebooks of old work with it."""
+    if name != wheel.NAME:
+        raise Problem(404, "not-found", f"the kit is at /kit/{wheel.NAME}")
+    content = await asyncio.to_thread(wheel.wheel, public_address(request))
+    return Response(content, media_type="application/zip", headers={"Cache-Control": "no-cache", "ETag": f'"{wheel.build()}"'})
+
+
+@router.get("/v1/assignments/{slug}/notebook.ipynb")
+async def notebook(slug: str, request: Request) -> Response:
+    """The assignment's notebook, ready to run against this server."""
+    assignment, server = find_assignment(slug), public_address(request)
+    if not wheel.has_notebook(assignment):
+        raise Problem(404, "not-found", f"{slug} has no notebook")
+    content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.NAME}")
+    headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
+    return Response(content, media_type="application/x-ipynb+json", headers=headers)

@@ -1,0 +1,201 @@
+"""The HTTP interface, version 1: assignments, submissions and their reports. Pictures and events have files of their own."""
+
+import asyncio
+import re
+import secrets
+import time
+import uuid
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Request
+from fastapi.responses import JSONResponse, PlainTextResponse, Response
+
+from ecp.document import document
+from ecp.report import Report
+from exercises import packages, wheel
+from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.catalogue import assignments, find
+from service.api import parse_submission
+from service.auth.identity import STAFF, role, who
+from service.formats import junit
+from service.grading.result import GradedFile
+from service.http.errors import Problem
+from service.store import records
+from service.store.course import overrides
+from service.store.database import Database, is_outage
+from service.store.records import New, Stored
+from service.store.submissions import KeyReused, Refused, accept
+
+router = APIRouter()
+LONGEST_WAIT_S = 60.0
+
+
+@router.get("/v1/assignments")
+async def list_assignments() -> list[dict[str, str]]:
+    """Slug, title and version of every assignment."""
+    return [{"slug": a.slug, "title": a.title, "version": a.version} for a in assignments().values()]
+
+
+@router.get("/v1/assignments/{slug}")
+async def show_assignment(slug: str) -> dict[str, Any]:
+    """Exercises with their entry points and checks, each with its tolerance and the reason for it, and whether it is hidden."""
+    assignment = find_assignment(slug)
+    sections = [
+        {
+            "number": e.number,
+            "title": e.title,
+            "functions": list(e.functions),
+            "optional": list(e.optional),
+            "checks": [
+                {
+                    "id": c.id,
+                    "label": c.label,
+                    "hidden": assignment.hidden(c),
+                    "tolerance": {key: value for key, value in document(c.tolerance).items() if value is not None},
+                }
+                for c in e.checks
+            ],
+        }
+        for e in assignment.exercises
+    ]
+    told = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
+    notebook = f"/v1/assignments/{slug}/notebook.ipynb" if wheel.has_notebook(assignment) else None
+    build = await asyncio.to_thread(wheel.build)
+    importable = packages.versions(assignment.packages)
+    return told | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook, "packages": importable}
+
+
+@router.post("/v1/assignments/{slug}/submissions", status_code=202)
+async def submit(
+    slug: str,
+    request: Request,
+    prefer: Annotated[str | None, Header()] = None,
+    idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
+) -> JSONResponse:
+    """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
+    arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
+    person = await who(request, "submit")
+    walls, refusal = await request.app.state.crew.known()
+    if refusal and not walls:
+        raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
+    received = await parse_submission.receive(request, assignment)
+    new = New(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
+    try:
+        accepted = await accept(database, new, idempotency_key or None)
+    except KeyReused:
+        raise Problem(422, "key-reused", "the key came with another body before: use a new one") from None
+    except Refused as reason:
+        raise Problem(403, reason.kind, str(reason)) from reason
+    wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
+    queued = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late, sha256=new.submission.sha256) | {
+        "report": None
+    }
+    if accepted.fresh and wait_s == 0:  # nothing more can be known yet
+        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "1"})
+    try:
+        stored = await _wait(request, accepted.id, wait_s)
+    except Exception as error:
+        if not is_outage(error):
+            raise
+        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "5"})  # it is stored, whatever happens now
+    if stored.finished and wait_s > 0:
+        return JSONResponse(_document(stored), 200, {"Location": location})
+    return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
+
+
+@router.get("/v1/submissions/{id}")
+async def show_submission(id: str, request: Request) -> dict[str, Any]:
+    """Status of a submission, its report once there is one, and points that an instructor gave."""
+    stored = await find_submission(request, id)
+    given = [one for one in await overrides.of_submission(_database(request), stored.id) if one.in_force]
+    told = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in given]
+    return _document(stored) | ({"points": stored.points, "overrides": told} if told else {})
+
+
+def find_assignment(slug: str) -> Assignment:
+    """The assignment; a 404 problem where there is none, a 503 problem where it is broken, so that nothing is taken for it."""
+    try:
+        return find(slug)
+    except InvalidAssignment:
+        raise Problem(
+            503, "assignment-broken", f"the assignment {slug} cannot be used now, which is our fault", retry_after=60
+        ) from None
+    except NoAssignment:
+        raise Problem(404, "not-found", f"there is no assignment {slug[:80]}") from None
+
+
+async def find_submission(request: Request, id: str) -> Stored:
+    """The submission; a 404 problem where there is none, a 403 problem where it is somebody else's and they are no staff."""
+    person = await who(request)
+    stored = await records.read(_database(request), asked) if (asked := _uuid(id)) else None
+    if stored is None:
+        raise Problem(404, "not-found", f"there is no submission {id[:80]}")
+    if stored.person != person.name and await role(request, person) not in STAFF:
+        raise Problem(403, "not-allowed", "somebody else sent this submission")
+    return stored
+
+
+def _uuid(told: str) -> uuid.UUID | None:
+    try:
+        return uuid.UUID(told)
+    except ValueError:
+        return None
+
+
+def _document(stored: Stored) -> dict[str, Any]:
+    told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
+    told |= {"report": document(stored.report) if stored.report else None}
+    told |= {"fault": stored.fault} if stored.fault else {}
+    return told | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
+
+
+def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:
+    return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late, "sha256": sha256}
+
+
+async def _wait(request: Request, id: uuid.UUID, seconds: float) -> Stored:
+    """The submission as soon as it has its result, or as it is after ``seconds``."""
+    database = _database(request)
+    async for _ in request.app.state.listener.looks(str(id), seconds):
+        row = await records.state(database, id)
+        if row is None or row.finished:
+            break
+    stored = await records.read(database, id)
+    assert stored is not None
+    return stored
+
+
+def _database(request: Request) -> Database:
+    database: Database = request.app.state.database
+    return database
+
+
+def _seconds(prefer: str | None) -> float:
+    wanted = re.search(r'\bwait\s*=\s*"?(\d{1,300})\b', prefer or "", re.IGNORECASE)
+    return min(float(wanted[1]), LONGEST_WAIT_S) if wanted else 0.0
+
+
+@router.get("/v1/submissions/{id}/report.txt")
+async def report_text(id: str, request: Request) -> PlainTextResponse:
+    """The report as the notebook prints it."""
+    _, report = await _graded(request, id)
+    return PlainTextResponse(report.text())
+
+
+@router.get("/v1/submissions/{id}/report.junit.xml")
+async def report_junit(id: str, request: Request) -> Response:
+    """The report as JUnit XML, for CI systems."""
+    stored, report = await _graded(request, id)
+    seconds = sum(report.provenance.phases_ms.values()) / 1e3
+    file = GradedFile(file=Path(stored.submission.filename), source=stored.submission.source, report=report, seconds=seconds)
+    return Response(await asyncio.to_thread(junit.text, [file], find_assignment(stored.assignment)), media_type="application/xml")
+
+
+async def _graded(request: Request, id: str) -> tuple[Stored, Report]:
+    """The submission with its report; a 409 problem where it has none."""
+    stored = await find_submission(request, id)
+    if stored.report is None:
+        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
+    return stored, stored.report

@@ -1,0 +1,102 @@
+"""The web application: it accepts, tells and shows. Nothing of a submission runs in this process."""
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
+
+from fastapi import FastAPI
+from fastapi.middleware.cors import CORSMiddleware
+from fastapi.staticfiles import StaticFiles
+
+from exercises.catalogue import found
+from service.api import events, exports, figures, health, history, kit, submissions
+from service.api.renderer import Draughtsman
+from service.auth import device_login, forms, oidc, roles
+from service.auth.jupyterhub import Hub
+from service.auth.passwords import Passwords
+from service.auth.rate_limit import Throttle
+from service.http import errors, middleware
+from service.http.live import Listener, Watch
+from service.http.templating import ENVIRONMENT
+from service.pages import account, course, gradebook, login, overrides, queue, reference, regrades, submission
+from service.settings import Settings
+from service.store import queue_overview
+from service.store.course.people import secret
+from service.store.database import Database
+from service.store.submissions import register
+
+log = logging.getLogger(__name__)
+ROUTERS = (
+    health.router,
+    submissions.router,
+    history.router,
+    events.router,
+    figures.router,
+    device_login.router,
+    kit.router,
+)
+PAGES = (
+    course.router,
+    gradebook.router,
+    exports.router,
+    queue.router,
+    regrades.router,
+    overrides.router,
+    reference.router,
+    submission.router,
+    login.router,
+    account.router,
+    oidc.router,
+)
+ENVIRONMENT.globals["csrf"] = forms.hidden
+ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
+EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """The application for a database that is there and up to date: ``settings.database_url`` is set."""
+    if settings.database_url is None:
+        raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
+    app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
+    app.state.settings, app.state.oidc = settings, oidc.provider(settings)
+    errors.install(app)
+    roles.install(app)
+    if origins := settings.allowed_origins():
+        methods = ["GET", "POST", "DELETE"]
+        app.add_middleware(
+            CORSMiddleware, allow_origins=origins, allow_methods=methods, allow_headers=ALLOWED, expose_headers=EXPOSED
+        )
+    middleware.install(app)
+    for router in ROUTERS:
+        app.include_router(router)
+    for router in PAGES:
+        app.include_router(router, include_in_schema=False)
+    app.mount("/static", StaticFiles(directory=Path(__file__).parent / "pages" / "static"))
+    return app
+
+
+@asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    settings: Settings = app.state.settings
+    assert settings.database_url is not None
+    app.state.database = database = Database(settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait)
+    await register(database, found().sound.values())
+    for broken in found().broken.values():
+        log.error("%s", broken)
+    app.state.secret = await secret(database, "forms")
+    app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
+    app.state.passwords, app.state.throttle = Passwords(database), Throttle()
+    app.state.crew = health.Crew(database)
+    app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
+    app.state.listener.start()
+    app.state.queue = Watch(app.state.listener, lambda: queue_overview.look(database), partial(queue.shown, lease_s=settings.lease))
+    try:
+        yield
+    finally:
+        app.state.draughtsman.stop()
+        app.state.hub.stop()
+        app.state.passwords.stop()
+        await app.state.listener.stop()
+        await database.close()

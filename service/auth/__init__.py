@@ -1,0 +1,1 @@
+"""Authentication and authorization: sessions, tokens, passwords, OpenID Connect, JupyterHub, roles, rate limits."""

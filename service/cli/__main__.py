@@ -1,0 +1,175 @@
+"""The command line, one module for each group of commands.
+
+What a command needs is imported when it runs, so that also where this fails the exit code is 2: 0 and 1 are answers. They are of
+grade: all ✓, or not all; of mutants: whether we accept what is right and nothing else. A reader that went away gives 141.
+"""
+
+import argparse
+import io
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import TextIO
+
+CANNOT, PIPE, INTERRUPTED = 2, 141, 130
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; its exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as standard error: no ✓ and no file's name may cost a whole answer
+    try:
+        arguments = _parse(argv)
+        code = int(arguments.run(arguments))
+        if sys.stdout is not None:
+            sys.stdout.flush()  # what was told may not have arrived
+        return code
+    except BrokenPipeError:  # whoever read us has seen enough
+        _close(sys.stdout)
+        return PIPE
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        try:
+            _tell(error)
+        except OSError:  # standard error is full too, and a traceback's exit code is an answer
+            _close(sys.stderr)
+        if isinstance(error, OSError):
+            _close(sys.stdout)
+        return CANNOT
+
+
+def _tell(error: Exception) -> None:
+    """A sentence for each wrong setting; anything else was not foreseen."""
+    if type(error).__name__ != "ValidationError" or getattr(error, "title", "") != "Settings":  # no import here: it may fail
+        traceback.print_exc()
+        return
+    for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
+        print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
+
+
+def _close(stream: TextIO | None) -> None:
+    """Or Python flushes it once more at its end, and tells of that with an exit code of its own."""
+    if stream is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _parse(argv: list[str] | None) -> argparse.Namespace:
+    from service.cli import database, export, grade, new_assignment, people, plan, queue, verify
+
+    parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    serve = commands.add_parser("serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set")
+    serve.add_argument("--host", help="address to listen on (POLHODE_HOST, default 127.0.0.1)")
+    serve.add_argument("--port", type=int, help="port to listen on (POLHODE_PORT, default 8000)")
+    serve.set_defaults(run=_serve)
+    worker = commands.add_parser("worker", help="grade for a server, on this machine or another: POLHODE_DATABASE_URL tells where")
+    worker.add_argument("--slots", type=int, dest="workers", help="how many at a time (POLHODE_WORKERS, default one per processor)")
+    worker.add_argument("--with-parent", type=int, metavar="PID", help="end when process PID, which started it, ends")
+    worker.set_defaults(run=_worker)
+    chart = commands.add_parser("chart", help="measure the reference methods and draw what they cost and where they fail")
+    chart.add_argument("what", choices=["work-precision", "stability"])
+    chart.add_argument("--scene", action="append", metavar="NAME", help="only scenes whose name holds NAME; repeatable")
+    chart.add_argument(
+        "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for CSV, JSON and SVG (default charts)"
+    )
+    chart.set_defaults(run=_chart)
+    mutants = commands.add_parser("mutants", help="grade wrong functions by the dozen and tell which of them the checks accept")
+    mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
+    mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
+    mutants.set_defaults(run=_mutants)
+    for more in (grade, verify, new_assignment, export, database, queue, plan, people):
+        more.add(commands)
+    commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
+    commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
+    return parser.parse_args(argv)
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    from service.cli.serve import serve
+    from service.settings import Settings
+
+    given = {name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}
+    return serve(Settings(**given))
+
+
+def _worker(arguments: argparse.Namespace) -> int:
+    from service.sandbox.guest.lockdown import die_with_parent
+
+    if arguments.with_parent is not None:
+        die_with_parent(arguments.with_parent)
+    from service import logs
+    from service.settings import Settings
+    from service.store.postgres.server import running_url
+    from service.workers.pool import Crew
+
+    settings = Settings() if arguments.workers is None else Settings(workers=arguments.workers)
+    logs.install(settings.log_level)
+    if settings.database_url is None:
+        settings = settings.model_copy(update={"database_url": running_url(settings.data)})
+    if settings.database_url is None:
+        print(f"polhode: no server has its database in {settings.data}, and POLHODE_DATABASE_URL is not set", file=sys.stderr)
+        return 2
+    return Crew(settings).run()
+
+
+def _chart(arguments: argparse.Namespace) -> int:
+    from service.grading.charts import write_stability, write_work_precision
+
+    try:
+        if arguments.what == "stability":
+            print(f"written to {write_stability(arguments.out)}/")
+        else:
+            print(f"written to {write_work_precision(arguments.scene, arguments.out)}/")
+    except ValueError as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as missing:
+        if missing.name != "numba":
+            raise
+        print("polhode: the reference methods are compiled with numba, which is not installed here", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _mutants(arguments: argparse.Namespace) -> int:
+    from exercises.assignment import InvalidAssignment, NoAssignment
+    from exercises.catalogue import find
+    from service.cli.mutants import OURS, NoMutants, fates, table
+
+    try:
+        found = list(fates(find(arguments.assignment), arguments.most))
+    except (InvalidAssignment, NoAssignment, NoMutants) as error:
+        print(f"polhode: no mutants: {error}", file=sys.stderr)
+        return 2
+    print(table(found))
+    for fate in found:
+        if fate.wrong == (OURS in fate.accepted):
+            print(f"{'WRONG, BUT ACCEPTED' if fate.wrong else 'right, but refused'}: {fate.mutant.kind}, {fate.mutant.name}")
+    return 1 if any(f.wrong == (OURS in f.accepted) for f in found) else 0
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    from service.cli.doctor import examine
+    from service.settings import Settings
+
+    lines, sound = examine(Settings().min_tier)
+    print("\n".join(lines))
+    return 0 if sound else 2
+
+
+def _assignments(arguments: argparse.Namespace) -> int:
+    from exercises.catalogue import found
+
+    for assignment in found().sound.values():
+        print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
+        for exercise in assignment.exercises:
+            print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
+    for error in found().broken.values():
+        print(f"polhode: {error}", file=sys.stderr)
+    return CANNOT if found().broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

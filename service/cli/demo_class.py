@@ -1,0 +1,134 @@
+"""A class for the demonstration: forty invented students who hand in samples, graded like everybody's, behind who waits."""
+
+import asyncio
+import time
+import uuid
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+
+from exercises.assignment import Assignment
+from exercises.catalogue import assignments
+from exercises.samples import samples
+from service.cli.database import database_url
+from service.grading.submission import Submission
+from service.settings import Settings
+from service.store import queue_overview
+from service.store.course import deadlines, people
+from service.store.database import Database
+from service.store.records import New
+from service.store.submissions import accept, register
+
+GIVEN = [
+    "Ada",
+    "Amir",
+    "Beatriz",
+    "Chen",
+    "Dana",
+    "Emil",
+    "Farah",
+    "Goran",
+    "Hana",
+    "Igor",
+    "Jun",
+    "Kofi",
+    "Lena",
+    "Mateo",
+    "Nia",
+    "Omar",
+    "Petra",
+    "Quinn",
+    "Rosa",
+    "Samir",
+]
+FAMILY = [
+    "Adeyemi",
+    "Brandt",
+    "Castillo",
+    "Dimitrov",
+    "Eriksen",
+    "Fischer",
+    "Gupta",
+    "Haddad",
+    "Ito",
+    "Jansen",
+    "Kowalski",
+    "Lindqvist",
+    "Moreau",
+    "Novak",
+]
+STUDENTS, BY = 40, "demo"
+# What such a class hands in, and how often: first tries, and last ones.
+TRIES = {
+    "wrong_sign_flipped.py": 7,
+    "wrong_missing_division_all.py": 4,
+    "wrong_cyclic_order.py": 3,
+    "wrong_syntax.py": 3,
+    "wrong_raises.py": 2,
+    "wrong_zeros.py": 2,
+    "hostile_endless.py": 2,
+    "wrong_returns_none.py": 2,
+    "wrong_time_reversed.py": 1,
+}
+ENDS = {
+    "right_all.py": 9,
+    "right_notebook.ipynb": 4,
+    "right_roll.py": 5,
+    "right_cross.py": 3,
+    "right_terms.py": 3,
+    "wrong_sign_flipped.py": 3,
+    "wrong_animation_static.py": 2,
+    "wrong_ex1_half_edges.py": 2,
+    "wrong_ex4_no_unwrap.py": 2,
+}
+
+
+def enter_class(settings: Settings, slug: str) -> int:
+    """Enter the class and what it hands in into the running server's database, unless it is there; how many submissions."""
+    with database_url(settings) as url:
+        return asyncio.run(_enter(url, assignments()[slug]))
+
+
+async def _enter(url: str, assignment: Assignment) -> int:
+    database, rng = Database(url, "polhode demo", connections=2), np.random.default_rng(26)
+    try:
+        await register(database, assignments().values())
+        if any(row.name.startswith("student-") for row in await people.everybody(database)):
+            return 0
+        roster = list(_roster(rng))
+        async with database.begin() as connection:
+            await people.enroll(connection, [("local", "instructor"), *roster])
+        due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
+        await queue_overview.set_rules(database, assignment.slug, queue_overview.Rules(due, 3600.0, None), BY)
+        late = due + timedelta(days=3)
+        await deadlines.extend(database, assignment.slug, roster[4][0], late, reason="was ill for three days", by=BY)
+        handed_in = [new for name, *_ in roster for new in _handed_in(assignment, name, rng)]
+        for new in sorted(handed_in, key=lambda new: new.arrived):
+            await accept(database, new, kind="bulk")
+        return len(handed_in)
+    finally:
+        await database.close()
+
+
+def _roster(rng: np.random.Generator) -> Iterator[tuple[str, str, str, str, str]]:
+    for k in range(1, STUDENTS + 1):
+        given, family = str(rng.choice(GIVEN)), str(rng.choice(FAMILY))
+        yield f"student-{k:02}", "student", f"{given} {family}", f"student-{k:02}@example.org", f"{260000 + k}"
+
+
+def _handed_in(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[New]:
+    """None to three submissions of the last days, the last one better than the first as a rule."""
+    files = {s.file.name: s for s in samples(assignment)}
+    tries, ends = (_some(table, most, rng) for table, most in ((TRIES, rng.choice([0, 1, 1, 2])), (ENDS, rng.random() < 0.85)))
+    ago = rng.uniform(0.5, 4.0)
+    for file in [*tries, *ends]:
+        sample, ago = files[file], ago * 0.8
+        submission = Submission.from_bytes(sample.file.read_bytes(), f"{name}{sample.file.suffix}")
+        arrived = time.monotonic() - 86400.0 * ago
+        yield New(uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived)
+
+
+def _some(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:
+    weights = np.array(list(table.values()), float)
+    return [str(name) for name in rng.choice(list(table), int(count), p=weights / weights.sum())]

@@ -1,0 +1,77 @@
+"""What this machine gives to shut submissions in with, and what to change where it gives less."""
+
+import os
+import platform
+import resource
+from pathlib import Path
+
+from exercises import packages
+from exercises.catalogue import assignments
+from service.grading.grade import lacking
+from service.sandbox.guest import landlock, lockdown
+from service.sandbox.guest.syscalls import MACHINES
+from service.sandbox.result import Fault
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import WallsMissing, choose, try_namespaces
+from service.sandbox.self_test import ATTEMPTS
+
+SWITCHES = {  # kernel settings that forbid namespaces: the value that does, and what to do
+    "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
+    "kernel/unprivileged_userns_clone": ("0", "sysctl kernel.unprivileged_userns_clone=1"),
+    "user/max_user_namespaces": ("0", "sysctl user.max_user_namespaces=10000"),
+}
+
+
+def examine(least: str) -> tuple[list[str], bool]:
+    """The findings, a line each, and whether submissions can be graded here behind tier ``least`` or better."""
+    machine = platform.machine()
+    lines = [
+        f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no filter of system calls is known'}",
+        f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: Linux 5.13 or later, named in lsm= at boot'}",
+        f"user          {'root: the guest runs as user ' + str(lockdown.GUEST_UID) if os.geteuid() == 0 else os.geteuid()}",
+    ]
+    walls, reason = try_namespaces()
+    lines.append(f"namespaces    {'yes' if walls else f'no: {reason}'}")
+    lines += [f"              try: {advice}" for advice in ([] if walls else _advice())]
+    try:
+        chosen = choose(least)
+    except WallsMissing as missing:
+        return [*lines, f"tier          none: {missing}"], False
+    lines.append(f"tier          {chosen.name.removeprefix('tier ')}")
+    sandbox = Sandbox(chosen)
+    try:
+        sandbox.rehearse()
+    except Fault as fault:
+        return [*lines, f"probe         {fault}"], False
+    finally:
+        sandbox.close()
+    absent = [sentence for known in assignments().values() if (sentence := lacking(known))]
+    return [
+        *lines,
+        f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should",
+        f"limits        {_limits()}",
+        f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
+        *(f"              {sentence}" for sentence in absent),
+    ], not absent
+
+
+def _limits() -> str:
+    of, mib = lockdown.LIMITS, lockdown.MIB
+    memory = f"addresses {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
+    files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE]}"
+    return f"{memory}, CPU {of[resource.RLIMIT_CPU]} s, {files}"
+
+
+def _advice() -> list[str]:
+    found = [do for name, (value, do) in SWITCHES.items() if _read(Path("/proc/sys") / name) == value]
+    if Path("/.dockerenv").exists() or Path("/run/.containerenv").exists():
+        more = " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""  # others have them in a user namespace
+        found.append(f"in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined{more}")
+    return found
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text().strip()
+    except OSError:
+        return ""

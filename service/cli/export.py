@@ -1,0 +1,37 @@
+"""polhode export: an assignment in the form that another grader takes."""
+
+import argparse
+import sys
+from pathlib import Path
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    export = commands.add_parser("export", help="an assignment in the form that another grader takes")
+    forms = export.add_subparsers(dest="form", required=True)
+    gradescope = forms.add_parser("gradescope", help="the zip of an autograder to upload there")
+    gradescope.add_argument("--assignment", metavar="SLUG", help="default: the only one there is")
+    gradescope.add_argument(
+        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted"
+    )
+    gradescope.add_argument("--out", type=Path, required=True, metavar="FILE.zip")
+    gradescope.set_defaults(run=_gradescope)
+
+
+def _gradescope(arguments: argparse.Namespace) -> int:
+    from exercises.assignment import InvalidAssignment, NoAssignment
+    from service.cli.files import meant
+    from service.cli.gradescope_bundle import bundle
+    from service.cli.output_dir import write
+    from service.grading.grade import UnknownExercise, select
+
+    try:
+        assignment = meant(arguments.assignment, [])
+        select(assignment, arguments.exercise)
+        write(arguments.out, bundle(assignment, arguments.exercise))
+    except (InvalidAssignment, NoAssignment, UnknownExercise, OSError) as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+    points = assignment.most_points(arguments.exercise)
+    print(f"written to {arguments.out}: upload it as the autograder, with {points} points for it")
+    return 0

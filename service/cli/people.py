@@ -1,0 +1,200 @@
+"""polhode roster and token: who is in the course, and the tokens they log in with."""
+
+import argparse
+import getpass
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from uuid import UUID
+
+from service.cli.database import database_url, do, telling_why
+from service.formats.csv import table
+from service.settings import Settings
+
+if TYPE_CHECKING:
+    from service.store.database import Database
+
+DAYS, MOST_DAYS = 200.0, 3650.0
+NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the commands."""
+    roster = commands.add_parser("roster", help="enter the people of a CSV file and give each a token to log in with")
+    roster.add_argument(
+        "file", type=Path, metavar="ROSTER.csv", help="with a header: name and, if wanted, role, full_name, email, student_id"
+    )
+    roster.add_argument("--tokens", type=Path, required=True, metavar="TOKENS.csv", help="written anew, readable by you only")
+    roster.add_argument("--days", type=_days, default=DAYS, help=f"how long the tokens are good (default {DAYS:g})")
+    roster.set_defaults(run=_roster)
+    token = commands.add_parser("token", help="give, list and revoke tokens")
+    kinds = token.add_subparsers(dest="kind", required=True)
+    give = kinds.add_parser("give", help="print a new token for a person; it is never shown again")
+    give.add_argument("name")
+    give.add_argument("--days", type=_days, default=DAYS, help=f"how long it is good (default {DAYS:g})")
+    give.add_argument("--scope", action="append", choices=["submit", "read", "login"], help="repeatable; default all three")
+    give.add_argument("--label", default="given by the course")
+    give.set_defaults(run=_give)
+    listing = kinds.add_parser("list", help="tokens by how they begin, newest first")
+    listing.add_argument("name", nargs="?")
+    listing.set_defaults(run=_list)
+    revoke = kinds.add_parser("revoke", help="make a token useless, at once")
+    revoke.add_argument("id", nargs="?", type=UUID, help="as the list tells it")
+    revoke.add_argument("--person", metavar="NAME", help="instead: all of a person")
+    revoke.set_defaults(run=_revoke)
+    password = commands.add_parser("password", help="set a person's password, asked for here or read from standard input")
+    password.add_argument("name")
+    password.set_defaults(run=_password)
+    unlink = commands.add_parser("unlink", help="forget which account at the OpenID provider is a person's")
+    unlink.add_argument("name")
+    unlink.set_defaults(run=_unlink)
+
+
+@telling_why
+def _roster(arguments: argparse.Namespace) -> int:
+    from service.store.course import people, tokens
+    from service.store.course import people as rosters
+
+    try:
+        roster = rosters.read(arguments.file.read_bytes(), str(arguments.file))
+    except rosters.BadRoster as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+
+    async def enter(database: "Database") -> None:
+        """All of it or nothing: the file is whole before anything is committed."""
+        terms = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
+        async with database.begin() as connection:
+            await people.enroll(connection, roster)
+            rows = await tokens.give_all(connection, [entry.name for entry in roster], **terms)
+            await people.note(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
+            target.write(table(("name", "token"), rows))
+            target.flush()
+
+    with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:
+        try:
+            with database_url(Settings()) as url:
+                do(url, enter)
+        except BaseException:
+            arguments.tokens.unlink()
+            raise
+    print(f"{len(roster)} people entered; their tokens are in {arguments.tokens}")
+    return 0
+
+
+@telling_why
+def _give(arguments: argparse.Namespace) -> int:
+    from service.store.course import people, tokens
+
+    try:
+        name = people.tidy(arguments.name)
+    except people.NoName as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+
+    async def give(database: "Database") -> str:
+        seconds, scopes = arguments.days * tokens.DAY_S, arguments.scope or tokens.SCOPES
+        async with database.begin() as connection:
+            await people.note(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
+            return await tokens.give(connection, name, label=arguments.label, scopes=scopes, seconds=seconds)
+
+    with database_url(Settings()) as url:
+        print(do(url, give))
+    return 0
+
+
+@telling_why
+def _list(arguments: argparse.Namespace) -> int:
+    from service.store.course import tokens
+
+    with database_url(Settings()) as url:
+        rows = do(url, lambda database: tokens.all_of(database, arguments.name))
+    print("\n".join(_lines(rows)) or "no tokens")
+    return 0
+
+
+@telling_why
+def _revoke(arguments: argparse.Namespace) -> int:
+    from service.store.course import people, tokens
+
+    if (arguments.id is None) == (arguments.person is None):
+        print("polhode: which one? Give either an id or --person NAME", file=sys.stderr)
+        return 2
+
+    async def revoke(database: "Database") -> int:
+        async with database.begin() as connection:
+            count = await tokens.revoke(connection, id=arguments.id, person=arguments.person)
+            subject = str(arguments.id or arguments.person)
+            await people.note(connection, getpass.getuser(), "revoke token", subject, {"count": count})
+        return count
+
+    with database_url(Settings()) as url:
+        count = do(url, revoke)
+    print(f"{count} revoked")
+    return 0 if count else 1
+
+
+def _lines(rows: Any) -> Iterator[str]:
+    for row in rows:
+        state = "revoked" if row.revoked_at else "expired" if row.expired else f"good until {row.expires_at:%Y-%m-%d}"
+        used = f"used {row.used_at:%Y-%m-%d}" if row.used_at else "never used"
+        yield f"{row.id}  {row.start}…  {row.name}  {','.join(row.scopes)}  {state}, {used}  {row.label}"
+
+
+def _days(text: str) -> float:
+    if not 0 < (days := float(text)) <= MOST_DAYS:
+        raise argparse.ArgumentTypeError(f"between 0 and {MOST_DAYS:g} days")
+    return days
+
+
+@telling_why
+def _password(arguments: argparse.Namespace) -> int:
+    from service.auth import passwords
+    from service.store.course import credentials, people
+
+    try:
+        name = people.tidy(arguments.name)
+        kept = passwords.hashed(passwords.tidy(_asked(name), name))
+    except (people.NoName, passwords.NotGood) as error:
+        print(f"polhode: {error}", file=sys.stderr)
+        return 2
+
+    async def keep(database: "Database") -> bool:
+        async with database.begin() as connection:
+            return await credentials.set_password(connection, name, kept, by=getpass.getuser())
+
+    with database_url(Settings()) as url:
+        known = do(url, keep)
+    if not known:
+        print(f"polhode: nobody is called {name} here: polhode roster and polhode token give enter people", file=sys.stderr)
+        return 1
+    print(f"the password of {name} is set; their browsers are logged out")
+    return 0
+
+
+@telling_why
+def _unlink(arguments: argparse.Namespace) -> int:
+    from service.store.course import credentials
+
+    async def forget(database: "Database") -> bool:
+        async with database.begin() as connection:
+            return await credentials.unlink(connection, arguments.name, by=getpass.getuser())
+
+    with database_url(Settings()) as url:
+        known = do(url, forget)
+    print(f"{arguments.name} is connected to no account any more" if known else f"{arguments.name} was connected to none")
+    return 0 if known else 1
+
+
+def _asked(name: str) -> str:
+    """What is typed twice at a terminal, or the first line of the input."""
+    from service.auth import passwords
+
+    if not sys.stdin.isatty():
+        return sys.stdin.readline().rstrip("\r\n")
+    asked = getpass.getpass(f"New password of {name}: ")
+    if asked != getpass.getpass("The same again: "):
+        raise passwords.NotGood("that was not the same twice")
+    return asked

@@ -1,0 +1,55 @@
+"""The exercise with the checks that everybody knows.
+
+This folder goes into the students' kit, so that ``ecp.check`` prints the server's lines: it imports numpy, scipy, the kit and
+itself, by relative imports, and holds no solution.
+"""
+
+import numpy as np
+
+from ecp.checks import Arrays, conserved, within
+from ecp.exercise import Exercise
+
+from .figures import MOTION
+from .parameters import UNDAMPED
+
+
+def _energy(seen: Arrays) -> np.ndarray:
+    x, v = seen["y"]
+    return np.asarray(0.5 * (v**2 + (UNDAMPED[0] * x) ** 2))
+
+
+def _at_time(index: tuple[int, ...], seen: Arrays) -> str:
+    return f"t = {seen['t'][index[-1]]:.4g} s"
+
+
+OSCILLATOR = Exercise(
+    "1",
+    "The equation of motion",
+    ("oscillator",),
+    (
+        # Accepts a function that returns zeros: a check of what is conserved is never enough by itself.
+        conserved(
+            "1-energy",
+            "energy conserved without damping",
+            "undamped",
+            series=_energy,
+            limit=1e-8,
+            reason="the integrator, at rtol 1e-10, loses 4.2e-10 of the energy in 40 rad: over twenty times that",
+            locate=_at_time,
+        ),
+        within(
+            "1-motion",
+            "x(t) and v(t) follow the closed form",
+            "damped",
+            measured=lambda seen: seen["y"],
+            expected=lambda truth: truth["y"],
+            scale=lambda truth: 1.0,
+            limit=1e-8,
+            reason="the integrator, at rtol 1e-10, is off by 2.4e-10 after 40 rad: forty times that",
+            locate=_at_time,
+        ),
+    ),
+    figures=(MOTION,),
+)
+
+EXERCISES = (OSCILLATOR,)

@@ -1,0 +1,47 @@
+"""The scenes: which function is called with which numbers, what comes back, and the exact answer."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exercises.assignment import Blank, Inputs, Scene
+
+from . import truth
+from .public.parameters import DAMPED, START, T_END, UNDAMPED, N
+
+Array = NDArray[np.float64]
+
+PROBES = 32
+
+
+def _probes(rng: np.random.Generator) -> Inputs:
+    """Questions nobody knows beforehand, a row each; γ < ω."""
+    omega = rng.uniform(0.5, 4.0, PROBES)
+    y = rng.uniform(-2.0, 2.0, (PROBES, 2))
+    return {"t": rng.uniform(0.0, 20.0, PROBES), "y": y, "omega": omega, "gamma": omega * rng.uniform(0.05, 0.9, PROBES)}
+
+
+def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
+    """The rates, and beside them the size of what is summed up: its rounding is what spellings may differ by."""
+    y, omega, gamma = (np.asarray(inputs[name]) for name in ("y", "omega", "gamma"))
+    summed = omega**2 * np.abs(y[:, 0]) + 2 * gamma * np.abs(y[:, 1])
+    return {"rate": truth.rates(y, omega, gamma), "scale": np.column_stack([np.abs(y[:, 1]), summed])}
+
+
+def _motion(name: str, omega: float, gamma: float) -> Scene:
+    inputs = {"y0": list(START), "omega": omega, "gamma": gamma, "t_end": T_END, "n": N}
+    return Scene(name, "motion", "oscillator", inputs, {"y": Blank((2, N))}, _exact_motion, 5.0, after="probes", known=("t",))
+
+
+def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
+    t = np.linspace(0.0, inputs["t_end"], inputs["n"])
+    return {"t": t, "y": truth.motion(t, inputs["y0"], inputs["omega"], inputs["gamma"])}
+
+
+SCENES = (
+    # Asked twice, in two children and two orders: answers that depend on anything but the arguments do not agree.
+    Scene("probes", "rates", "oscillator", _probes, {"rate": Blank((PROBES, 2))}, _exact_rates, 2.0, twice=True),
+    _motion("damped", *DAMPED),
+    _motion("undamped", *UNDAMPED),
+)

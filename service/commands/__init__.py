@@ -1,1 +1,0 @@
-"""Commands for who operates a server: its database, its queue, its assignments."""

@@ -1,0 +1,100 @@
+"""Gradescope's results.json, by its autograder specification.
+
+Texts are of the format "text", which renders nothing. Its HTML is sanitised, by rules that are not told, so pictures are what
+graders before us have had shown: a figure with the PNG as data: and a caption, which stays where the picture would be dropped.
+"""
+
+import base64
+from collections.abc import Iterator
+from html import escape
+from typing import Any
+
+from ecp.judge import Verdict
+from ecp.outcome import Outcome
+from ecp.report import ExerciseReport, Picture, Report
+from exercises.assignment import Assignment
+from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, shown
+from service.grading.result import GradedFile, state
+
+VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
+MOST_PICTURES = 4 << 20
+"""Bytes of PNG in a document: Gradescope names no limit."""
+
+
+def document(
+    file: GradedFile, assignment: Assignment, *, max_score: float | None = None, hidden: str = "visible"
+) -> dict[str, Any]:
+    """The document of one file: a check is a point, or its part of ``max_score``; hidden checks have the visibility ``hidden``.
+
+    The points of exercises that were not attempted are in the total: each is one failed test.
+
+    Raises NoVerdict for a fault of ours, ValueError for another visibility.
+    """
+    if hidden not in VISIBILITIES:
+        raise ValueError(f"the visibility {hidden!r} is none of {', '.join(VISIBILITIES)}")
+    if file.fault is not None:
+        raise NoVerdict(file.fault)
+    about = {"execution_time": round(file.seconds, 3), "output_format": "text", "stdout_visibility": "hidden"}
+    if file.report is not None:
+        return _graded(file, file.report, assignment, max_score, hidden) | about
+    said, most = shown(file.refused or ""), assignment.most_points() if max_score is None else max_score
+    return {"score": 0, "output": said, "tests": [_failed(SUBMITTED, said) | {"score": 0, "max_score": most}]} | about
+
+
+def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score: float | None, hidden: str) -> dict[str, Any]:
+    missed = not_attempted(report, assignment)
+    total = report.max_score + sum(missed.values())
+    point = 1 if max_score is None else max_score / total if total else 0
+    tests = [test for exercise in report.exercises for test in _tests(exercise, report, point, hidden)]
+    tests += [_failed(name, name) | {"score": 0, "max_score": point * most} for name, most in missed.items()]
+    if not report.max_score:
+        tests.append(_failed(NOTHING, "nothing that counts was checked"))
+    made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance
+    return {
+        "score": report.score * point,
+        "output": shown(report.summary()),
+        "tests": [*tests, *_figures(file, report)],
+        "extra_data": made | {"seed": provenance.seed, "versions": provenance.versions},
+    }
+
+
+def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) -> Iterator[dict[str, Any]]:
+    """A test for each check; one that does not count has neither points nor a status."""
+    for number, outcome in enumerate(exercise.outcomes, start=1):
+        test: dict[str, Any] = {"name": one_line(outcome.label), "number": f"{exercise.number}.{number}"}
+        if outcome.counted:
+            passed = outcome.verdict is Verdict.PASS
+            test |= {"score": point * passed, "max_score": point, "status": "passed" if passed else "failed"}
+        test |= {"output": detail(outcome, report), "output_format": "text", "tags": _tags(exercise, outcome)}
+        test["visibility"] = hidden if outcome.hidden else "visible"
+        test["extra_data"] = {"id": outcome.id, "verdict": outcome.verdict.value, "state": state(outcome, report.endings)}
+        yield test
+
+
+def _tags(exercise: ExerciseReport, outcome: Outcome) -> list[str]:
+    causes = outcome.diagnosis if outcome.verdict is not Verdict.PASS else []
+    kinds = ["hidden"] * outcome.hidden + ["not counted"] * (not outcome.counted)
+    return [f"exercise {exercise.number}", *kinds, *(one_line(cause.code) for cause in causes)]
+
+
+def _failed(name: str, output: str) -> dict[str, Any]:
+    return {"name": name, "status": "failed", "output": output, "output_format": "text", "visibility": "visible"}
+
+
+def _figures(file: GradedFile, report: Report) -> Iterator[dict[str, Any]]:
+    """A test without points for the pictures, as long as there is room for them."""
+    room, told = MOST_PICTURES, []
+    for picture in [*report.figures, *report.animations]:
+        png = file.pictures.get(f"{picture.name}.png", b"")
+        told.append(_figure(picture, png if len(png) <= room else b""))
+        room -= len(png) if len(png) <= room else 0
+    if any(name.endswith(".png") for name in file.pictures):
+        yield {"name": "Figures", "output": "\n".join(told), "output_format": "html", "visibility": "visible"}
+
+
+def _figure(picture: Picture, png: bytes) -> str:
+    """The picture, or where it is too large what it shows."""
+    title, alt = escape(one_line(picture.title)), escape(one_line(picture.alt))
+    data = base64.b64encode(png).decode()
+    image = f'<img src="data:image/png;base64,{data}" alt="{alt}">' if png else f"<p>{alt}</p>"
+    return f"<figure>{image}<figcaption>{title}</figcaption></figure>"

@@ -1,0 +1,105 @@
+"""The line of a student's file that a check is about: where their code raised, else where the function it plays is defined.
+
+Nothing here parses Python: definitions are found by how they begin. A cell of a notebook is some lines of the JSON it is stored in.
+"""
+
+import bisect
+import json
+import re
+from json import scanner
+from json.decoder import scanstring  # type: ignore[attr-defined]
+from typing import Any, cast
+
+from ecp.outcome import Outcome
+from exercises.assignment import Assignment
+from service.formats.check_text import stopped_by
+from service.grading.result import GradedFile
+from service.grading.submission import BREAK, places
+
+Numbered = list[tuple[int, str]]
+"""Lines of a cell, each with its number in the file."""
+
+
+class Lines:
+    """Of one file of an assignment."""
+
+    def __init__(self, file: GradedFile, assignment: Assignment) -> None:
+        self._endings = file.report.endings if file.report else []
+        self._functions = {c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes}
+        self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else {"submission.py": _numbered(file.source)}
+
+    def of(self, outcome: Outcome) -> int | None:
+        """The line in the file; None if there is none to name."""
+        ending = stopped_by(outcome, self._endings)
+        for place in reversed(places(ending)) if ending else ():
+            cell = self._cells.get(place.cell, [])
+            if 1 <= place.line <= len(cell):
+                return cell[place.line - 1][0]
+        return self._defined(self.function(outcome))
+
+    def function(self, outcome: Outcome) -> str:
+        """The function that the check plays, or "" where the assignment has no such check any more."""
+        return self._functions.get(outcome.id, "")
+
+    def _defined(self, name: str) -> int | None:
+        """The last definition that is not indented, else the last."""
+        begins = re.compile(rf"([ \t]*)(?:(?:async[ \t]+)?def[ \t]+{re.escape(name)}[ \t]*\(|{re.escape(name)}[ \t]*=(?!=))")
+        lines = [line for cell in self._cells.values() for line in cell] if name else []
+        found = [(not match[1], number) for number, line in lines if (match := begins.match(line))]
+        return max(found)[1] if found else None
+
+
+def _numbered(source: str) -> Numbered:
+    return list(enumerate(BREAK.split(source), start=1))
+
+
+class _Placed(str):
+    """A string of a JSON text that knows where it stands."""
+
+    at: int
+
+
+def _notebook(source: str) -> dict[str, Numbered]:
+    """The code cells by the names that tracebacks have for them; none of what is no notebook."""
+    try:
+        notebook = _Decoder().decode(source)
+        code = [_pieces(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    except (ValueError, LookupError, TypeError, RecursionError):
+        return {}
+    ends = [end.start() for end in re.finditer("\n", source)]
+    return {f"cell {number}": _in_file(pieces, ends) for number, pieces in enumerate(code, start=1)}
+
+
+def _pieces(source: Any) -> list[_Placed]:
+    pieces = [source] if isinstance(source, str) else list(source)
+    if not all(isinstance(piece, _Placed) for piece in pieces):
+        raise TypeError("a cell's source is text")
+    return cast(list[_Placed], pieces)
+
+
+def _in_file(pieces: list[_Placed], ends: list[int]) -> Numbered:
+    """Lines of the cell, each with the line on which the string begins that it begins in; ``ends`` of the file's lines."""
+    begins, whole = [], ""
+    for piece in pieces:
+        begins.append(len(whole))
+        whole += piece
+    starts = [0, *(end.end() for end in BREAK.finditer(whole))]
+    holders = [pieces[bisect.bisect_right(begins, start) - 1] if pieces else None for start in starts]
+    numbers = [bisect.bisect_left(ends, piece.at) + 1 if piece is not None else 1 for piece in holders]
+    return list(zip(numbers, BREAK.split(whole), strict=True))
+
+
+class _Decoder(json.JSONDecoder):
+    """Python's own, whose strings are placed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.parse_string = _placed
+        self.scan_once = scanner.py_make_scanner(self)  # type: ignore[attr-defined]
+
+
+def _placed(source: str, begin: int, strict: bool) -> tuple[_Placed, int]:
+    value, end = scanstring(source, begin, strict)
+    placed = _Placed(value)
+    placed.at = begin
+    return placed, end

@@ -1,1 +1,0 @@
-"""Grades as files: our own CSV and JSON, and what other gradebooks import. Pure: no HTTP, no SQL, no clock."""

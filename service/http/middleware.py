@@ -1,0 +1,73 @@
+"""Around every request: an id to find it by, a log line, the counters, and headers that keep a page to itself."""
+
+import logging
+import time
+import uuid
+
+from fastapi import FastAPI
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.http.errors import crash
+from service.http.metrics import REQUESTS, SECONDS
+from service.logs import request_id
+
+log = logging.getLogger("polhode.access")
+CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+# A chart opened by itself is a document with styles of its own. Nothing else in it may do anything.
+PICTURE = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
+METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
+OWN = {
+    "content-security-policy": CONTENT_SECURITY,
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "same-origin",
+}
+
+
+def install(app: FastAPI) -> None:
+    """Guard every request of ``app``."""
+    app.add_middleware(Guard)
+
+
+class Guard:
+    """ASGI middleware; an event stream passes through it unbuffered."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let one request through."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        id, began, status, method = uuid.uuid4().hex[:16], time.perf_counter(), 0, scope["method"]
+        token = request_id.set(id)
+        if method == "HEAD":  # the same answer, without its body
+            scope = {**scope, "method": "GET"}
+
+        async def tell(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                headers = MutableHeaders(scope=message)
+                headers.update({**OWN, "x-request-id": id})
+                if headers.get("content-type", "").startswith("image/svg+xml"):
+                    headers["content-security-policy"] = PICTURE
+                if not scope["path"].startswith("/static/"):
+                    headers.setdefault("cache-control", "no-store")
+            elif method == "HEAD":
+                message = {**message, "body": b""}
+            await send(message)
+
+        try:
+            await self.app(scope, receive, tell)
+        except Exception:
+            log.exception("fault")
+            if status == 0:
+                await crash()(scope, receive, tell)
+        finally:
+            took, route = time.perf_counter() - began, getattr(scope.get("route"), "path", "other")
+            REQUESTS.labels(method if method in METHODS else "other", route, status).inc()
+            SECONDS.labels(route).observe(took)
+            log.info("request", extra={"method": scope["method"], "route": route, "status": status, "ms": round(1e3 * took, 1)})
+            request_id.reset(token)

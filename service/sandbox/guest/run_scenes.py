@@ -1,0 +1,192 @@
+"""In the child: read the job, load the submission, play its scenes one by one, each with its own time budget."""
+
+import importlib
+import linecache
+import signal
+import sys
+import types
+from collections.abc import Callable
+from time import monotonic, process_time
+from typing import Any
+
+import numpy as np
+from matplotlib.animation import Animation
+
+from ecp import animate
+from ecp.return_value import is_written, real_array, stopped
+
+from .claims import Recorder
+from .ipython_stubs import settle, stand_ins
+from .magics import last_name, pieces, runnable
+from .wire import Questions, Writer
+
+Names = dict[str, Any]
+
+WALL = 4  # times its CPU seconds: so long a budget may take by the clock, on a loaded machine or asleep
+LOOK_S = 0.2  # so often a budget is looked at once it may be spent
+PRIVATE = ("ecp.artists", "ecp.animation")  # plays have copies of their own, which a submission does not find by name
+
+
+class OutOfTime(BaseException):
+    """The budget of a scene is spent. Not an Exception, so that a broad ``except`` in a submission does not swallow it."""
+
+
+class Budget:
+    """``seconds`` of CPU time from now on, within WALL times as many by the clock."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self._cpu, self._wall = process_time() + seconds, monotonic() + WALL * seconds
+
+    def left(self) -> float:
+        """Seconds left of the one or the other, whichever is less."""
+        return max(0.0, min(self._cpu - process_time(), self._wall - monotonic()))
+
+    def sentence(self) -> str:
+        """Which limit was exceeded."""
+        if process_time() >= self._cpu:
+            return f"your code used more than {self.seconds:g} s of CPU time"
+        return f"your code did not finish within {WALL * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
+
+
+def run(job_fd: int, result_fd: int) -> None:
+    """Play the whole job; every scene's arrays and ending leave before the next one starts."""
+    questions, write = Questions(job_fd), Writer(result_fd)
+    job = questions.job()
+    plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
+    write.event("inside")
+    with animate.watched():
+        _run(job, plays, student, questions, write)
+
+
+def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> None:
+    recorder = Recorder()
+    with recorder.recording():
+        shows = _load_submission(student, job, recorder, write)
+    student |= _adopted(plays, student, shows)
+    names = [name for name in job["functions"] if is_written(student.get(name))]
+    write.event("defined", names=names, claims_left_out=recorder.left_out)
+    finished: set[str] = set()
+    asked = {scene["name"] for scene in job["scenes"]}
+    for scene in job["scenes"]:
+        if scene["after"] in asked - finished:
+            write.event("scene", scene=scene["name"], ending="not-played", sentence=f"it comes after {scene['after']}")
+        elif _play(scene, plays, student, questions, write):
+            finished.add(scene["name"])
+    write.event("done")
+
+
+def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> bool:
+    name = scene["name"]
+    write.event("start", scene=name)
+    if not callable(student.get(scene["function"])):
+        sentence = f"{scene['function']} is not defined"
+        write.event("scene", scene=name, ending="missing-function", code="missing-function", sentence=sentence)
+        return False
+
+    def answer() -> None:
+        function = student[scene["function"]]
+        if scene["asked"]:
+            for t, w, moments in questions:
+                write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
+            return
+        for key, array in plays[scene["play"]](student, scene["inputs"]).items():
+            write.array(name, key, array)
+
+    ended = _attempt(answer, Budget(scene["budget_s"]))
+    write.event("scene", scene=name, **ended)
+    return ended["ending"] == "finished"
+
+
+def _load_plays(source: str) -> Names:
+    """What plays.py defines. Its numpy, and the kit's modules that judge, are copies: what a submission replaces stays outside."""
+    public = {name: importlib.import_module(name) for name in PRIVATE}
+    plays: Names = {"__name__": "plays"}
+    own = types.ModuleType("numpy")
+    own.__dict__.update(vars(np))
+    try:
+        for name in PRIVATE:
+            del sys.modules[name]
+        for name in PRIVATE:
+            vars(importlib.import_module(name))["np"] = own
+        exec(compile(source, "plays.py", "exec"), plays)
+        plays["np"] = own
+    finally:
+        for name, module in public.items():
+            sys.modules[name] = module
+            parent, _, child = name.rpartition(".")
+            setattr(sys.modules[parent], child, module)
+    return plays
+
+
+def _prepare(setup: str) -> Names:
+    """The namespace of a notebook after its setup cell."""
+    module = types.ModuleType("__main__")
+    sys.modules |= stand_ins()
+    exec(compile(setup, "setup.py", "exec"), module.__dict__)
+    settle(module.__dict__)
+    sys.modules["__main__"] = module
+    return module.__dict__
+
+
+def _adopted(plays: Names, student: Names, shows: str) -> Names:
+    """What plays.py makes of an animation that the cell ``shows`` ends with, for functions that nobody wrote."""
+    try:
+        made = plays["adopt"](student, shows) if shows and "adopt" in plays else {}
+    except Exception:  # the notebook holds something odd: then it is as if it had shown nothing
+        made = {}
+    return {name: function for name, function in made.items() if not is_written(student.get(name))}
+
+
+def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> str:
+    """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on.
+
+    Returns the source of the last cell that showed an animation.
+    """
+    budget, shows = Budget(job["load_budget_s"]), ""
+    for name, source in job["cells"]:
+        recorder.cell = name
+        linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+
+        for piece in pieces(source):
+
+            def load(name: str = name, piece: str = piece) -> None:
+                exec(runnable(piece, name), student)
+
+            before = animate.shown[:]
+            ended = _attempt(load, budget)
+            recorder.send(write)
+            if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
+                animate.shown[:] = [last]
+            shows = shows if animate.shown == before else piece
+            if ended["ending"] != "finished":
+                write.event("cell", scene=name, **ended)
+            if not budget.left():
+                return shows
+    return shows
+
+
+def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
+    """Run it under an alarm; how it ended, as the fields of an event."""
+
+    def ring(signum: int, frame: Any) -> None:
+        if not budget.left():
+            raise OutOfTime
+
+    signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, max(0.01, budget.left()), LOOK_S)
+    try:
+        try:
+            with np.errstate(all="ignore"):
+                action()
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+    except OutOfTime:
+        return {"ending": "timed-out", "code": "timeout", "sentence": budget.sentence()}
+    except BaseException as error:
+        return stopped(error, _own)
+    return {"ending": "finished", "sentence": "finished"}
+
+
+def _own(filename: str) -> bool:
+    return filename in linecache.cache and "/" not in filename and filename not in ("plays.py", "setup.py")

@@ -1,0 +1,57 @@
+"""Extensions: a later deadline for one person, with the reason."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import Row, text
+
+from service.store.course.people import COURSE, note
+from service.store.database import Database
+
+
+async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
+    """Give that person until ``due_at`` for the assignment, instead of what was given before. False for nobody of the course."""
+    values = {"slug": slug, "name": name, "course": COURSE, "due": due_at, "reason": reason, "by": by}
+    async with database.begin() as connection:
+        if (await connection.execute(_EXTEND, values)).first() is None:
+            return False
+        detail = {"assignment": slug, "due": due_at.isoformat(), "reason": reason}
+        await note(connection, by, "extension", name, detail)
+    return True
+
+
+async def take_back(database: Database, slug: str, name: str, by: str) -> bool:
+    """Take a person's extension back. False where there is none."""
+    async with database.begin() as connection:
+        taken = (await connection.execute(_TAKE_BACK, {"slug": slug, "name": name, "course": COURSE})).first() is not None
+        if taken:
+            await note(connection, by, "extension taken back", name, {"assignment": slug})
+    return taken
+
+
+async def extensions(database: Database, slug: str) -> Sequence[Row[Any]]:
+    """Those of an assignment, the latest deadline first."""
+    return await database.rows(_LIST, {"slug": slug, "course": COURSE})
+
+
+_OF = """
+FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id
+WHERE x.slug = :slug AND c.slug = :course"""
+
+_EXTEND = text(f"""
+INSERT INTO extension (assignment_id, person_id, due_at, reason, given_by)
+SELECT x.id, p.id, :due, :reason, :by {_OF} AND p.name = :name
+ON CONFLICT (assignment_id, person_id) DO UPDATE SET due_at = :due, reason = :reason, given_by = :by, given_at = now()
+RETURNING person_id
+""")
+
+_TAKE_BACK = text(f"""
+DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name) RETURNING person_id
+""")
+
+_LIST = f"""
+SELECT p.name, p.full_name, e.due_at, e.reason, e.given_by, e.given_at
+FROM extension e JOIN person p ON p.id = e.person_id
+WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due_at DESC, p.name
+"""

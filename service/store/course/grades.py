@@ -1,0 +1,123 @@
+"""Grades for export: every student's best submission with the states of its checks; and all submissions, a batch at a time."""
+
+from collections.abc import AsyncIterator, Sequence
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import Row as Found
+
+from exercises.catalogue import assignments
+from service.formats.grade_row import Row
+from service.store.course.people import COURSE
+from service.store.database import Database
+from service.store.records import LATE, SHOWN, STATUS
+
+BATCH = 25  # of submissions with their reports: some megabytes at most
+MANY = 2000  # of short lines
+
+# The best submission of each student who sent something: by points, of equals the newest; before anything is graded the newest.
+BEST = f"""
+SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE},
+    shown.attempt, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
+    count(*) OVER (PARTITION BY s.assignment_id, s.person_id) AS attempts
+FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slug = CAST(:slug AS text), true) JOIN {SHOWN}
+ORDER BY s.assignment_id, s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC, s.id
+"""
+
+# Every database has the person "local"; where persons are told apart it is nobody.
+SOMEBODY = "(p.name <> 'local' OR EXISTS (SELECT FROM submission o WHERE o.person_id = p.id))"
+
+_GRADES = f"""
+WITH best AS MATERIALIZED ({BEST})
+SELECT x.slug, x.due_at, p.name, p.full_name, p.email, p.student_id, b.*, measured.checks, overridden.given,
+    CASE WHEN :detailed THEN r.report->'provenance'->'versions'->>'polhode' END AS polhode
+FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id JOIN assignment x ON x.course_id = c.id
+    LEFT JOIN best b ON b.assignment_id = x.id AND b.person_id = p.id
+    LEFT JOIN result r ON r.attempt_id = b.attempt
+    LEFT JOIN LATERAL (SELECT jsonb_object_agg(v.check_id, v.state) AS checks FROM outcome v
+        WHERE :detailed AND v.attempt_id = b.attempt) measured ON true
+    LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
+        WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL AND o.withdrawn_at IS NULL) overridden ON true
+WHERE c.slug = :course AND m.role = 'student' AND coalesce(x.slug = CAST(:slug AS text), true)
+    AND {SOMEBODY} ORDER BY x.slug, p.name
+"""
+
+_SUBMISSIONS = f"""
+SELECT s.id, p.name AS person, s.source, s.sha256, s.filename, s.submitted_at, {LATE}, shown.report, shown.number, shown.score,
+    shown.max_score, shown.fault, given.points, given.overridden, {STATUS}
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+WHERE x.slug = :slug AND s.id > :after ORDER BY s.id LIMIT :most
+"""
+
+_AUDIT = "SELECT id, at, who, action, subject, CAST(detail AS text) AS detail FROM audit WHERE id > :after ORDER BY id LIMIT :most"
+
+_OVERRIDES = """
+SELECT p.name AS student, o.submission_id, o.check_id, o.points, o.reason, o.given_by, o.given_at, o.withdrawn_by, o.withdrawn_at
+FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON x.id = s.assignment_id
+    JOIN person p ON p.id = s.person_id
+WHERE x.slug = :slug ORDER BY o.given_at, o.id
+"""
+
+_ROSTER = f"""
+SELECT p.name, m.role, p.full_name, p.email, p.student_id FROM person p JOIN member m ON m.person_id = p.id
+    JOIN course c ON c.id = m.course_id
+WHERE c.slug = :course AND {SOMEBODY} ORDER BY p.name
+"""
+
+
+async def grades(database: Database, slug: str | None = None) -> list[Row]:
+    """A row for every student: of one assignment with the states of its checks, without ``slug`` of all of them without these."""
+    asked = {"slug": slug, "course": COURSE, "detailed": slug is not None}
+    return [_row(found) for found in await database.rows(_GRADES, asked)]
+
+
+async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[Found[Any]]]:
+    """All submissions of the assignment with source and the report that is shown, BATCH at a time."""
+    after = UUID(int=0)
+    while batch := await database.rows(_SUBMISSIONS, {"slug": slug, "after": after, "most": BATCH}):
+        yield batch
+        after = batch[-1].id
+
+
+async def trail(database: Database) -> AsyncIterator[Sequence[Found[Any]]]:
+    """The audit trail from its beginning, MANY entries at a time."""
+    after = 0
+    while batch := await database.rows(_AUDIT, {"after": after, "most": MANY}):
+        yield batch
+        after = batch[-1].id
+
+
+async def overrides(database: Database, slug: str) -> Sequence[Found[Any]]:
+    """What was given instead of what was measured, those withdrawn too."""
+    return await database.rows(_OVERRIDES, {"slug": slug})
+
+
+async def roster(database: Database) -> Sequence[Found[Any]]:
+    """Everybody in the course with their role."""
+    return await database.rows(_ROSTER, {"course": COURSE})
+
+
+def _row(found: Found[Any]) -> Row:
+    known = assignments().get(found.slug)
+    of_row = {
+        name: getattr(found, name) for name in ("full_name", "email", "student_id", "submitted_at", "late", "score", "points")
+    }
+    given = {check: points for check, points in (found.given or {}).items() if check in (found.checks or {})}
+    grader = f"polhode {found.polhode}, assignment version {found.version}" if found.polhode else ""
+    return Row(
+        assignment=found.slug,
+        title=known.title if known else found.slug,
+        max_points=known.most_points() if known else found.max_score or 0,
+        student=found.name,
+        due_at=found.due_at,
+        status=found.status or "none",
+        attempts=found.attempts or 0,
+        submission=str(found.id) if found.id else None,
+        graded_at=found.finished_at if found.score is not None else None,
+        counted=found.max_score,
+        overridden=bool(found.overridden),
+        grader=grader,
+        checks=found.checks or {},
+        given=given,
+        **of_row,
+    )

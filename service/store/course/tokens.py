@@ -1,0 +1,200 @@
+"""Opaque tokens, of which only the SHA-256 is kept, and logins by a code that is confirmed in a browser (after RFC 8628)."""
+
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import Row, text
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from service.store.course.people import enter
+from service.store.database import Database
+
+PREFIX, SESSION = "polhode_", "session_"
+SCOPES = ("submit", "read", "login")
+NOTEBOOK, BROWSER = ("submit", "read"), ("read", "login")
+TOLD = len(PREFIX) + 4  # characters of a token that a list tells
+LETTERS = "BCDFGHJKLMNPQRSTVWXZ"  # no vowels, nothing that looks like a number: RFC 8628, 6.1
+LOGIN_S, MOST_OPEN = 900.0, 5000
+DAY_S = 86400.0
+
+
+@dataclass(frozen=True)
+class Known:
+    """A token that was found: whose it is, what it may, and why it is not good any more, if so."""
+
+    id: UUID
+    person: str
+    scopes: frozenset[str]
+    over: str | None
+
+
+class LoginOver(Exception):
+    """The login was refused, collected or not confirmed in time."""
+
+
+class TooManyLogins(Exception):
+    """More logins wait to be confirmed than a course can have people."""
+
+
+async def give(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
+    """A new token for that person, who is entered if need be: told now and never again."""
+    return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
+
+
+async def give_all(
+    connection: AsyncConnection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float
+) -> list[tuple[str, str]]:
+    """A new token for each of these persons, who are entered already, with their names."""
+    given = [(name, PREFIX + secrets.token_urlsafe(32)) for name in names]
+    values = {"names": list(names), "digests": [_digest(token) for _, token in given], "starts": [t[:TOLD] for _, t in given]}
+    await connection.execute(_GIVE_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
+    return given
+
+
+async def begin_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
+    """The secret of a new session of that person in a browser; it is no token that a program could bring."""
+    return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
+
+
+async def find(database: Database, token: str) -> Known | None:
+    """What the token is, or None if it was never given; that it was used is noted, to the hour."""
+    rows = await database.rows(_FIND, {"digest": _digest(token)})
+    if not rows:
+        return None
+    row = rows[0]
+    if row.stale:
+        async with database.begin() as connection:
+            await connection.execute(text("UPDATE token SET used_at = now() WHERE id = :id"), {"id": row.id})
+    over = f"was revoked on {row.revoked_at:%Y-%m-%d}" if row.revoked_at else None
+    over = over or (f"expired on {row.expires_at:%Y-%m-%d}" if row.expired else None)
+    return Known(row.id, row.name, frozenset(row.scopes), over)
+
+
+async def revoke(connection: AsyncConnection, *, id: UUID | None = None, person: str | None = None) -> int:
+    """Revoke one token by its id, or all of a person with every login under way; how many tokens there were."""
+    await connection.execute(_FORGET, {"person": person})
+    return len((await connection.execute(_REVOKE, {"id": id, "person": person})).all())
+
+
+async def revoke_own(connection: AsyncConnection, name: str, id: UUID) -> bool:
+    """Revoke one token or session if it is that person's; False if it is not, or is over."""
+    return bool((await connection.execute(_REVOKE_OWN, {"id": id, "person": name})).all())
+
+
+async def end_sessions(connection: AsyncConnection, name: str, *, but: UUID | None = None) -> int:
+    """End the person's sessions in all browsers, but that one, with every login under way; how many there were."""
+    await connection.execute(_FORGET, {"person": name})
+    return len((await connection.execute(_END, {"person": name, "but": but})).all())
+
+
+async def all_of(database: Database, person: str | None = None) -> Sequence[Row[Any]]:
+    """Tokens with their person, newest first."""
+    return await database.rows(_LIST, {"person": person})
+
+
+async def begin_login(database: Database, label: str) -> tuple[str, str]:
+    """A login that waits to be confirmed: the device's secret, and the code to show to the person."""
+    device, letters = secrets.token_urlsafe(32), [secrets.choice(LETTERS) for _ in range(8)]
+    code = "".join(letters[:4]) + "-" + "".join(letters[4:])
+    async with database.begin() as connection:
+        await connection.execute(text("DELETE FROM login WHERE expires_at < now()"))
+        if (await connection.execute(text("SELECT count(*) FROM login"))).scalar_one() >= MOST_OPEN:
+            raise TooManyLogins
+        values = {"digest": _digest(device), "code": code, "label": label, "seconds": LOGIN_S}
+        await connection.execute(_BEGIN, values)
+    return device, code
+
+
+async def open_login(database: Database, code: str) -> str | None:
+    """The label of the login that waits under that code; None if there is none."""
+    rows = await database.rows(_OPEN, {"code": _tidy(code)})
+    return str(rows[0].label) if rows else None
+
+
+async def confirm_login(database: Database, code: str, name: str | None) -> bool:
+    """Confirm the login under that code for a person, or refuse it for None; False if none waits there."""
+    async with database.begin() as connection:
+        who = None if name is None else await enter(connection, name)
+        values = {"code": _tidy(code), "person": who, "refused": who is None}
+        return bool((await connection.execute(_CONFIRM, values)).all())
+
+
+async def collect_login(database: Database, device: str, days: float) -> tuple[str, str] | None:
+    """The token and the person of a confirmed login, once; None while it waits. LoginOver where it does no more."""
+    async with database.begin() as connection:
+        row = (await connection.execute(_COLLECT, {"digest": _digest(device)})).first()
+        if row is not None:
+            return await give(connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S), str(row.name)
+    if not await database.rows(_WAITS, {"digest": _digest(device)}):
+        raise LoginOver
+    return None
+
+
+async def _new(connection: AsyncConnection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
+    token = prefix + secrets.token_urlsafe(32)
+    values = {"person": await enter(connection, name), "digest": _digest(token), "start": token[:TOLD]}
+    await connection.execute(_GIVE, {**terms, **values})
+    return token
+
+
+def _digest(token: str) -> str:
+    return sha256(token.encode()).hexdigest()
+
+
+def _tidy(code: str) -> str:
+    letters = [c for c in code.upper() if c in LETTERS][:8]
+    return "".join(letters[:4]) + "-" + "".join(letters[4:])
+
+
+_GIVE = text("""
+INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
+VALUES (:person, :digest, :start, :label, :scopes, now() + make_interval(secs => :seconds))
+""")
+_GIVE_ALL = text("""
+INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
+SELECT p.id, told.digest, told.start, :label, :scopes, now() + make_interval(secs => :seconds)
+FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:starts AS text[])) AS told (name, digest, start)
+    JOIN person p USING (name)
+""")
+_FIND = text("""
+SELECT t.id, p.name, t.scopes, t.revoked_at, t.expires_at, t.expires_at < now() AS expired,
+    coalesce(t.used_at < now() - interval '1 hour', true) AS stale
+FROM token t JOIN person p ON p.id = t.person_id WHERE t.digest = :digest
+""")
+_REVOKE = text("""
+UPDATE token t SET revoked_at = now() FROM person p
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid) OR p.name = CAST(:person AS text)) RETURNING t.id
+""")
+_REVOKE_OWN = text("""
+UPDATE token t SET revoked_at = now() FROM person p
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t.id = :id AND p.name = :person RETURNING t.id
+""")
+_END = text(f"""
+UPDATE token t SET revoked_at = now() FROM person p
+WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
+    AND starts_with(t.start, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
+""")
+_FORGET = text("DELETE FROM login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
+_LIST = """
+SELECT t.id, p.name, t.start, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
+    t.expires_at < now() AS expired
+FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY t.created_at DESC
+"""
+_BEGIN = text("""
+INSERT INTO login (device_digest, user_code, label, expires_at)
+VALUES (:digest, :code, :label, now() + make_interval(secs => :seconds))
+""")
+_OPEN = "SELECT label FROM login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused"
+_CONFIRM = text("""
+UPDATE login SET person_id = :person, refused = :refused
+WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused RETURNING user_code
+""")
+_COLLECT = text("""
+DELETE FROM login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest AND l.expires_at > now()
+RETURNING p.name, l.label
+""")
+_WAITS = "SELECT 1 FROM login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"

@@ -1,0 +1,79 @@
+"""Stopping what waits or is being graded: the attempt gets a result that says by whom, which costs its person nothing."""
+
+from collections.abc import Sequence
+from uuid import UUID
+
+from sqlalchemy import text
+from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from service.store import runs
+from service.store.course.people import note
+from service.store.database import Database
+from service.store.queue import send_next, take_turn
+from service.store.tables import result
+
+
+class Over(Exception):
+    """There is nothing to cancel: the attempt has its result."""
+
+
+async def cancel(database: Database, attempt: UUID, who: str) -> UUID | None:
+    """Cancel that attempt; the id of its submission, or None where there is no such attempt. Over if it has its result.
+
+    A worker that has it notices at its next beat.
+    """
+    async with database.begin() as connection:
+        found = (await connection.execute(_FOUND, {"attempt": attempt})).first()
+        if found is None:
+            return None
+        if not await _stop(connection, [attempt], who):
+            raise Over
+        await take_turn(connection, found.submission)
+        await connection.execute(_FORGET_JOBS, {"attempts": [str(attempt)]})
+        await send_next(connection, attempt, found.submission)
+        detail = {"person": found.person, "attempt": found.number, "held": found.held}
+        await note(connection, who, "cancel", str(found.submission), detail)
+        await runs.tell_in(connection, found.submission)
+    submission: UUID = found.submission
+    return submission
+
+
+async def cancel_all_of(connection: AsyncConnection, regrade: UUID, who: str) -> int:
+    """Cancel what of a regrade has no result yet, in this transaction; how many."""
+    open = [row.id for row in (await connection.execute(_OPEN, {"regrade": regrade})).all()]
+    stopped = await _stop(connection, open, who) if open else []
+    await connection.execute(_FORGET_JOBS, {"attempts": [str(id) for id in stopped]})
+    return len(stopped)
+
+
+async def _stop(connection: AsyncConnection, attempts: Sequence[UUID], who: str) -> Sequence[UUID]:
+    """Write results and end the runs; those of the attempts that had no result before."""
+    told = f"cancelled by {who}"
+    rows = [{"attempt_id": attempt, "fault": told, "cancelled_by": who} for attempt in attempts]
+    written = insert(result).values(rows).on_conflict_do_nothing().returning(result.c.attempt_id)
+    stopped = [row.attempt_id for row in (await connection.execute(written)).all()]
+    await connection.execute(_END_RUNS, {"attempts": stopped, "note": told})
+    return stopped
+
+
+# Locked as by who claims it, and before the person: so a run begun meanwhile is seen and ended, and nobody waits in a circle. Not
+# more than that, as a result that is being written locks the attempt's key.
+_FOUND = text("""
+SELECT a.number, a.held, s.id AS submission, p.name AS person
+FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+WHERE a.id = :attempt FOR NO KEY UPDATE OF a
+""")
+
+_OPEN = text("""
+SELECT a.id FROM attempt a WHERE a.regrade_id = :regrade
+    AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = a.id) ORDER BY a.id FOR NO KEY UPDATE OF a
+""")
+
+_END_RUNS = text("""
+UPDATE run SET ended_at = now(), ending = 'cancelled', note = :note WHERE attempt_id = ANY(:attempts) AND ended_at IS NULL
+""")
+
+_FORGET_JOBS = text("""
+DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(:attempts) AND task_name = 'grade' AND status = 'todo'
+""")

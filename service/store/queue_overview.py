@@ -1,0 +1,133 @@
+"""What an operator sees of the queue and may ask of it: who waits, who works, what failed, and to grade again."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import Row, text, update
+
+from service.store import runs
+from service.store.course.people import note
+from service.store.database import Database
+from service.store.queue import take_turn
+from service.store.submissions import add_attempt
+from service.store.tables import assignment
+
+
+@dataclass(frozen=True)
+class Queue:
+    """Waiting jobs by kind, the first of them one by one, runs under way, workers, and attempts that ended in a fault."""
+
+    waiting: Sequence[Row[tuple[object, ...]]]
+    places: Sequence[Row[tuple[object, ...]]]
+    going: Sequence[Row[tuple[object, ...]]]
+    workers: Sequence[Row[tuple[object, ...]]]
+    faults: Sequence[Row[tuple[object, ...]]]
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Until when, and how often, a person may submit; None: no deadline, any number."""
+
+    due_at: datetime | None
+    grace_s: float
+    most_submissions: int | None
+
+
+async def look(database: Database) -> Queue:
+    """The queue as it is now."""
+    return Queue(*[await database.rows(query) for query in (_WAITING, _PLACES, _GOING, _WORKERS, _FAULTS)])
+
+
+async def grade_again(database: Database, which: Sequence[UUID] | str, who: str, *, faults: bool = False) -> int:
+    """A new attempt with the same seed for these submissions, for "faults" (those without a report) or for "all"; how many.
+
+    With ``faults``, of these submissions only those without a report. What is being graded is left alone. What was shown stays
+    until the new result is there.
+    """
+    faults = faults or which == "faults"
+    values = {"ids": None if isinstance(which, str) else list(which), "faults": faults}
+    count = 0
+    for one in await database.rows(_AGAIN, values):
+        async with database.begin() as connection:  # each by itself: who submits meanwhile waits for none but their own
+            await take_turn(connection, one.id)
+            row = (await connection.execute(_AGAIN, {"ids": [one.id], "faults": faults})).first()
+            if row is None:
+                continue
+            await add_attempt(connection, row.id, "regrade", row.seed)
+            await note(connection, who, "regrade", str(row.id), {"fault": row.fault})
+            await runs.tell_in(connection, row.id)
+            count += 1
+    return count
+
+
+async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bool:
+    """Set the rules of an assignment. False if there is no such assignment."""
+    async with database.begin() as connection:
+        changed = (await connection.execute(update(assignment).where(assignment.c.slug == slug).values(asdict(rules)))).rowcount
+        if not changed:
+            return False
+        told = {name: str(value) for name, value in asdict(rules).items()}
+        await note(connection, who, "rules", slug, told)
+    return True
+
+
+_WAITING = """
+SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch FROM now() - min(a.requested_at)) AS waited_s
+FROM procrastinate_jobs j JOIN attempt a ON a.id::text = j.args->>'attempt'
+WHERE j.status = 'todo' AND j.task_name = 'grade' GROUP BY a.kind ORDER BY max(j.priority) DESC
+"""
+
+MOST_PLACES = 200
+
+_PLACES = f"""
+SELECT j.position, j.total, a.id AS attempt, a.kind, a.number, a.held, a.requested_at, s.id AS submission, p.name AS person,
+    x.slug AS assignment
+FROM (
+    SELECT (args->>'attempt')::uuid AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position,
+        count(*) OVER () AS total
+    FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade' ORDER BY priority DESC, id LIMIT {MOST_PLACES}
+) j JOIN attempt a ON a.id = j.attempt JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    JOIN assignment x ON x.id = s.assignment_id
+ORDER BY j.position
+"""
+
+_GOING = """
+SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS attempt, a.kind, a.number, a.held, s.id AS submission,
+    p.name AS person, x.slug AS assignment, extract(epoch FROM now() - run.started_at) AS running_s,
+    extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch FROM now() - run.beat_at) AS silent_s
+FROM run JOIN attempt a ON a.id = run.attempt_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    JOIN assignment x ON x.id = s.assignment_id
+WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.attempt_id = a.id) ORDER BY run.started_at
+"""
+
+_WORKERS = """
+SELECT name, walls, refusal, zygotes, extract(epoch FROM now() - seen_at) AS silent_s FROM worker
+WHERE seen_at > now() - interval '30 s' ORDER BY name
+"""
+
+# A held attempt is not one that counts: neither as the last one nor as one with a report.
+_LAST = """
+LATERAL (SELECT * FROM attempt WHERE submission_id = s.id AND NOT held ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.attempt_id = a.id
+"""
+
+_HAS_REPORT = """EXISTS (
+    SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
+    WHERE b.submission_id = s.id AND NOT b.held AND q.report IS NOT NULL)
+"""
+
+_FAULTS = f"""
+SELECT s.id AS submission, p.name AS person, x.slug AS assignment, r.fault, r.cancelled_by, r.finished_at
+FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {_LAST}
+WHERE r.fault IS NOT NULL AND NOT {_HAS_REPORT}
+ORDER BY r.finished_at DESC LIMIT 50
+"""
+
+_AGAIN = text(f"""
+SELECT s.id, a.seed, r.fault FROM submission s JOIN {_LAST}
+WHERE (CAST(:ids AS uuid[]) IS NULL OR s.id = ANY(CAST(:ids AS uuid[])))
+    AND (NOT CAST(:faults AS boolean) OR (r.fault IS NOT NULL AND NOT {_HAS_REPORT}))
+ORDER BY s.submitted_at
+""")

@@ -1,0 +1,239 @@
+"""Grading again with a look first: a regrade's attempts are held, so that nothing shown changes until it is applied."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import Row, delete, text
+
+from service.store import runs
+from service.store.course import grades
+from service.store.course.people import note
+from service.store.database import Database
+from service.store.gradings import cancel_all_of
+from service.store.queue import send_attempts, take_turns
+from service.store.records import LATE, SHOWN, points
+from service.store.submissions import MOST_RUNS
+from service.store.tables import regrade
+
+AT_ONCE = 50
+BEST, EVERY = "all", "every"
+"""What is graded again: everybody's best submission, or each submission of everybody."""
+
+
+class NothingToGrade(Exception):
+    """No submission that was meant has a result to compare with, or all of them are being graded."""
+
+
+class Decided(Exception):
+    """The regrade was applied or dropped before; the message says by whom."""
+
+
+class Unfinished(Exception):
+    """It cannot be applied yet; the message says how many attempts have no result."""
+
+
+@dataclass(frozen=True)
+class Regrade:
+    """A regrade: what it is about (``told``), who asked, what became of it, and of its attempts, how many are finished
+    and how many of these have a report (``graded``)."""
+
+    id: UUID
+    assignment: str
+    told: str
+    asked_by: str
+    asked_at: datetime
+    decided: str | None
+    decided_by: str | None
+    decided_at: datetime | None
+    finished: int
+    graded: int
+    total: int
+
+
+async def begin(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, told: str) -> UUID:
+    """Grade again, held: one submission by its id, the best or every one of everybody; with ``check``, those without ✓ at it.
+
+    Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``told`` says to people what is
+    meant.
+    """
+    if isinstance(which, UUID):
+        query, asked = _ONE, {"slug": slug, "one": which}
+    else:
+        query, asked = _MEANT[which], {"slug": slug, "check": check}
+    async with database.begin() as connection:
+        made = (await connection.execute(_BEGIN, {"slug": slug, "told": told, "who": who})).one().id
+        meant = (await connection.execute(query, asked)).all()
+    count, ids = 0, [row.id for row in meant]
+    for start in range(0, len(ids), AT_ONCE):
+        count += await _add(database, made, ids[start : start + AT_ONCE])
+    async with database.begin() as connection:
+        if count:
+            await note(connection, who, "regrade begun", str(made), {"assignment": slug, "what": told, "submissions": count})
+            return UUID(str(made))
+        await connection.execute(delete(regrade).where(regrade.c.id == made))
+    raise NothingToGrade
+
+
+async def _add(database: Database, made: UUID, submissions: Sequence[UUID]) -> int:
+    """Held attempts of those that are not being graded, unless the regrade has been decided meanwhile; how many."""
+    async with database.begin() as connection:
+        await take_turns(connection, submissions)
+        if (await connection.execute(_UNDECIDED, {"id": made})).first() is None:
+            return 0
+        values = {"regrade": made, "submissions": list(submissions), "most_runs": MOST_RUNS}
+        added = [row.id for row in (await connection.execute(_ADD, values)).all()]
+        await send_attempts(connection, added)
+    return len(added)
+
+
+async def find(database: Database, id: UUID) -> Regrade | None:
+    """The regrade of that id."""
+    rows = await database.rows(_FIND, {"id": id, "slug": None})
+    return Regrade(**rows[0]._mapping) if rows else None
+
+
+async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
+    """Its regrades, newest first."""
+    return [Regrade(**row._mapping) for row in await database.rows(_FIND, {"id": None, "slug": slug})]
+
+
+async def apply(database: Database, id: UUID, who: str) -> int:
+    """Let what was graded count, all of it at once; how many submissions show the new result. Faults are left held.
+
+    Raises Decided where somebody was first, Unfinished while a result is missing.
+    """
+    async with database.begin() as connection:
+        if not (await connection.execute(_DECIDE, {"id": id, "how": "applied", "who": who})).rowcount:
+            raise Decided(await _by_whom(database, id))
+        if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():
+            raise Unfinished(f"{open} of its submissions have not been graded yet")
+        changed = (await connection.execute(_RELEASE, {"id": id})).all()
+        await note(connection, who, "regrade applied", str(id), {"submissions": len(changed)})
+        for row in changed:
+            await runs.tell_in(connection, row.submission_id)
+    return len(changed)
+
+
+async def drop(database: Database, id: UUID, who: str) -> int:
+    """Leave everything as it is for good, and grade no more for it; how many attempts were cancelled. Raises Decided."""
+    async with database.begin() as connection:
+        if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "who": who})).rowcount:
+            raise Decided(await _by_whom(database, id))
+        cancelled = await cancel_all_of(connection, id, who)
+        await note(connection, who, "regrade dropped", str(id), {"cancelled": cancelled})
+    return cancelled
+
+
+async def _by_whom(database: Database, id: UUID) -> str:
+    known = await find(database, id)
+    return f"it was {known.decided} by {known.decided_by} already" if known and known.decided else "there is no such regrade"
+
+
+_BEGIN = text("""
+INSERT INTO regrade (assignment_id, told, asked_by) SELECT id, :told, :who FROM assignment WHERE slug = :slug RETURNING id
+""")
+
+_EVERY = f"""
+SELECT s.id, s.person_id, shown.attempt, shown.score
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} WHERE x.slug = :slug
+"""
+
+_ONE = text("""
+SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
+""")
+
+_MEANT = {
+    which: text(f"""
+SELECT id FROM ({query}) meant
+WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
+    SELECT 1 FROM outcome o WHERE o.attempt_id = meant.attempt AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
+ORDER BY person_id
+""")
+    for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
+}
+
+_UNDECIDED = text("SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE")
+
+_ADD = text("""
+INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at, regrade_id, held)
+SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM attempt b WHERE b.submission_id = s.id), 'regrade', a.seed, :most_runs,
+    clock_timestamp(), :regrade, true
+FROM submission s
+    JOIN LATERAL (SELECT * FROM attempt WHERE submission_id = s.id AND NOT held ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.attempt_id = a.id
+WHERE s.id = ANY(:submissions) RETURNING id
+""")
+
+_FIND = """
+SELECT g.id, x.slug AS assignment, g.told, g.asked_by, g.asked_at, g.decided, g.decided_by, g.decided_at,
+    count(r.attempt_id) AS finished, count(r.score) AS graded, count(a.id) AS total
+FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN attempt a ON a.regrade_id = g.id
+    LEFT JOIN result r ON r.attempt_id = a.id
+WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug ORDER BY g.asked_at DESC LIMIT 100
+"""
+
+_DECIDE = text("""
+UPDATE regrade SET decided = :how, decided_by = :who, decided_at = clock_timestamp() WHERE id = :id AND decided IS NULL
+""")
+
+_OPEN = text("""
+SELECT count(*) FROM attempt a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = a.id)
+""")
+
+# What was graded again since, and is shown, stays.
+_RELEASE = text("""
+UPDATE attempt a SET held = false FROM result r
+WHERE a.regrade_id = :id AND r.attempt_id = a.id AND r.report IS NOT NULL AND NOT EXISTS (
+    SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
+    WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL)
+RETURNING a.submission_id
+""")
+
+
+async def pairs(database: Database, id: UUID) -> Sequence[Row[Any]]:
+    """By submission, what counts without this regrade (``was``) and what with it, points given by an instructor included.
+
+    Rows also have ``overridden``, and ``overtaken`` where a later attempt is shown already.
+    """
+    return await database.rows(_PAIRS, {"id": id})
+
+
+async def flips(database: Database, id: UUID) -> Sequence[Row[Any]]:
+    """Every check whose state is another than before: ``attempt``, ``check_id``, ``was`` and ``now``, None where there was none."""
+    return await database.rows(_FLIPS, {"id": id})
+
+
+# The attempt that counts without this regrade: the last before it with a report.
+_BEFORE = """
+LATERAL (
+    SELECT b.id AS attempt, q.score, q.max_score, q.version FROM attempt b JOIN result q ON q.attempt_id = b.id
+    WHERE b.submission_id = a.submission_id AND b.number < a.number AND NOT b.held AND q.report IS NOT NULL
+    ORDER BY b.number DESC LIMIT 1
+) was ON true
+"""
+
+_PAIRS = f"""
+SELECT a.id AS attempt, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.attempt_id IS NOT NULL AS finished, r.fault,
+    r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
+    before.points AS was_points, given.points, given.overridden, EXISTS (
+        SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
+        WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL) AS overtaken
+FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN {_BEFORE}
+    LEFT JOIN {points("before", "was.attempt", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}
+WHERE a.regrade_id = :id ORDER BY p.name, s.submitted_at
+"""
+
+_FLIPS = f"""
+SELECT attempt, check_id, max(state) FILTER (WHERE old) AS was, max(state) FILTER (WHERE NOT old) AS now
+FROM (
+    SELECT a.id AS attempt, o.check_id, o.state, told.old
+    FROM attempt a JOIN result r ON r.attempt_id = a.id AND r.report IS NOT NULL JOIN {_BEFORE},
+        LATERAL (VALUES (was.attempt, true), (a.id, false)) AS told (attempt, old), outcome o
+    WHERE a.regrade_id = :id AND o.attempt_id = told.attempt
+) both_sides
+GROUP BY attempt, check_id HAVING count(*) = 1 OR min(state) <> max(state) ORDER BY check_id
+"""

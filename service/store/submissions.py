@@ -1,0 +1,177 @@
+"""Accepting a submission: it, its first attempt and its job in one transaction, where limits and deadline are decided too."""
+
+import json
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from uuid import UUID, uuid4
+
+from sqlalchemy import Row, func, select, text
+from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy.exc import IntegrityError, NoResultFound
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from exercises.assignment import Assignment
+from exercises.catalogue import assignments
+from service.store.course.people import COURSE, enter
+from service.store.database import Database
+from service.store.queue import PERSON_LOCK, rank, send, send_attempt, take_turn
+from service.store.records import LATE, New
+from service.store.tables import assignment, assignment_version, attempt, course
+
+MOST_RUNS = 3  # of one attempt that end without result, before it is a fault
+
+
+class KeyReused(Exception):
+    """An idempotency key came with another body than the first time."""
+
+
+class Refused(Exception):
+    """The submission is not taken; the message tells the student why, ``kind`` is "deadline-over" or "none-left"."""
+
+    def __init__(self, kind: str, sentence: str) -> None:
+        super().__init__(sentence)
+        self.kind = kind
+
+
+async def register(database: Database, known: Iterable[Assignment]) -> None:
+    """Enter the assignments and their versions, where they are not entered yet."""
+    async with database.begin() as connection:
+        home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
+        for one in known:
+            await connection.execute(insert(assignment).values(course_id=home, slug=one.slug).on_conflict_do_nothing())
+            where = assignment.c.slug == one.slug, assignment.c.course_id == home
+            id = (await connection.execute(select(assignment.c.id).where(*where))).scalar_one()
+            values = {"assignment_id": id, "version": one.version}
+            await connection.execute(insert(assignment_version).values(values).on_conflict_do_nothing())
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """A submission that is stored. Not ``fresh``: it was before, and may have its result already."""
+
+    id: UUID
+    submitted_at: datetime
+    late: bool
+    fresh: bool
+
+
+async def accept(database: Database, new: New, key: str | None = None, kind: str = "interactive") -> Accepted:
+    """Store a submission and send its job, ranked by ``kind``; under a known key, find the one stored before.
+
+    Raises KeyReused if that one was different, Refused if the deadline is over or no submission is left. A request with the
+    same key that is in flight is waited for.
+    """
+    try:
+        return await _accept(database, new, key, kind)
+    except (IntegrityError, NoResultFound):  # the database was restored to another state meanwhile
+        database.persons.clear()
+        await register(database, assignments().values())
+        return await _accept(database, new, key, kind)
+
+
+async def _accept(database: Database, new: New, key: str | None, kind: str) -> Accepted:
+    async with database.begin() as connection:
+        who = await _person(connection, database, new.person)
+        asked = {"slug": new.assignment, "course": COURSE, "person": str(who), "age": time.monotonic() - new.arrived}
+        rules = (await connection.execute(_RULES, asked)).one()
+        values = {
+            "id": new.id,
+            "assignment": rules.id,
+            "person": who,
+            "source": new.submission.source,
+            "sha256": new.submission.sha256,
+            "filename": new.submission.filename,
+            "exercises": None if new.exercises is None else json.dumps(new.exercises),
+            "late": rules.late,
+            "at": rules.at,
+            "fingerprint": new.fingerprint,
+            "key": key,
+            "attempt": uuid4(),
+            "seed": new.seed,
+            "most_runs": MOST_RUNS,
+            "kind": kind,
+        }
+        stored = (await connection.execute(_STORE, values)).first()
+        if stored is None:
+            return await _known(connection, new, who, key)
+        await _check(connection, rules, who)
+        await send(connection, values["attempt"], priority=rank(kind, stored.open))
+    database.persons[new.person] = who  # only now is it certain that the person is entered
+    return Accepted(new.id, rules.at, rules.late, fresh=True)
+
+
+async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
+    """The next attempt of a submission, with its job."""
+    await take_turn(connection, of)
+    id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
+    values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
+    values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
+    await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
+    await send_attempt(connection, id)
+    return id
+
+
+async def _person(connection: AsyncConnection, database: Database, name: str) -> UUID:
+    """The person of that name; a person's id never changes, so it is asked for once."""
+    return database.persons.get(name) or await enter(connection, name)
+
+
+# A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two
+# at once cannot both be the last.
+_RULES = text(f"""
+SELECT a.id, until.due_at, a.grace_s, a.most_submissions, at, coalesce(at > until.due_at, false) AS late,
+    coalesce(at > until.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
+FROM assignment a JOIN course c ON c.id = a.course_id
+    LEFT JOIN extension e ON e.assignment_id = a.id AND e.person_id = CAST(:person AS uuid)
+    JOIN LATERAL (SELECT CASE WHEN a.due_at IS NOT NULL THEN greatest(a.due_at, e.due_at) END AS due_at) until ON true,
+    (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
+WHERE a.slug = :slug AND c.slug = :course
+""")
+
+# A statement sees what was committed when it began: the count of the open ones, after the lock, is one of its own.
+_STORE = text("""
+WITH stored AS (
+    INSERT INTO submission
+        (id, assignment_id, person_id, source, sha256, filename, exercises, late, submitted_at, fingerprint, idempotency_key)
+    VALUES (:id, :assignment, :person, :source, :sha256, :filename, CAST(:exercises AS jsonb), :late, :at, :fingerprint, :key)
+    ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
+)
+INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at)
+SELECT :attempt, id, 1, :kind, :seed, :most_runs, clock_timestamp() FROM stored
+RETURNING (
+    SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
+    WHERE t.person_id = :person AND b.kind = :kind AND r.attempt_id IS NULL
+) AS open
+""")
+
+_KNOWN = text(f"""
+SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assignment x ON x.id = s.assignment_id
+WHERE s.person_id = :person AND s.idempotency_key = :key
+""")
+
+_USED = text("""
+SELECT count(*) FROM submission s
+    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
+        WHERE a.submission_id = s.id AND NOT a.held) fault ON NOT fault.ours
+WHERE s.person_id = :person AND s.assignment_id = :assignment
+""")
+
+
+async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], who: UUID) -> None:
+    """Refused, and nothing stored, where the deadline is over or this is one submission too many; faults do not count."""
+    if rules.over:
+        until = rules.due_at + timedelta(seconds=rules.grace_s)
+        raise Refused("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
+    if rules.most_submissions is not None:
+        used = (await connection.execute(_USED, {"person": who, "assignment": rules.id})).scalar_one()
+        if used > rules.most_submissions:
+            raise Refused("none-left", f"all {rules.most_submissions} submissions allowed have been used")
+
+
+async def _known(connection: AsyncConnection, new: New, who: UUID, key: str | None) -> Accepted:
+    found = (await connection.execute(_KNOWN, {"person": who, "key": key})).one()
+    if found.fingerprint != new.fingerprint:
+        raise KeyReused
+    return Accepted(found.id, found.submitted_at, found.late, fresh=False)

@@ -1,0 +1,69 @@
+"""Sweeps of submissions' own functions, speed against accuracy: asked for one at a time or for a class, and kept as artefacts."""
+
+import json
+from collections.abc import Iterable
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import text
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from service.store.course.gradebook import Standing
+from service.store.database import Database
+from service.store.queue import KINDS, STEP, send
+
+SWEPT = "sweep.json"
+
+
+async def ask(database: Database, attempt: UUID) -> None:
+    """A job to sweep the function of this attempt, unless there is one: a person waits, so it goes before regrades."""
+    async with database.begin() as connection:
+        await _ask(connection, attempt, "interactive")
+
+
+async def ask_class(database: Database, class_: Iterable[Standing]) -> int:
+    """The same for every submission that counts and has not been swept, behind everybody who waits for a grade; how many."""
+    attempts = _attempts(class_)
+    done = {row.attempt_id for row in await database.rows(_DONE, {"attempts": attempts})}
+    async with database.begin() as connection:
+        return sum([await _ask(connection, attempt, "bulk") for attempt in attempts if attempt not in done])
+
+
+async def count(database: Database, class_: Iterable[Standing]) -> tuple[int, int]:
+    """How many of the submissions that count have been swept, and how many that could be have not."""
+    attempts = _attempts(class_)
+    rows = await database.rows(_DONE, {"attempts": attempts})
+    return sum(row.name == SWEPT for row in rows), len(attempts) - len(rows)
+
+
+async def documents(database: Database, class_: Iterable[Standing]) -> list[dict[str, Any]]:
+    """The sweeps there are of the submissions that count, as JSON."""
+    rows = await database.rows(_CONTENTS, {"attempts": _attempts(class_), "name": SWEPT})
+    return [json.loads(row.content) for row in rows]
+
+
+def _attempts(class_: Iterable[Standing]) -> list[UUID]:
+    return [s.attempt for s in class_ if s.attempt is not None and s.status == "graded"]
+
+
+async def _ask(connection: AsyncConnection, attempt: UUID, kind: str) -> bool:
+    await connection.execute(_ONE_ASKS, {"attempt": str(attempt)})
+    if (await connection.execute(_SENT, {"attempt": str(attempt)})).first() is not None:
+        return False
+    await send(connection, attempt, task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
+    return True
+
+
+_ONE_ASKS = text("SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :attempt, 0))")
+
+_SENT = text("""
+SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing') AND args->>'attempt' = :attempt
+""")
+
+_DONE = """
+SELECT attempt_id, name FROM kept WHERE attempt_id = ANY(CAST(:attempts AS uuid[])) AND name IN ('sweep.json', 'sweep.refused')
+"""
+
+_CONTENTS = """
+SELECT a.content FROM kept k JOIN artefact a USING (sha256) WHERE k.attempt_id = ANY(CAST(:attempts AS uuid[])) AND k.name = :name
+"""

@@ -1,1 +1,0 @@
-"""The street door: the web application and everything that knows HTTP."""

@@ -1,0 +1,95 @@
+"""Assignments that lie elsewhere, and broken ones: each tells all that is wrong with it and costs no other."""
+
+import pytest
+
+from exercises.assignment import InvalidAssignment, NoAssignment
+from exercises.catalogue import add, assignments, find, folders, taken
+from tests.support.assignments import change, copied, known
+
+
+@pytest.mark.parametrize("named", ["the folder itself", "the folder it is in"])
+def test_an_assignment_outside_is_found(tmp_path, named):
+    folder = copied(tmp_path / "my course")
+    with known(folder if named == "the folder itself" else folder.parent) as found:
+        assert list(found.sound) == ["rigid-body", "damped-oscillator"] and not found.broken
+        assert find("damped_oscillator").folder == folder
+    assert "damped-oscillator" not in assignments()
+
+
+def test_an_assignment_named_alone_brings_no_neighbour(tmp_path):
+    one, two = copied(tmp_path), copied(tmp_path, "neighbour")
+    with known(one) as found:
+        assert list(found.sound) == ["rigid-body", "damped-oscillator"] and not taken("neighbour")
+        add(two)
+        assert two in folders() and "neighbour" not in assignments()  # these are asked once
+
+
+def spoiled(folder):
+    change(folder / "scenes.py", '"rates"', '"ratse"')
+    change(folder / "public" / "__init__.py", '"1-motion"', '"1-energy"')
+    change(folder / "public" / "__init__.py", '"damped",\n', '"dampened",\n')
+    change(folder / "hidden_checks.py", "limit=1e-13", "limit=-1.0")
+
+
+def incomplete(folder):
+    (folder / "plays.py").unlink()
+    (folder / "setup.py").unlink()
+    (folder / "causes.py").write_text("x = 1\ndef f(:\n")
+    (folder / "truth.py").write_bytes(b"x = 1\0")
+
+
+def raising(folder):
+    change(folder / "scenes.py", "PROBES = 32", "PROBES = 32 / 0")
+
+
+BROKEN = [
+    (
+        spoiled,
+        [
+            "check id 1-energy is used twice",
+            "no scene dampened",
+            "a tolerance is a finite number",
+            "scene probes: plays.py has no function ratse",
+        ],
+    ),
+    (incomplete, ["plays.py is missing", "setup.py is missing", "causes.py line 2: invalid syntax", "truth.py"]),
+    (raising, ["scenes.py line 15: ZeroDivisionError: division by zero"]),
+    (lambda folder: change(folder / "causes.py", "import numpy as np", "import nunpy as np"), ["causes.py line 5", "nunpy"]),
+    (
+        lambda folder: change(folder / "__init__.py", "damped-oscillator", "other"),
+        ["its slug is other", "makes it damped-oscillator"],
+    ),
+    (lambda folder: change(folder / "__init__.py", "ASSIGNMENT =", "assignment ="), ["defines no ASSIGNMENT"]),
+    (lambda folder: (folder / "__init__.py").write_text("ASSIGNMENT = 'x'"), ["ASSIGNMENT is str, no Assignment"]),
+    (lambda folder: (folder / "__init__.py").write_text("raise SystemExit(0)"), ["SystemExit"]),
+]
+
+
+@pytest.mark.parametrize(("spoil", "told"), BROKEN)
+def test_a_broken_one_tells_everything_and_costs_no_other(tmp_path, spoil, told):
+    spoil(copied(tmp_path))
+    copied(tmp_path, "sound")
+    with known(tmp_path) as found:
+        assert list(found.sound) == ["rigid-body", "sound"] and list(found.broken) == ["damped-oscillator"]
+        with pytest.raises(InvalidAssignment) as caught:
+            find("damped-oscillator")
+    for part in told:
+        assert part in str(caught.value)
+
+
+def test_a_name_that_is_taken(tmp_path):
+    for name in ("rigid_body", "wheel"):
+        copied(tmp_path, name)
+    with known(tmp_path) as found:
+        assert list(found.sound) == ["rigid-body"] and find("rigid-body").folder != tmp_path / "rigid_body"
+        assert "the name rigid_body is taken" in str(found.broken["rigid-body"])
+        assert "the name wheel is taken" in str(found.broken["wheel"])
+
+
+def test_a_folder_that_is_not_there_or_no_package(tmp_path):
+    copied(tmp_path, "Two-Words")
+    with known(tmp_path / "nowhere", tmp_path) as found:
+        assert "there is no folder" in str(found.broken["nowhere"])
+        assert "Two-Words is no name of a package" in str(found.broken["Two-Words"])
+    with known(), pytest.raises(NoAssignment, match="there is no assignment knitting; known: rigid-body"):
+        find("knitting")

@@ -1,0 +1,60 @@
+"""What is counted of failed logins, and for how long."""
+
+from contextlib import ExitStack
+
+import pytest
+
+from service.auth.rate_limit import BY_ADDRESS, BY_NAME, Throttle, network
+from service.http.errors import Problem
+
+ANN, BEN, HERE = (BY_NAME, "name", "ann"), (BY_NAME, "name", "ben"), (BY_ADDRESS, "address", "10.0.0.1")
+
+
+def fail(throttle, *keys, status=401):
+    with pytest.raises(Problem) as told, throttle.attempt(*keys):
+        raise Problem(status, "nobody", "wrong")
+    return told.value
+
+
+def test_an_address_may_fail_at_many_names_but_not_at_all_of_them():
+    throttle = Throttle()
+    assert {fail(throttle, (BY_NAME, "name", str(n)), HERE).status for n in range(100)} == {401}
+    refused = fail(throttle, ANN, HERE)
+    assert refused.status == 429 and 590 < refused.retry_after <= 600
+    assert fail(throttle, ANN, (BY_ADDRESS, "address", "10.0.0.2")).status == 401
+
+
+def test_only_what_was_wrong_counts_and_a_refusal_does_not():
+    throttle = Throttle()
+    for _ in range(20):
+        fail(throttle, ANN, status=503)
+        with throttle.attempt(ANN):
+            pass
+    assert [fail(throttle, ANN).status for _ in range(30)] == [401] * 10 + [429] * 20
+    with throttle.attempt(BEN):
+        pass
+
+
+def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
+    throttle = Throttle()
+    with ExitStack() as stack:
+        for _ in range(10):
+            stack.enter_context(throttle.attempt(ANN))
+        refused = fail(throttle, ANN)
+        assert (refused.status, refused.retry_after) == (429, 1)
+    with throttle.attempt(ANN):
+        pass
+    assert not throttle._tried
+
+
+@pytest.mark.parametrize(
+    ("address", "whose"),
+    [
+        ("10.1.2.3", "10.1.2.3"),
+        ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
+        ("::ffff:10.1.2.3", "10.1.2.3"),
+        ("testclient", "unknown"),
+    ],
+)
+def test_a_customer_of_a_network_is_one_address(address, whose):
+    assert network(address) == whose

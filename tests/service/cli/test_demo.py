@@ -1,0 +1,89 @@
+"""The demonstration as a newcomer runs it."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from dataclasses import replace
+
+import pytest
+
+from exercises.samples import samples
+from service.cli import demo
+from service.cli.demo_class import enter_class
+from service.settings import Settings
+from tests.support.database import sql
+from tests.support.fake_server import Scripted, says
+
+
+def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report(real_server, monkeypatch, capsys):
+    wanted = {"right_terms.py", "wrong_zeros.py"}
+
+    def some(assignment):
+        right, wrong = (replace(s, demo=True) for s in samples(assignment) if s.file.name in wanted)
+        return [right, replace(wrong, verdicts=right.verdicts)]
+
+    monkeypatch.setattr(demo, "samples", some)
+    assert demo._grade_all(real_server.url) == ["wrong_zeros.py"]
+    printed = capsys.readouterr().out
+    assert (
+        printed.count("rotational energy conserved (torque-free)   [") == 2
+        and f"[1/2] right_terms.py   {real_server.url}/" in printed
+    )
+
+
+def test_its_class_is_entered_once(database_url):
+    settings = Settings(database_url=database_url)
+    count = enter_class(settings, demo.SLUG)
+    assert count > 40 and enter_class(settings, demo.SLUG) == 0
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
+
+
+def test_it_waits_for_a_server_too_busy_to_answer_in_time(monkeypatch, capsys):
+    """The first two questions stay without an answer until they are given up."""
+    monkeypatch.setattr(demo, "ANSWER_S", 0.1)
+    server, answered = Scripted(), threading.Event()
+    server.script += [
+        lambda handler: answered.wait(10),
+        lambda handler: answered.wait(10),
+        says(200, {"checks": {"database": "ok"}}),
+    ]
+    process = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    try:
+        assert demo._wait_ready(process, server.url)
+    finally:
+        answered.set()
+        server.stop()
+        process.communicate()
+    assert capsys.readouterr().out.endswith(" ..ready: {'database': 'ok'}\n")
+
+
+@pytest.mark.slow
+def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_path):
+    environment = os.environ | {"POLHODE_DATA": str(tmp_path / "demo"), "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen([sys.executable, "-m", "service.cli.demo"], env=environment, stdout=subprocess.PIPE, text=True)
+    try:
+        told = ""
+        while "Press Ctrl-C" not in told:
+            line = process.stdout.readline()
+            assert line, told[-2000:]
+            told += line
+        assert "every sample got the report it should" in told
+        assert told.count("rotational energy conserved (torque-free)   [") > 20
+        address = re.search(r"open (http://127\.0\.0\.1:\d+/)", told)[1]
+        assert re.search(rb"<b>\d\d/40</b> submitted", urllib.request.urlopen(address, timeout=10).read())
+        with urllib.request.urlopen(f"{address}assignments/rigid-body/class", timeout=10) as answer:
+            assert b'<td class="pass">' in answer.read(), "what was graded so far is shown"
+        process.send_signal(signal.SIGINT)
+        process.stdout.close()
+        assert process.wait(30) == 0
+        time.sleep(0.2)
+        assert not (tmp_path / "demo" / "postgres" / "postmaster.pid").exists()
+    finally:
+        process.terminate()  # it stops its server, however the test went
+        process.wait(60)
+        process.stdout.close()

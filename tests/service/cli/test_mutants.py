@@ -1,0 +1,49 @@
+"""The strength of the checks, on a few mutants through the real walls; `polhode mutants` does all."""
+
+import os
+
+import pytest
+
+from exercises.mutation import Mutant, mutants_of
+from service.cli.__main__ import main
+from service.cli.mutants import OURS, Fate, fates, table
+
+
+@pytest.mark.slow  # make exhaustive runs all mutants
+def test_a_few_through_the_walls(rigid_body, monkeypatch):
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    found = list(fates(rigid_body, most=6))
+    assert len(found) == 6 and all(f.wrong and OURS not in f.accepted for f in found)
+
+
+def test_the_command_tells_what_is_missing(capsys):
+    assert main(["mutants", "nowhere"]) == 2
+    assert "no mutants: there is no assignment nowhere; known: " in capsys.readouterr().err
+
+
+def test_table():
+    one, two = Mutant("kind a", "x", ""), Mutant("kind b", "y", "")
+    found = [Fate(one, True, frozenset(["some"])), Fate(one, False, frozenset([OURS])), Fate(two, True, frozenset())]
+    assert table(found).split("\n") == [
+        "| changed functions | made | right after all | wrong, accepted by some | wrong, accepted by ours |",
+        "|---|---|---|---|---|",
+        "| kind a | 2 | 1 | 1 | 0 |",
+        "| kind b | 1 | 0 | 0 | 0 |",
+        "| all | 3 | 1 | 1 | 0 |",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("source", "changed"),
+    [
+        ("a - b", {"a + b", "b - a"}),
+        ("a * b", {"a / b", "a + b"}),
+        ("-a", {"+a"}),
+        ("f(a, b)", {"f(b, a)"}),
+        ("w", {"I"}),
+        ("2", {"3", "-2"}),
+    ],
+)
+def test_each_change_of_a_node(source, changed):
+    found = {m.source.split("return ")[1] for m in mutants_of(f"def g(w):\n    return {source}", "g", "file")}
+    assert found == changed

@@ -1,0 +1,206 @@
+"""polhode verify: samples against what is expected of them, on copies of the template of a new assignment."""
+
+import re
+import tomllib
+
+import pytest
+
+from service.cli.__main__ import main
+from tests.support.assignments import change, copied, known
+
+RIGHT = "def oscillator(t, y, omega, gamma):\n    return [y[1], -omega**2 * y[0] - 2 * gamma * y[1]]\n"
+HALF = RIGHT.replace("2 * gamma", "gamma")
+
+
+@pytest.fixture
+def folder(tmp_path, warm_guest):
+    return copied(tmp_path)
+
+
+def verify(folder, *options):
+    with known():
+        return main(["verify", "--jobs", "1", str(folder), *options])
+
+
+def entries(folder):
+    return tomllib.loads((folder / "samples" / "expected.toml").read_text())
+
+
+@pytest.mark.slow
+def test_the_templates_expectations_are_what_comes_and_show_every_check_and_code(folder, capsys):
+    whole = (folder / "samples" / "expected.toml").read_text()
+    (folder / "samples" / "expected.toml").unlink()
+    assert verify(folder, "--write") == 0
+    assert (folder / "samples" / "expected.toml").read_text() == whole
+    told = capsys.readouterr()
+    names = [f"✓  {name}   (entry written)" for name in tomllib.loads(whole)]
+    assert told.out.splitlines() == [*names, "damped-oscillator: 14 of 14 samples as expected, 3 checks"]
+    assert told.err == ""
+
+
+def test_every_difference_is_told_with_its_line_and_cause(folder, capsys):
+    expected = folder / "samples" / "expected.toml"
+    change(
+        expected,
+        '["right_terms.py"]\nexercises = ["1"]',
+        '["right_terms.py"]\nexercises = ["1"]\nfail = ["1-rates"]\ncodes = ["units"]',
+    )
+    change(expected, 'fail = ["1-motion", "1-rates"]\ncodes = ["constant-factor"]', 'left_out = ["1-rates"]\nfail = ["1-energy"]')
+    assert verify(folder / "samples", "--only", "right_*", "--only", "wrong_half_damping.py", "--seed", "5") == 1
+    told = capsys.readouterr().out
+    assert re.sub(r"4\.204\d+e-10", "4.204e-10", told) == GOLDEN, told  # the last digits are the processor's
+
+
+GOLDEN = """\
+✓  right_matrix.py
+✗  right_terms.py
+     1-rates: expected ✗, got ✓
+       ✓  oscillator is (v, −ω²x − 2γv) for any state, ω and γ   [max|Δ|/scale = 0 (limit 1e-13)]
+     codes expected, but not named: units
+✗  wrong_half_damping.py
+     1-energy: expected ✗, got ✓
+       ✓  energy conserved without damping   [max relative drift = 4.204e-10 (limit 1e-08)]
+     1-motion: expected ✓, got ✗
+       ✗  x(t) and v(t) follow the closed form   [max|Δ|/scale = 0.499611 (limit 1e-08)]
+            worst at t = 13.35 s
+            5e+07 times the allowed difference
+            likely constant-factor: half of the damping: its term is −2γv
+     1-rates: not to be made, got ✗
+       ✗  oscillator is (v, −ω²x − 2γv) for any state, ω and γ   [max|Δ|/scale = 0.431029 (limit 1e-13)]
+            worst at dv/dt, probe 1 of 32
+            4.31e+12 times the allowed difference
+            likely constant-factor: half of the damping: its term is −2γv
+     code named, but not expected: constant-factor (half of the damping: its term is −2γv)
+damped-oscillator: 1 of 3 samples as expected, 3 checks
+"""
+
+
+def test_files_without_entry_and_entries_without_file(folder, capsys):
+    (folder / "samples" / "wrong_new.py").write_text(HALF)
+    (folder / "samples" / "right_matrix.py").unlink()
+    (folder / "samples" / "wrong_text.py").write_bytes(b"\xff")
+    assert verify(folder, "--only", "wrong_[nt]e[wx]*") == 1
+    told = capsys.readouterr().out
+    assert 'with --write it would get\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion", "1-rates"]' in told
+    assert "wrong_text.py\n     is no submission: wrong_text.py is not a text file (UTF-8)" in told
+    assert told.endswith("right_matrix.py: expected.toml has an entry for it, but there is no such file\n")
+
+
+def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
+    """A name that does not tell its report gets no entry: a right_ that is wrong must not become what is expected."""
+    expected = folder / "samples" / "expected.toml"
+    before = '# mine\n["wrong_half_damping.py"]\ndemo = true\nexercises = ["1"]  # kept\nfail = ["1-motion", "1-rates"]\n'
+    before += 'codes = ["constant-factor"]'
+    expected.write_text(before)
+    (folder / "samples" / 'wrong_"ω".py').write_text(HALF)
+    (folder / "samples" / "right_not.py").write_text(HALF)
+    (folder / "samples" / "wrong_not.py").write_text(RIGHT)
+    options = ["--write", "--only", "wrong_half_damping.py", "--only", "*ω*", "--only", "*_not.py", "--only", "right_terms.py"]
+    assert verify(folder, *options) == 1
+    told = capsys.readouterr().out
+    assert expected.read_text().startswith(before + "\n")
+    assert list(entries(folder)) == ["wrong_half_damping.py", "right_terms.py", 'wrong_"ω".py']
+    assert entries(folder)['wrong_"ω".py'] == {"exercises": ["1"], "fail": ["1-motion", "1-rates"], "codes": ["constant-factor"]}
+    assert told.count("(entry written)") == 2 and told.count("so that none is written") == 2
+    assert verify(folder, *options[1:5], "--only", "right_terms.py") == 0
+
+
+def test_what_no_sample_shows_is_a_warning(folder, capsys):
+    for name in entries(folder):
+        if name not in ("wrong_half_damping.py", "wrong_zeros.py"):
+            (folder / "samples" / name).unlink()
+    expected = folder / "samples" / "expected.toml"
+    expected.write_text("\n\n".join(e for e in expected.read_text().split("\n\n") if "half" in e or "zeros" in e))
+    assert verify(folder) == 0
+    assert capsys.readouterr().out.splitlines()[-4:] == [
+        "damped-oscillator: 2 of 2 samples as expected, 3 checks",
+        "warning: no sample fails 1-energy",
+        "warning: no sample shows the diagnosis codes component-order, sign-flipped, missing-term, wrong-quantity, not-finite, "
+        "returns-nothing, wrong-shape, signature",
+        "warning: no sample is all ✓",
+    ]
+
+
+def test_every_error_of_the_expectations_is_told_and_nothing_is_graded(folder, capsys):
+    expected = folder / "samples" / "expected.toml"
+    change(expected, 'unmeasured = ["1-energy", "1-motion", "1-rates"]\ncodes = ["timeout"]', 'unmesured = ["1-energy"]')
+    change(expected, '["right_matrix.py"]\nexercises = ["1"]', '["right_matrix.py"]\nask = ["9"]')
+    change(
+        expected,
+        'fail = ["1-motion", "1-rates"]\ncodes = ["returns-zero"]',
+        'fail = ["1-motoin", "1-rates"]\nleft_out = ["1-rates"]',
+    )
+    change(expected, 'codes = ["missing-term"]', 'codes = "missing-term"')
+    assert verify(folder) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    for part in (
+        "hostile_endless.py: no key is called unmesured",
+        "right_matrix.py: exercises, the numbers of those graded, is missing",
+        "right_matrix.py: there is no exercise 9",
+        "wrong_zeros.py: its exercises have no check 1-motoin",
+        "wrong_zeros.py: the check 1-rates is listed more than once",
+        "wrong_no_damping.py: codes is no list of strings",
+    ):
+        assert part in told.err
+    expected.write_text("[")
+    assert verify(folder) == 2 and "samples/expected.toml: " in capsys.readouterr().err
+
+
+def test_what_cannot_be_graded_is_no_difference(folder, capsys):
+    """A setup cell that fails is the author's: not one sample gets a verdict, and none an entry."""
+    with (folder / "setup.py").open("a") as setup:
+        setup.write("raise RuntimeError('no data file')\n")
+    (folder / "samples" / "expected.toml").unlink()
+    assert verify(folder, "--only", "right_terms.py", "--write") == 2
+    told = capsys.readouterr()
+    assert "?  right_terms.py   not graded: " in told.out and "0 of 0 samples" in told.out
+    assert not (folder / "samples" / "expected.toml").exists()
+    with known(folder):
+        assert main(["grade", str(folder / "samples" / "right_terms.py")]) == 2
+    assert "not graded: " in capsys.readouterr().err
+
+
+def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, capsys):
+    change(folder / "truth.py", "np.sqrt(omega**2 - gamma**2)", "np.sqroot(omega**2 - gamma**2)")
+    second = copied(folder.parent, "second")
+    assert verify(folder, str(second), "--only", "right_terms.py") == 2
+    told = capsys.readouterr().out
+    assert "right_terms.py   not graded: truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'" in told
+    assert "second: 1 of 1 samples as expected" in told
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_an_assignment_that_leaves_by_sys_exit_gives_no_verdict(folder, capsys, jobs):
+    """Its exit code would be an answer of ours; and what costs one file costs no other."""
+    change(folder / "causes.py", "    if scene", "    import sys\n\n    sys.exit(0)\n    if scene")
+    files = [str(folder / "samples" / name) for name in ("right_terms.py", "wrong_zeros.py")]
+    with known(folder):
+        assert main(["grade", "--jobs", jobs, *files]) == 2
+    told = capsys.readouterr()
+    assert "wrong_zeros.py: not graded: causes.py line" in told.err and "SystemExit: 0" in told.err
+    assert "2 files: 1 all ✓, 1 not graded" in told.out
+
+
+def test_a_public_side_that_students_cannot_play(folder, capsys):
+    change(folder / "public" / "__init__.py", '"undamped",\n', '"probes",\n')
+    assert verify(folder, "--only", "right_terms.py") == 2
+    assert "public/: exercise 1 reads the scene probes, which is drawn for each attempt" in capsys.readouterr().err
+
+
+def test_an_export_of_a_broken_assignment_tells_what_is_wrong_with_it(folder, capsys, tmp_path):
+    (folder / "plays.py").write_text("(")
+    with known(folder):
+        assert main(["export", "gradescope", "--assignment", "damped_oscillator", "--out", str(tmp_path / "x.zip")]) == 2
+    assert "plays.py line 1: '(' was never closed" in capsys.readouterr().err and not (tmp_path / "x.zip").exists()
+
+
+@pytest.mark.slow
+def test_nothing_to_grade(folder, capsys):
+    for path in (folder, folder / "samples", folder.parent):
+        assert verify(path, "--only", "nothing*") == 2
+        assert "damped-oscillator: no sample to grade" in capsys.readouterr().err
+    (folder / "__init__.py").unlink()
+    assert verify(folder) == 2 and "damped-oscillator: __init__.py is missing" in capsys.readouterr().err
+    assert verify(folder.parent) == 2 and f"there is no assignment in {folder.parent}" in capsys.readouterr().err
+    assert main(["verify", "knitting"]) == 2 and "there is no assignment knitting" in capsys.readouterr().err

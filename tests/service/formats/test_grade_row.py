@@ -1,0 +1,34 @@
+"""Rows of a gradebook for files: as the forms of grades take them."""
+
+import csv
+import io
+
+from service.formats import canvas, grades_csv, nbgrader
+from service.formats.grade_row import row, rows
+from tests.support.reports import example, graded_file, outcome, report
+
+
+def test_a_graded_file(rigid_body):
+    told = row(graded_file(example()), rigid_body)
+    assert (told.student, told.status, told.points, told.score, told.counted) == ("ann", "graded", 1, 1, 3)
+    assert (told.max_points, told.title, told.grader) == (36, rigid_body.title, "polhode 0.1.0, assignment version 1")
+    assert told.checks == {"1-notebook": "pass", "2-pointwise": "fail", "2-energy": "error", "2-drawn": "unmeasured"}
+
+
+def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_body):
+    refused = row(graded_file(None, refused="no text"), rigid_body)
+    fault = row(graded_file(None, "b.py", fault="disk full"), rigid_body)
+    assert (refused.status, refused.points, refused.counted) == ("refused", 0, None)
+    assert (fault.status, fault.points, fault.score) == ("faulted", None, None)
+    lines = list(csv.DictReader(io.StringIO(nbgrader.text([refused, fault]))))
+    assert [(line["student_id"], line["score"]) for line in lines] == [("ann", "0.0"), ("b", "")]
+    assert "b,,,b," not in canvas.text([refused, fault], "T", 2) and "ann,,,ann,,0" in canvas.text([refused, fault], "T", 2)
+
+
+def test_files_of_one_name_are_no_one_student(rigid_body):
+    files = [graded_file(report([outcome("2-energy")]), name) for name in ("ann/mine.py", "ben/mine.ipynb", "cho.py")]
+    assert [one.student for one in rows(files, rigid_body)] == ["ann/mine", "ben/mine", "cho"]
+
+
+def test_a_file_named_like_a_formula_is_none(rigid_body):
+    assert "\n'=1+1," in grades_csv.assignment(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")

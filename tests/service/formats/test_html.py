@@ -1,0 +1,75 @@
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+from service.cli.output_dir import Folder
+from service.grading.batch import Ask, Wanted, grade_files
+from service.grading.result import GradedFile
+from service.sandbox.select import choose
+from tests.support.guests import lend
+
+EVIL = "<img src=x onerror=alert(1)>&amp;\"'`.py"
+VOID = {"meta", "img", "br", "hr"}
+
+
+class Elements(HTMLParser):
+    """Names and attributes of all elements; fails where one is not closed."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self._open = [], []
+        self.feed(text)
+        assert not self._open
+
+    def handle_starttag(self, name, attributes):
+        self.found.append((name, dict(attributes)))
+        if name not in VOID:
+            self._open.append(name)
+
+    def handle_endtag(self, name):
+        assert self._open.pop() == name
+
+
+@pytest.fixture(scope="module")
+def written(rigid_body, sandbox, tmp_path_factory):
+    """The folder of a batch: a right file, one whose name and prints are HTML, one that is no submission, one that we failed."""
+    folder = tmp_path_factory.mktemp("batch")
+    zeros = (rigid_body.folder / "samples" / "wrong_zeros.py").read_text()
+    (folder / EVIL).write_text(zeros + "\nprint('</pre><script>alert(2)</script>')\nraise ValueError('<i>slanted</i>')\n")
+    (folder / "binary.py").write_bytes(b"\0")
+    files = [rigid_body.folder / "samples" / "right_terms.py", folder / EVIL, folder / "binary.py"]
+    with pytest.MonkeyPatch.context() as patch:
+        lend(sandbox, patch)
+        graded = list(grade_files([Ask(f, ("2",)) for f in files], Wanted(rigid_body, 1, ("svg",)), choose(), jobs=1))
+    graded.append(GradedFile(file=Path("lost.py"), fault="the guest went away"))
+    out = Folder(folder / "out", [g.file for g in graded])
+    for one in graded:
+        out.add(one)
+    out.end(graded, rigid_body)
+    return folder / "out"
+
+
+def test_the_table_links_every_page_and_tells_every_verdict(written):
+    text = (written / "index.html").read_text()
+    links = [about["href"] for name, about in Elements(text).found if name == "a"]
+    assert len(links) == len(set(links)) == 4 and all((written / unquote(link)).is_file() for link in links)
+    assert "4 files: 1 all ✓, 1 not all ✓, 1 no submission, 1 not graded" in text
+    assert text.count(">✓</td>") == 5 + 2 and text.count(">✗</td>") == 3
+    assert "<td>5/5</td>" in text and "<td>2/5</td>" in text
+    assert '<td></td><td class="none" colspan="5">not graded: the guest went away</td>' in text
+
+
+def test_nothing_of_a_submission_becomes_an_element(written):
+    for page in written.rglob("index.html"):
+        elements = Elements(page.read_text()).found
+        assert not [name for name, about in elements if name in ("script", "i") or "onerror" in about]
+
+
+def test_pages_need_nothing_from_elsewhere(written):
+    for page in written.rglob("index.html"):
+        about = [about for _, about in Elements(page.read_text()).found]
+        sources = [a["src"] for a in about if "src" in a] + [a["href"] for a in about if "href" in a]
+        assert all(s.startswith("data:image/") or (page.parent / unquote(s)).is_file() for s in sources)
+    assert any("data:image/svg" in page.read_text() for page in written.rglob("index.html"))

@@ -1,0 +1,60 @@
+"""The charts: measured by the command, shown on the page with date and versions."""
+
+import csv
+import json
+
+from service.cli.__main__ import main
+from service.grading import charts
+from tests.support.asgi import visit
+
+
+def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
+    from reference import work_precision
+    from reference.methods import METHODS
+
+    few = [m for m in METHODS if m.name in ("Euler", "RK4", "exact", "DOP853")]
+    real = work_precision.measure
+    monkeypatch.setattr(work_precision, "measure", lambda scenes: real(scenes, few, repeats=1))
+    assert main(["chart", "work-precision", "--scene", "exercise 6", "--out", str(tmp_path)]) == 0
+    document = json.loads((tmp_path / "work-precision.json").read_text())
+    with (tmp_path / "work-precision.csv").open() as stream:
+        assert len(list(csv.DictReader(stream))) == len(document["points"]) == 23
+    assert document["measured_at"] and document["versions"]["numpy"]
+    svg = (tmp_path / "work-precision-0.svg").read_text()
+    assert "exercise 6" in svg and "evaluations of the right-hand side" in svg
+    assert main(["chart", "work-precision", "--scene", "nowhere", "--out", str(tmp_path)]) == 2
+    assert "no scene is called" in capsys.readouterr().err
+
+
+def test_the_measurement_that_comes_along_is_whole():
+    document = charts.load_work_precision()
+    assert len(charts.scenes(document)) == 7
+    for scene in charts.scenes(document):
+        points = [p for p in document["points"] if p["scene"] == scene]
+        assert len({p["method"] for p in points}) >= 14
+        exact = next(p for p in points if p["method"] == "exact")
+        assert exact["error_w"] < 1e-14 and exact["ratio"] < 0.1
+    assert all(entry["holds"] for entry in charts.load_stability()["entries"])
+
+
+def test_exceptions_are_told_and_not_hidden():
+    document = {
+        "points": [
+            {"scene": "s", "method": "exact", "line": "closed form", "setting": 0, "error_w": 0.0, "error_R": 0.0, "ratio": 0.1},
+            {"scene": "s", "method": "cheap", "line": "explicit", "setting": 1, "error_w": 1e-9, "error_R": 1e-9, "ratio": 0.05},
+            {"scene": "s", "method": "coarse", "line": "explicit", "setting": 1, "error_w": 1e-3, "error_R": 1e-3, "ratio": 0.01},
+            {"scene": "s", "method": "blown up", "line": "explicit", "setting": 1, "error_w": None, "error_R": None, "ratio": 0.01},
+        ]
+    }
+    assert [p["method"] for p in charts.exceptions(document)] == ["cheap"]
+
+
+def test_the_page_shows_every_chart_and_when_and_with_what_it_was_measured(database_url):
+    drawn = ["work-precision/0", "work-precision/6", *(f"stability/{n}" for n in range(8))]
+    page, none, *answers = visit(
+        database_url, *(f"/reference{path}" for path in ("", "/stability/8.svg", *(f"/{d}.svg" for d in drawn)))
+    )
+    assert charts.load_work_precision()["measured_at"] in page.text and "numpy" in page.text and page.text.count("<figure>") == 15
+    assert none.status_code == 404
+    for chart, answer in zip(drawn, answers, strict=True):
+        assert answer.headers["content-type"].startswith("image/svg") and "<svg" in answer.text, chart

@@ -1,0 +1,66 @@
+"""Speed against accuracy of a submission, played behind the wall when somebody asks."""
+
+import pytest
+
+from service.grading import grader
+from service.grading.charts import draw_work_precision, load_work_precision
+from service.grading.grader import NotSwept, sweep
+from service.grading.submission import Submission
+from service.sandbox.isolation import tier_b
+from service.sandbox.result import Fault
+from service.sandbox.sandbox import Sandbox
+
+RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
+
+
+@pytest.fixture(scope="module")
+def swept(rigid_body, sandbox):
+    return sweep(Submission(RIGHT), rigid_body, sandbox)
+
+
+def test_errors_and_calls_are_those_of_the_reference(swept):
+    known = {(p["method"], p["setting"]): p for p in load_work_precision()["points"] if p["scene"] == swept.scene}
+    assert len(swept.points) == 18
+    for point in swept.points:
+        other = known[point.method, point.rtol]
+        assert 0.7 < point.calls / other["calls"] < 1.4
+        error = max(other["error_w"], other["error_R"])
+        assert (point.error is not None and 0.2 < point.error / error < 5) or max(point.error, error) < 1e-12
+    assert "DOP853 at rtol 1e-11 reaches" in swept.line and "cheapest to 1e-08" in swept.line
+
+
+def test_the_chart_shows_yours_over_the_others(swept):
+    chart = draw_work_precision(load_work_precision(), swept.scene, swept.points).decode()
+    assert "yours, DOP853" in chart and "yours" not in draw_work_precision(load_work_precision(), swept.scene).decode()
+
+
+@pytest.mark.slow  # test_routes.py sweeps a submission too
+def test_wrong_equations_reach_nothing(rigid_body, sandbox):
+    wrong = sweep(
+        Submission(RIGHT + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    return -right(t, w, I)\n"), rigid_body, sandbox
+    )
+    assert "nothing reaches 1e-08" in wrong.line
+
+
+@pytest.mark.parametrize(
+    ("source", "why"), [("x = 1", "not defined"), ("def euler_eqs(t, w, I):\n    return 1 / 0", "ZeroDivisionError")]
+)
+def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
+    with pytest.raises(NotSwept, match=why):
+        sweep(Submission(source), rigid_body, sandbox)
+
+
+def test_a_sandbox_with_a_hole_is_not_ready(monkeypatch):
+    holed = Sandbox(tier_b(["landlock", "limits"]))
+    monkeypatch.setattr(grader, "_sandbox", holed)
+    try:
+        with pytest.raises(Fault, match=r"a submission could .*open a socket"):
+            grader.ready()
+    finally:
+        holed.close()
+
+
+def test_a_worker_that_was_not_started_has_none(monkeypatch):
+    monkeypatch.setattr(grader, "_sandbox", None)
+    with pytest.raises(Fault, match="not started"):
+        grader.ready()

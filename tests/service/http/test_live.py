@@ -1,0 +1,85 @@
+"""Pages that tell news by themselves: one look a second for all of them, an event for each change, an end with the server."""
+
+import asyncio
+import itertools
+
+from service.http import live
+from service.http.live import Listener, Watch
+from service.store.database import Database
+
+
+def watched(action):
+    """``action(watch, told)`` with a watch whose n-th look gives what it is told, and the number of looks."""
+
+    async def main():
+        counter, told = itertools.count(1), {"looks": 0, "value": "a"}
+
+        async def look():
+            told["looks"] = next(counter)
+            await asyncio.sleep(0.01)
+            return told["value"]
+
+        listener = Listener(Database("postgresql://nowhere/", "test", connections=1))
+        watch = Watch(listener, look, lambda value: value)
+        return await action(watch, told, listener)
+
+    return asyncio.run(main())
+
+
+async def collect(watch, into, last=None):
+    async for event in watch.events(last):
+        into.append((asyncio.get_running_loop().time(), event.id))
+
+
+def test_one_look_at_a_time_for_forty_pages_and_each_is_told_of_each_change(monkeypatch):
+    every = 0.3
+    assert live.EVERY_S == 1.0
+    monkeypatch.setattr(live, "EVERY_S", every)
+
+    async def action(watch, told, listener):
+        clock, lists = asyncio.get_running_loop().time, [[] for _ in range(40)]
+        began, tasks = clock(), [asyncio.create_task(collect(watch, into)) for into in lists]
+        while not all(lists):
+            await asyncio.sleep(0.01)
+        await asyncio.sleep(1.5 * every)
+        told["value"] = "b"
+        while not all(len(into) == 2 for into in lists):
+            await asyncio.sleep(0.01)
+        listener.leave()
+        await asyncio.wait_for(asyncio.gather(*tasks), 10)  # all of them end
+        return lists, told["looks"], clock() - began
+
+    lists, looks, took = watched(action)
+    assert 3 <= looks <= took / (0.9 * every) + 2
+    assert all(len(into) == 2 and into[0][1] != into[1][1] for into in lists)
+    assert len({tuple(id for _, id in into) for into in lists}) == 1
+
+
+def test_who_comes_back_is_not_told_the_same_twice_and_a_change_of_ours_is_seen_at_once():
+    async def action(watch, told, listener):
+        first, again = [], []
+        one = asyncio.create_task(collect(watch, first))
+        await asyncio.sleep(0.2)
+        two = asyncio.create_task(collect(watch, again, first[0][1]))
+        await asyncio.sleep(0.2)
+        told["value"] = "b"
+        stale, _ = await watch.now(), watch.changed()
+        fresh = await watch.now()
+        listener.leave()
+        await asyncio.gather(one, two)
+        return first, again, stale, fresh
+
+    first, again, stale, fresh = watched(action)
+    assert (stale, fresh) == ("a", "b") and len(first) == 2 and [id for _, id in again] == [first[1][1]]
+
+
+def test_a_look_that_began_before_a_change_is_not_kept():
+    async def action(watch, told, listener):
+        asked = asyncio.create_task(watch.now())
+        await asyncio.sleep(0.005)
+        watch.changed()
+        await asked
+        told["value"] = "b"
+        return await watch.now()
+
+    assert watched(action) == "b"

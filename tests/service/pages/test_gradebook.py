@@ -1,0 +1,212 @@
+"""The pages of course, people and class, of a real server, as instructor, assistant and student."""
+
+import io
+import json
+import re
+import urllib.error
+import urllib.parse
+import urllib.request
+import uuid
+
+import pytest
+
+from ecp.document import document
+from ecp.outcome import Diagnosis, Swept, SweptPoint
+from service.grading import charts
+from service.pages import class_stats
+from service.store.course import people
+from service.store.course.gradebook import standings
+from service.store.database import Database
+from service.store.records import keep
+from tests.support.database import entered, new_database, run, sql
+from tests.support.reports import ASSIGNMENT, SLIP
+from tests.support.submissions import hand_in
+
+CLASS = "/assignments/rigid-body/class"
+EVIL = "<script>alert(1)</script>\u202e"
+RAISED = Diagnosis("raises", "ValueError: <img src=x onerror=alert(2)>", 1.0)
+
+
+@pytest.fixture(scope="module")
+def url(postgres):
+    url = new_database(postgres.url, "polhode")
+
+    async def fill(database):
+        roster = [("prof", "instructor"), ("helper", "assistant"), ("zoe", "student", "Zoe <b>Adams</b>"), ("gone", "former")]
+        async with database.begin() as connection:
+            await people.enroll(connection, roster)
+        await hand_in(database, "ann", {"2-energy": ("✓", 1.5), "2-momentum": "✓"}, filename="<b>a.py")
+        await hand_in(database, "ben", {"2-energy": ("✗", 1e-3), "2-momentum": "⏱"})
+        await hand_in(database, "cleo", {"2-energy": ("✗", 0.1, SLIP), "2-momentum": ("!", None, RAISED)})
+        await hand_in(database, "dan", None)
+
+    run(url, fill)
+    return url
+
+
+@pytest.fixture(scope="module")
+def looks(server, url):
+    """Asks for a page as somebody; with fields, posts the form that the page ``at`` shows."""
+    given = {}
+
+    def look(who, path, /, at=None, files=None, **fields):
+        if who not in given:
+            given[who] = entered(url, who, role=None)
+        headers = {"Authorization": f"Bearer {given[who]}", "Accept": "text/html"}
+        body = None
+        if at is not None:
+            csrf = re.search(r'name="csrf" value="([0-9a-f]+)"', look(who, at)[1])
+            fields = {"csrf": csrf[1] if csrf else "", **fields}
+            body, headers["Content-Type"] = multipart(fields, files) if files else (urllib.parse.urlencode(fields).encode(), FORM)
+            headers["Origin"] = server.url
+        try:
+            with urllib.request.urlopen(urllib.request.Request(server.url + path, body, headers), timeout=30) as answer:
+                return answer.status, answer.read().decode(), answer.headers
+        except urllib.error.HTTPError as error:
+            with error:
+                return error.code, error.read().decode(), error.headers
+
+    return look
+
+
+FORM = "application/x-www-form-urlencoded"
+
+
+def multipart(fields, files):
+    boundary, parts = uuid.uuid4().hex, io.BytesIO()
+    for name, value in fields.items():
+        parts.write(f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode())
+    for name, (filename, content) in files.items():
+        parts.write(
+            f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"; filename="{filename}"\r\n\r\n'.encode() + content
+        )
+        parts.write(b"\r\n")
+    parts.write(f"--{boundary}--\r\n".encode())
+    return parts.getvalue(), f"multipart/form-data; boundary={boundary}"
+
+
+def test_the_course_tells_who_has_submitted_and_what_waits(looks):
+    status, page, headers = looks("prof", "/")
+    assert status == 200 and "<b>4/5</b> submitted" in page and "1 being graded" in page
+    assert "default-src 'self'" in headers["content-security-policy"] and not re.search(r"\sstyle=|\son[a-z]+=", page)
+    own = looks("ann", "/")[1]
+    assert "being graded" not in own and "4/5" not in own and own.count("/submissions/") == 1
+
+
+def test_the_class_by_check(looks):
+    page = looks("helper", CLASS)[1]
+    assert page.count('<tr><th scope="row">Zoe &lt;b&gt;Adams&lt;/b&gt;</th><td>–</td>') == 1
+    rows = dict(re.findall(r'<tr><th scope="row">(\w+)</th><td><a[^>]*>(?:.*?)</td>(.*?)</tr>', page))
+    marks = {name: re.findall(r'<td class="(\w+)">(.)</td>', cells) for name, cells in rows.items()}
+    assert marks["ann"] == [("pass", "✓"), ("pass", "✓")] and marks["ben"] == [("fail", "✗"), ("timeout", "⏱")]
+    assert marks["cleo"][1] == ("error", "!") and marks["dan"] == []
+    assert page.count('<th scope="col"><a href') == len(ASSIGNMENT.checks())
+    assert "1 of 3 (33%)" in page and "! thin" in page and "<img src=x" not in page
+
+
+def test_causes_by_number_of_students_lead_to_their_submissions(looks):
+    page = looks("prof", CLASS)[1]
+    link, count = re.search(r'href="(/assignments/[^"]*cause=[^"]*)">(\d+) student', page).groups()
+    assert count == "2" and SLIP.sentence in page
+    chosen = looks("prof", link.replace("&amp;", "&"))[1]
+    assert "<h1>2 of 5 students</h1>" in chosen and "ben" in chosen and "cleo" in chosen and ">ann<" not in chosen
+    by_check = looks("prof", f"{CLASS}/submissions?check=2-energy&state=not-pass")[1]
+    assert "<h1>2 of 5" in by_check and "rotational energy conserved" in by_check
+    assert "<h1>1 of 5" in looks("prof", f"{CLASS}/submissions?check=2-momentum&state=timeout")[1]
+    assert "<h1>1 of 5" in looks("prof", f"{CLASS}/submissions?state=none")[1]
+    evil = looks("prof", f"{CLASS}/submissions?cause={urllib.parse.quote(EVIL)}")[1]
+    assert "<h1>0 of 5" in evil and "<script>alert" not in evil
+
+
+def test_a_roster_enters_people_and_may_give_tokens(looks, url):
+    content = "\ufeffName,Role,Full name,Email,Student id\nfay,student,Fay Ønskov,fay@x.org,17\n=1+1,,,,\n\n".encode()
+    given = {"files": {"roster": ("r.csv", content)}}
+    assert looks("prof", "/people", at="/people", **given)[:2][0] == 200
+    assert "✓ 2 people entered." in looks("prof", "/people?entered=2")[1] and "Fay Ønskov" in looks("prof", "/people")[1]
+    status, told, headers = looks("prof", "/people", at="/people", tokens="yes", **given)
+    lines = told.splitlines()
+    assert status == 200 and headers["content-disposition"] == 'attachment; filename="tokens.csv"' and len(lines) == 3
+    assert lines[1].startswith("fay,polhode_") and sql(url, "SELECT count(*) FROM audit WHERE action = 'roster'")[0][0] == 2
+    sql(url, "DELETE FROM token WHERE label = 'given by roster'")
+    sql(url, "DELETE FROM member USING person p WHERE p.id = person_id AND p.name IN ('fay', '=1+1')")
+
+
+BAD = {
+    b"": "names the columns",
+    b"name,shoe\nann,1\n": "not &#39;shoe&#39;",
+    b"name\n": "names nobody",
+    b"name\n\xff\n": "no CSV text in UTF-8",
+    b"name,role\nann,boss\n": "line 2: a role is",
+    b"name,role\nann,student\nann,assistant\n": "line 3: ann is told twice",
+    b"name\n" + b"x" * 300 + b"\n": "line 2: a name has 1 to 200",
+    b"name,email\nann,a\x07b\n": "line 2: email has at most",
+    b"name,role\nprof,student\n": "make you no instructor any more",
+}
+
+
+@pytest.mark.parametrize("content", BAD)
+def test_what_is_no_roster_enters_nobody(looks, url, content):
+    status, page, _ = looks("prof", "/people", at="/people", files={"roster": ("r.csv", content)})
+    told = re.search(r'role="alert">(.*?)</p>', page, re.DOTALL)[1]
+    assert status == 422 and BAD[content] in told
+    assert sql(url, "SELECT count(*) FROM member")[0][0] == 9
+
+
+def test_rules_and_extensions(looks, url):
+    set_ = {"due": "2099-01-01T12:00", "grace": "15", "most": "9"}
+    assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, **set_)[0] == 200
+    page = looks("ann", "/")[1]
+    assert 'datetime="2099-01-01T12:00:00+00:00"' in page and "15 min of grace" in page
+    extend = "/assignments/rigid-body/extensions"
+    assert "ill &lt;b&gt;" in looks("prof", extend, at=CLASS, name="zoe", due="2099-02-01T12:00", reason="ill <b>")[1]
+    for fields in ({"name": "nobody", "due": "2099-02-01T12:00", "reason": "x"}, {"name": "zoe", "due": "soon", "reason": "x"},
+                   {"name": "zoe", "due": "2099-02-01T12:00"}, {"name": "ben"}):  # fmt: skip
+        assert looks("prof", extend, at=CLASS, **fields)[0] == 422, fields
+    assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, due="", grace="-1")[0] == 422
+    assert sql(url, "SELECT p.name, e.reason FROM extension e JOIN person p ON p.id = person_id") == [("zoe", "ill <b>")]
+    assert looks("prof", extend, at=CLASS, name="zoe", due="")[0] == 200
+    assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, due="", grace="0", most="")[0] == 200
+
+
+def test_the_class_is_swept_once_and_drawn(looks, url):
+    """Jobs for who has not been swept, however often it is asked for; the chart is of who has."""
+    asked = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"
+    assert looks("helper", f"{CLASS}/sweep.svg")[0] == 404 and "3 graded submissions have" in looks("helper", CLASS)[1]
+    swept = Swept(charts.scenes(charts.load_work_precision())[0], [SweptPoint("DOP853", 1e-11, 1000, 1e-10, 0.01)], "fine")
+    ann = sql(url, "SELECT a.id FROM attempt a JOIN submission s ON s.id = submission_id WHERE s.filename = '<b>a.py'")[0][0]
+    run(url, lambda database: keep(database, ann, {"sweep.json": json.dumps(document(swept)).encode()}))
+    for _ in range(2):
+        assert looks("helper", f"{CLASS}/sweep", at=CLASS)[0] == 200 and sql(url, asked)[0][0] == 2
+    page, (status, chart, headers) = looks("helper", CLASS)[1], looks("helper", f"{CLASS}/sweep.svg")
+    assert "1 functions of the class" in page and "2 graded submissions have" in page
+    assert status == 200 and headers["content-type"].startswith("image/svg+xml") and "class, DOP853" in chart
+
+
+def test_who_may_not_and_forms_without_their_token(looks, server):
+    for path in (CLASS, f"{CLASS}/submissions", f"{CLASS}/sweep.svg", "/people"):
+        status, page, headers = looks("ann", path)
+        assert status == 403 and "staff" in page and headers["content-type"].startswith("text/html")
+    for path in ("/assignments/rigid-body/rules", "/assignments/rigid-body/extensions", "/people"):
+        assert looks("helper", path, at=CLASS, name="zoe")[0] == 403
+        status, page, _ = looks("prof", path, at=CLASS, csrf="0" * 64, name="zoe")
+        assert status == 403 and "load the page again" in page
+
+
+def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch):
+    """No query per row: counted at the gradebook, whose rows make the page."""
+    asked = []
+    rows = Database.rows
+    monkeypatch.setattr(Database, "rows", lambda self, query, values=None: asked.append(query) or rows(self, query, values))
+    counts = []
+    for more in (0, 12):
+        run(url, lambda database, more=more: _many(database, more))
+        asked.clear()
+        class_ = run(url, lambda database: standings(database, "rigid-body"))
+        counts.append(len(asked))
+        assert len(class_) == 5 + more and class_stats.by_check(ASSIGNMENT, class_)[5].made == 3 + more
+    assert counts == [3, 3]
+
+
+async def _many(database, count):
+    for k in range(count):
+        await hand_in(database, f"more {k}", {"2-energy": "✓"})

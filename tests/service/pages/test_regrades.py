@@ -1,0 +1,149 @@
+"""Pages of regrades, points by hand and the audit trail, as three roles see them; nothing is graded here but by the tests."""
+
+import re
+
+import pytest
+
+from service.store import records
+from tests.support.database import run, sql
+from tests.support.submissions import grade_open, graded, open_attempts, submitted
+from tests.support.visitor import Visitor, enter
+
+REGRADES = "/assignments/rigid-body/regrades"
+
+
+@pytest.fixture(scope="module")
+def people(server, url):
+    enter(url, prof="instructor", prof2="instructor", tutor="assistant", ann="student", ben="student")
+    return {name: Visitor(server, url, name) for name in ("prof", "prof2", "tutor", "ann", "ben")}
+
+
+@pytest.fixture(autouse=True)
+def emptied(url):
+    yield
+    sql(url, "TRUNCATE submission, attempt, result, outcome, run, override, regrade, kept, audit, procrastinate_jobs CASCADE")
+
+
+def row_of(page, person):
+    """What the table says of a person, without markup."""
+    (found,) = [row for row in re.findall(r"<tr>(.*?)</tr>", page, re.DOTALL) if f">{person}</a>" in row]
+    return " ".join(re.sub(r"<[^>]+>", " ", found).split())
+
+
+def test_a_preview_tells_who_gains_and_who_loses_and_only_an_instructor_applies(server, url, people):
+    prof, tutor, ann = people["prof"], people["tutor"], people["ann"]
+    hers, his = graded(url, "ann", "+--"), graded(url, "ben", "+++")
+    status, where = tutor.send(REGRADES, REGRADES, which="all")
+    assert status == 303 and "0 of 2 graded" in tutor.open(where)[1] and 'data-live="' + where in tutor.open(where)[1]
+    assert prof.send(f"{where}/apply", where) == (409, "this cannot be applied yet: 2 of its submissions have not been graded yet")
+    grade_open(url, {hers: "++-"})
+    assert "1 of 2 graded" in prof.open(where)[1] and "Apply" not in prof.open(where)[1]
+    grade_open(url, {his: "-+?"})
+    page = prof.open(where)[1]
+    assert "2 of 2 graded" in page and "Version 1 → 2" in page and "1 gain, 1 lose, 0 keep their points" in page
+    assert row_of(page, "ann") == "ann 1 of 3 → 2 of 3 ✗ → ✓ (failed, now passed) c2"
+    assert row_of(page, "ben").startswith("ben 3 of 3 → 1 of 3 ✓ → ✗ (passed, now failed) c1 ✓ → – (passed, now not measured) c3")
+    assert ann.open(where)[0] == 403 and ann.json(f"/v1/submissions/{hers}")["report"]["score"] == 1
+    assert tutor.send(f"{where}/apply", where)[0] == ann.send(f"{where}/apply", "/")[0] == 403
+    assert prof.send(f"{where}/apply", where) == (303, where)
+    assert ann.json(f"/v1/submissions/{hers}")["report"]["score"] == 2
+    page = prof.open(where)[1]
+    assert "applied by prof" in page and "data-live" not in page and "1 gain, 1 lose" in page and "csrf" not in page
+    assert people["prof2"].send(f"{where}/apply", REGRADES) == (409, "it was applied by prof already")
+    assert "✓ applied by prof" in tutor.open(REGRADES)[1]
+
+
+def test_one_of_them_and_a_checks_victims(server, url, people):
+    prof, tutor = people["prof"], people["tutor"]
+    hers, his = graded(url, "ann", "+-"), graded(url, "ben", "++")
+    assert "Grade this one again" in tutor.open(f"/submissions/{hers}")[1]
+    assert "Grade this one again" not in people["ann"].open(f"/submissions/{hers}")[1]
+    status, where = tutor.send(REGRADES, f"/submissions/{hers}", which=hers)
+    assert status == 303 and [s for s, _ in open_attempts(url)] == [hers] and "one submission of ann" in tutor.open(where)[1]
+    assert people["ann"].send(f"{where}/drop", "/")[0] == 403
+    assert tutor.send(f"{where}/drop", where) == (303, where) and open_attempts(url) == []  # who asked may
+    _, where = prof.send(REGRADES, REGRADES, which="all")
+    assert tutor.send(f"{where}/drop", where)[0] == 403 and prof.send(f"{where}/drop", where)[0] == 303
+    for asked, status, why in (
+        ({"which": "check", "check": "nope"}, 422, "no check nope"),
+        ({"which": ""}, 422, "tell which"),
+        ({"which": "x"}, 404, "nothing by the id x"),
+        ({"which": "00000000-0000-0000-0000-000000000000"}, 404, "has no submission"),
+        ({"which": "check", "check": "euler.direction"}, 409, "nothing to grade again"),
+    ):
+        labels = re.findall(r'<option value="([^"]+)"', prof.open(REGRADES)[1])
+        asked = {k: labels[0] if v == "euler.direction" else v for k, v in asked.items()}
+        answer = prof.send(REGRADES, REGRADES, **asked)
+        assert answer[0] == status and why in answer[1], answer
+    assert his and prof.open("/regrades/x")[0] == prof.open("/regrades/00000000-0000-0000-0000-000000000000")[0] == 404
+    assert prof.open("/assignments/nope/regrades")[0] == 404
+
+
+def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url, people):
+    prof, tutor, ann = people["prof"], people["tutor"], people["ann"]
+    id = graded(url, "ann", "+--")
+    own, give = f"/submissions/{id}", f"/submissions/{id}/overrides"
+    for other in (tutor, ann):
+        assert other.send(give, own, check="c2", points="1", reason="please")[0] == 403
+        assert "Give points by hand" not in other.open(own)[1]
+    reason = "Her figure shows it <b>&</b> more.\nSee you."
+    assert prof.send(give, own, check="c2", points="1", reason=reason, seen="0") == (303, f"{own}#points")
+    page = ann.open(own)[1]
+    assert "2 of 3 (graded 1)" in page and "Her figure shows it &lt;b&gt;&amp;&lt;/b&gt; more." in page and "prof " in page
+    told = ann.json(f"/v1/submissions/{id}")
+    assert told["points"] == 2 and told["report"]["score"] == 1
+    (one,) = told["overrides"]
+    assert (one["check"], one["points"], one["by"]) == ("c2", 1, "prof") and one["at"] and one["reason"].endswith("See you.")
+    assert "2 of 3</span> (graded 1)" in ann.open("/assignments/rigid-body")[1]
+    listed = ann.json("/v1/assignments/rigid-body/submissions")["submissions"][0]
+    assert (listed["points"], listed["score"]) == (2, 1)
+    stale = people["prof2"].send(give, own, check="c2", points="0", reason="no", seen="0")
+    assert stale[0] == 409 and "load the page again" in stale[1]
+    (override,) = sql(url, "SELECT id FROM override")[0]
+    withdraw = f"{give}/{override}/withdraw"
+    assert tutor.send(withdraw, own)[0] == ann.send(withdraw, own)[0] == 403
+    assert people["prof2"].send(withdraw, own)[0] == 303 and people["prof2"].send(withdraw, own)[0] == 409
+    assert "overrides" not in ann.json(f"/v1/submissions/{id}") and "withdrawn by prof2" in ann.open(own)[1]
+    trail = tutor.open(f"/audit?subject={id}")[1]
+    assert "override withdrawn" in trail and "points: 1 → 2" in trail and "points: 2 → 1" in trail and "&lt;b&gt;" in trail
+
+
+@pytest.mark.parametrize(
+    ("fields", "status", "why"),
+    [
+        ({"points": "2", "check": "c1"}, 422, "points are 0 to 1"),
+        ({"points": "4", "check": ""}, 422, "points are 0 to 3"),
+        ({"points": "-1"}, 422, "whole number"),
+        ({"points": "½"}, 422, "whole number"),
+        ({"points": "1", "reason": " "}, 422, "give a reason"),
+        ({"points": "1", "reason": "x" * 1001}, 422, "at most 1000"),
+        ({"points": "1", "check": "c9"}, 422, "no check c9"),
+        ({"points": "1", "check": "c1", "reason": "a\x00b"}, 303, ""),
+    ],
+)
+def test_points_that_cannot_be_given(server, url, people, fields, status, why):
+    id = graded(url, "ann", "+--")
+    asked = {"check": "", "reason": "because"} | fields
+    answer = people["prof"].send(f"/submissions/{id}/overrides", f"/submissions/{id}", **asked)
+    assert answer[0] == status and why in answer[1], answer
+    assert run(url, lambda d: records.read(d, id)).points == 1
+
+
+def test_no_report_no_points_and_no_submission_no_page(server, url, people):
+    id, _ = submitted(url)
+    graded(url, "ben", "+")
+    other = sql(url, "SELECT id FROM submission WHERE id <> %s", id)[0][0]
+    answer = people["prof"].send(f"/submissions/{id}/overrides", f"/submissions/{other}", points="1", reason="x")
+    assert answer == (409, "there is no report yet: points can be given once it is graded")
+    assert people["prof"].send("/submissions/x/overrides", f"/submissions/{other}", points="1", reason="x")[0] == 404
+
+
+def test_what_waits_and_is_held_is_shown_in_the_queue(server, url, people):
+    mine = graded(url, "ann", "+")
+    people["prof"].send(REGRADES, REGRADES, which="all")
+    for _ in range(2):
+        submitted(url, "ben")
+    page = people["tutor"].open("/queue")[1]
+    assert "Waiting: 3" in page and "2 interactive, 1 regrade" in page and "to look at first" in page
+    assert re.search(rf'<td>3</td>\s*<th scope="row"><a href="/submissions/{mine}">ann</a>', page)
+    assert "There is no worker" in page

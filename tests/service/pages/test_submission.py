@@ -1,0 +1,467 @@
+"""The page of one submission: failing lines, motions, timeline and difference, who sees what; a stranger's text stays text."""
+
+import html.parser
+import io
+import json
+import re
+import time
+import urllib.error
+import urllib.request
+import uuid
+
+import numpy as np
+import pytest
+
+from ecp.outcome import Diagnosis, Ending, SceneEnding
+from ecp.report import ExerciseReport
+from exercises import validation
+from service.grading import motion_data, rendering
+from service.grading.submission import Submission, places
+from service.pages.source import MOST_LINES, MOST_WORK, TooLong, cells, difference
+from service.store.course import people, tokens
+from tests.support.database import run, sql
+from tests.support.reports import outcome
+from tests.support.submissions import grade_really, graded
+
+SLUG = "/v1/assignments/rigid-body/submissions"
+RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
+REVERSED = "def euler_eqs(t, w, I):\n    return -np.cross(I * w, w) / I\n"
+MOST_BYTES = 10 * 1024
+
+
+@pytest.fixture(scope="module")
+def send(server, url, sandbox):
+    """Submit with a token and grade that as a worker does; the submission as the server returns it."""
+
+    def sent(token, source, filename="mine.py", exercises=("2",)):
+        body = {"source": source, "filename": filename, "exercises": list(exercises)}
+        status, _, told = call(server, SLUG, token, json.dumps(body).encode(), Content_Type="application/json")
+        assert status == 202, told
+        id = json.loads(told)["id"]
+        run(url, lambda database: grade_really(database, id, sandbox, {"grade": 1000.0, "pack": 10.0}))
+        status, _, told = call(server, f"/v1/submissions/{id}", token)
+        assert status == 200, told
+        return json.loads(told)
+
+    return sent
+
+
+@pytest.fixture(scope="module")
+def ann(url):
+    return token(url, "ann")
+
+
+@pytest.fixture(scope="module")
+def prof(url):
+    run(url, inside(lambda connection: people.enroll(connection, [("prof", "instructor"), ("tina", "assistant")])))
+    return token(url, "prof")
+
+
+def inside(action):
+    async def begun(database):
+        async with database.begin() as connection:
+            return await action(connection)
+
+    return begun
+
+
+def token(url, name):
+    return run(url, inside(lambda connection: tokens.give(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)))
+
+
+def call(server, path, token, body=None, **headers):
+    given = {"Authorization": f"Bearer {token}", "Accept": "text/html"} | {k.replace("_", "-"): v for k, v in headers.items()}
+    try:
+        with urllib.request.urlopen(urllib.request.Request(server.url + path, body, given), timeout=90) as answer:
+            return answer.status, answer.headers, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.headers, error.read().decode()
+
+
+def page(server, token, sent):
+    status, headers, told = call(server, f"/submissions/{sent['id']}", token)
+    assert status == 200 and "default-src 'self'" in headers["content-security-policy"]
+    return told
+
+
+def notebook(*sources):
+    made = [{"cell_type": "code", "source": s, "metadata": {}, "outputs": [], "execution_count": None} for s in sources]
+    text = {"cell_type": "markdown", "source": ["# raise here"], "metadata": {}}
+    return json.dumps({"cells": [text, *made], "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+
+
+def marked(told):
+    """(class, id, line, words of the marks) of the lines that have a mark."""
+    found = re.findall(r'<span class="([a-z-]+)" id="(line-\d+-\d+)" data-line="(\d+)">(.*?)</span>', told)
+    return [(kind, id, int(line), re.findall(r'href="#(ending-\d+)">◀ ([^<]*)<', rest)) for kind, id, line, rest in found]
+
+
+def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann, send):
+    source = "A = '\x0c'  # a form feed begins no line\n\n\ndef deeper(w):\n    return w['no']\n\n\n"
+    source += "def euler_eqs(t, w, I):\n    return deeper(w)\n"
+    told = page(server, ann, send(ann, source))
+    (deep, way) = marked(told)
+    assert deep[:3] == ("failing", "line-1-5", 5) and way[:3] == ("on-the-way", "line-1-9", 9)
+    ((ending, words),) = deep[3]
+    assert words.startswith("raised here: IndexError: only integers") and f'id="{ending}"' in told
+    assert '<a href="#line-1-5">submission.py, line 5</a>' in told and way[3][0][1].startswith("on the way there: IndexError")
+
+
+def test_in_a_notebook_the_line_of_the_right_cell_is_marked(server, ann, send):
+    sent = send(ann, notebook("a = 1\nb = 2", "def euler_eqs(t, w, I):\n    return w / a.b", "def (:\n    pass"), "mine.ipynb")
+    told = page(server, ann, sent)
+    assert "<h3>cell 1</h3>" in told and "3 cells" in told
+    ((_, second, _, raised), (_, third, _, syntax)) = marked(told)
+    assert (second, third) == ("line-2-2", "line-3-1")
+    assert "AttributeError" in raised[0][1] and "SyntaxError" in syntax[0][1]
+
+
+def test_a_line_is_counted_as_python_counts_it_and_only_frames_are_believed():
+    source = "a = 1\r\nb = 2\rc = 3\x0b\u2028 # still 3\n\x0cd = 4\n\n"
+    forged = '  File "submission.py", line 4, in f\n    d = 4\nValueError: x\n  File "submission.py", line 1, in g\n'
+    ending = SceneEnding("probes", Ending.RAISED, "ValueError: x", "raises", forged)
+    (cell,) = cells(Submission(source), [ending])
+    assert [line.number for line in cell.lines if line.marks] == [4] and len(cell.lines) == 5
+    assert cell.lines[2].text == "c = 3\ufffd\ufffd # still 3" and cell.lines[3].text == "\ufffdd = 4"
+    far = SceneEnding(
+        "probes", Ending.RAISED, "x", "raises", f'  File "submission.py", line {10**30}, in f\n  File "/etc/passwd", line 1'
+    )
+    assert not [line for cell in cells(Submission(source), [far]) for line in cell.lines if line.marks]
+    assert places(SceneEnding("film", Ending.TIMED_OUT, "too slow")) == []
+
+
+def test_a_long_source_is_shown_in_part_and_its_marked_line_always():
+    long = Submission("\n".join(f"x{k} = {k}" for k in range(9000)))
+    assert [(len(c.lines), c.left_out) for c in cells(long, [])] == [(MOST_LINES, 9000 - MOST_LINES)]
+    raised = SceneEnding("submission.py", Ending.RAISED, "E: e", "raises", '  File "submission.py", line 8000, in <module>\nE: e\n')
+    (cell,) = cells(long, [raised])
+    assert cell.lines[-1].number == 8000 and cell.lines[-1].marks and cell.left_out == 1000
+
+
+def test_the_exact_motion_and_the_students_own(server, ann, rigid_body, send):
+    right, wrong = (send(ann, source, exercises=("2", "5", "6")) for source in (RIGHT, REVERSED))
+    for name, scene in (("torque-free", "torque-free"), ("tumble", "spin-mid"), ("precession", "precession")):
+        told = {}
+        for sent in (right, wrong):
+            path = f"/submissions/{sent['id']}/motions/{name}.json"
+            assert f'data-motion="{path}"' in page(server, ann, sent)
+            status, headers, body = call(server, path, ann)
+            assert status == 200 and headers["content-type"] == "application/json" and len(body.encode()) <= MOST_BYTES
+            assert call(server, path, ann, If_None_Match=headers["etag"])[0] == 304
+            told[sent["id"]] = json.loads(body)
+        exact, reverse = told[right["id"]], told[wrong["id"]]
+        truth = rigid_body.scene(scene).truth(rigid_body.scene(scene).inputs)
+        assert np.abs(matrices(exact["exact"], exact["scale"]) - at(truth, exact["t"])).max() < 4e-4
+        assert exact["yours"] == exact["exact"] == reverse["exact"] != reverse["yours"]
+        assert exact["told"] == ["Never more than 0.00001° apart."] and re.search(r"by \d+(\.\d+)?°", reverse["told"][0])
+        assert len(exact["t"]) == min(motion_data.FRAMES, len(truth["t"])) and abs(np.linalg.norm(exact["L"]) - 1) < 1e-3
+    assert call(server, f"/submissions/{right['id']}/motions/nope.json", ann)[0] == 404
+    assert call(server, f"/submissions/{uuid.uuid4()}/motions/tumble.json", ann)[0] == 404
+
+
+def matrices(whole, scale):
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(np.array(whole).reshape(-1, 4) / scale, scalar_first=True).as_matrix()
+
+
+def at(truth, ms):
+    return truth["R"][np.abs(truth["t"][None] * 1e3 - np.array(ms)[:, None]).argmin(axis=1)]
+
+
+def spoilt(R, kind):
+    R = R.copy()
+    match kind:
+        case "nan":
+            R[40:] = np.nan
+        case "inf first":
+            R[0] = np.inf
+        case "huge":
+            R[50:] *= 1e300
+        case "reflected":
+            R *= -1
+        case "zero":
+            R[30] = 0
+        case "slightly off":
+            R *= 1.01
+    return R
+
+
+@pytest.mark.parametrize(
+    ("kind", "frames", "words"),
+    [
+        ("nan", 40, "your R is not finite"),
+        ("inf first", 0, "At t = 0 s your R is not finite."),
+        ("huge", 50, "max |RᵀR − 1| = inf"),
+        ("reflected", 0, "a reflection, not a rotation"),
+        ("zero", 30, "max |RᵀR − 1| = 1"),
+        ("slightly off", 80, "shown is the nearest one"),
+    ],
+)
+def test_what_is_no_rotation_is_said_and_not_shown(rigid_body, kind, frames, words):
+    scene, asked = rigid_body.scene("precession"), motion_data.find(rigid_body, "precession")
+    R = spoilt(scene.truth(scene.inputs)["R"], kind)
+    told = json.loads(motion_data.tell(rigid_body, asked, {"R": R}, 3))
+    assert len(told["yours"]) == 4 * frames and len(told["exact"]) == 4 * 80 and words in " ".join(told["told"])
+
+
+@pytest.mark.parametrize(
+    "R", [None, np.zeros((3, 3)), np.zeros((80, 3, 3), complex), np.zeros((80, 9)), np.zeros((80, 3, 3), np.uint8)]
+)
+def test_arrays_that_are_none_of_the_scene_are_refused(rigid_body, R):
+    with pytest.raises(ValueError, match="no attitude"):
+        motion_data.tell(rigid_body, motion_data.find(rigid_body, "precession"), {} if R is None else {"R": R}, 3)
+
+
+def test_quaternions_are_those_of_the_rotations_and_do_not_jump():
+    from scipy.spatial.transform import Rotation
+
+    random = Rotation.random(4000, rng=3).as_matrix()
+    half_turns = Rotation.from_rotvec(np.pi * np.eye(3)).as_matrix()
+    R = np.concatenate([random, half_turns, [np.eye(3)]])
+    q = motion_data.quaternions(R)
+    assert np.abs(Rotation.from_quat(q, scalar_first=True).as_matrix() - R).max() < 1e-14
+    assert (np.einsum("ij,ij->i", q[1:], q[:-1]) >= 0).all()
+
+
+def test_no_motion_is_larger_than_ten_kib(rigid_body):
+    """Every number as long as it can be, and all that can be told at once."""
+    for exercise in rigid_body.exercises:
+        for one in exercise.motions:
+            scene = rigid_body.scene(one.scene)
+            R = 1.02 * scene.truth(scene.inputs)["R"]
+            R[-1] = np.nan
+            told = json.loads(motion_data.tell(rigid_body, one, {"R": R}, 3))
+            assert len(told["told"]) == 3
+            longest = (
+                told
+                | {key: [-motion_data.SCALE] * 4 * motion_data.FRAMES for key in ("exact", "yours")}
+                | {"t": [999999] * motion_data.FRAMES}
+            )
+            assert len(json.dumps(longest, ensure_ascii=False, separators=(",", ":")).encode()) <= MOST_BYTES
+
+
+def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(server, ann, url, send):
+    sent = send(ann, RIGHT + "# no report")
+    of = "attempt_id = (SELECT id FROM attempt WHERE submission_id = %s)"
+    sql(url, "ALTER TABLE result DISABLE TRIGGER USER")
+    sql(url, f"UPDATE result SET report = report - 'provenance' WHERE {of}", sent["id"])
+    sql(url, "ALTER TABLE result ENABLE TRIGGER USER")
+    for path in (f"/submissions/{sent['id']}", f"/v1/submissions/{sent['id']}"):
+        status, _, told = call(server, path, ann)
+        assert status == 500 and "the failure is ours" in told
+
+
+def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, rigid_body, send):
+    sent = send(ann, RIGHT + "# forged", exercises=("6",))
+    attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]
+    path = f"/submissions/{sent['id']}/motions/precession.json"
+
+    def put(**arrays):
+        stream = io.BytesIO()
+        np.savez(stream, **arrays)
+        mark = uuid.uuid4().hex
+        sql(url, "INSERT INTO artefact (sha256, content) VALUES (%s, %s)", mark, stream.getvalue())
+        sql(url, "UPDATE kept SET sha256 = %s WHERE attempt_id = %s AND name = 'arrays.npz'", mark, attempt)
+
+    put(**{"probes/wdot": np.zeros(3)})
+    assert call(server, path, ann)[0] == 404
+    put(**{"precession/R": np.full((80, 3, 3), np.nan)})
+    status, _, body = call(server, path, ann)
+    assert status == 200 and json.loads(body)["yours"] == [] and json.loads(body)["told"] == ["At t = 0 s your R is not finite."]
+
+
+def test_a_motion_needs_a_scene_that_brings_an_attitude(rigid_body):
+    from dataclasses import replace
+
+    last = rigid_body.exercises[-1]
+    wrong = replace(last, motions=(replace(last.motions[0], scene="symmetric"),))
+    assert "motion precession: scene symmetric brings no R" in validation.errors(replace(rigid_body, exercises=(wrong,)))
+
+
+def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof, send):
+    ben = token(url, "ben")
+    first = send(ben, RIGHT)
+    second = send(ben, RIGHT.replace("return ", "# now with a sign\n    return -") + "print('<b>')\n")
+    told = page(server, ben, second)
+    rows = re.findall(r"<tr( class=\"current\")?>\s*<th scope=\"row\"><a href=\"/submissions/([0-9a-f-]+)\"", told)
+    assert [(bool(current), id) for current, id in rows] == [(True, second["id"]), (False, first["id"])]
+    status, _, changes = call(server, f"/submissions/{second['id']}/diff", ben)
+    assert (
+        status == 200
+        and len(re.findall(r'<span class="gone"', changes)) == 1
+        and len(re.findall(r'<span class="new"', changes)) == 3
+    )
+    assert (
+        "+</span>     # now with a sign" in changes
+        and "−</span>     return np.cross" in changes
+        and "print(&#39;&lt;b&gt;&#39;)" in changes
+    )
+    assert call(server, f"/submissions/{first['id']}/diff", ben)[0] == 404
+    assert call(server, f"/submissions/{second['id']}/diff", prof)[0] == 200
+    cara = token(url, "cara")
+    for path in (
+        f"/submissions/{second['id']}",
+        f"/submissions/{second['id']}/diff",
+        f"/submissions/{second['id']}/motions/torque-free.json",
+    ):
+        assert call(server, path, cara)[0] == 403
+
+
+def test_a_difference_is_of_the_code_and_tells_lines_before_and_now():
+    same = difference(Submission(RIGHT), Submission(RIGHT))
+    assert same == []
+    before, now = (Submission(notebook("a = 1", middle, "c = 3"), "x.ipynb") for middle in ("b = 2", "b = 2\nb = 3"))
+    (group,) = difference(before, now)
+    assert [(line.kind, line.before, line.now, line.text) for line in group if line.kind != "same"] == [("new", None, 5, "b = 3")]
+    assert ("same", 3, 3, "# cell 2") in [(line.kind, line.before, line.now, line.text) for line in group]
+
+
+def test_no_two_sources_take_long_to_compare():
+    """Lines that are all alike, that repeat just below what difflib leaves aside, that only move, and a quarter million of them."""
+    rng = np.random.default_rng(1)
+    pairs = [(["x"] * 1999 + ["y"], ["z"] + ["x"] * 1999), ([str(k) for k in range(2000)], [str(k) for k in range(2000)][::-1])]
+    for lines, kinds in ((2000, 105), (1400, 150), (2000, 520), (199, 2), (199, 20), (1990, 400)):
+        pairs.append(tuple([[str(k) for k in rng.integers(0, kinds, lines)] for _ in "ab"]))
+    pairs.append(([""] * 262_000 + ["a"], ["b"] + [""] * 262_000))
+    refused = 0
+    for a, b in pairs:
+        began = time.process_time()
+        try:
+            difference(Submission("\n".join(a)), Submission("\n".join(b)))
+        except TooLong:
+            refused += 1
+        assert time.process_time() - began < 3.0
+    assert 2 <= refused < len(pairs) and MOST_WORK <= 1e8
+
+
+def test_two_sources_too_unlike_are_said_to_be(server, url, send):
+    dan = token(url, "dan")
+    for sign in "ab":
+        sent = send(dan, "\n".join(f"# {sign}{k}" for k in range(2500)) + "\n" + RIGHT)
+    assert "too much to be compared" in call(server, f"/submissions/{sent['id']}/diff", dan)[2]
+
+
+def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, prof, url, send):
+    sent = send(ann, REVERSED)
+    sql(url, "UPDATE person SET full_name = 'Ann Müller' WHERE name = 'ann'")
+    mine, theirs, assistants = page(server, ann, sent), page(server, prof, sent), page(server, token(url, "tina"), sent)
+    seed = str(sent["report"]["provenance"]["seed"])
+    of_staff = [
+        seed,
+        "Ann Müller",
+        '<span class="badge">hidden</span>',
+        "allowed limit 1e-06: the notebook",
+        "; margin ",
+        '<th scope="col">Worker',
+    ]
+    for words in of_staff:
+        assert words in theirs and words in assistants and words not in mine, words
+    for words in (
+        "✗  ω(t) follows the exact motion",
+        "sign-reversed",
+        "Phases: ",
+        "<caption>Attempts at grading",
+        "public checks: 2 of 3",
+    ):
+        assert words in theirs and words in mine, words
+    assert re.search(r"<td>\d+(\.\d)? m?s</td>\s*<td>\d+(\.\d)? m?s</td>", mine), "waited and took"
+
+
+COPIED = """
+WITH s AS (
+    INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint)
+    SELECT gen_random_uuid(), assignment_id, person_id, source, sha256, filename, fingerprint FROM submission WHERE id = %s
+    RETURNING id
+), a AS (
+    INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs)
+    SELECT gen_random_uuid(), id, 1, 'interactive', 1, 3 FROM s RETURNING id
+), r AS (
+    INSERT INTO result (attempt_id, fault, cancelled_by) SELECT id, %s, %s FROM a
+) SELECT id FROM s
+"""
+
+
+def test_what_somebody_stopped_is_not_called_our_failure(server, ann, url, send):
+    sent = send(ann, RIGHT + "# stopped")
+    ours, stopped = ({"id": sql(url, COPIED, sent["id"], "told here", by)[0][0]} for by in (None, "prof"))
+    told = page(server, ann, ours)
+    assert "polhode failed while grading this" in told and "told here" in told and "! our failure" in told
+    told = page(server, ann, stopped)
+    assert "Stopped by prof. This costs nothing" in told and "polhode failed" not in told and "stopped by prof" in told
+
+
+NASTY = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'><svg/onload=alert(3)>&lt;b&gt;{{7*7}}</pre></span>"
+BIDI = "\u202e\u2066"
+
+
+class Tags(html.parser.HTMLParser):
+    def __init__(self, told):
+        super().__init__()
+        self.tags, self.attributes, self.addresses = [], [], []
+        self.feed(told)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [name for name, _ in attrs]
+        self.addresses += [value for name, value in attrs if name in ("href", "src", "data-live", "data-motion", "action")]
+
+
+def test_the_notebooks_own_checks_are_lines_without_points(server, ann, send):
+    told = send(ann, notebook(RIGHT, "validate.check(True, '<b>mine</b>', '1 < 2')"), "mine.ipynb")
+    (check,) = told["report"]["notebook_checks"]
+    assert check["line"] == "✓  <b>mine</b>   [1 < 2]" and check["cell"] == "cell 2" and told["report"]["score"] == 5
+    shown = page(server, ann, told)
+    assert "Self-reported, no points" in shown and "✓  &lt;b&gt;mine&lt;/b&gt;   [1 &lt; 2]" in shown and "<b>mine" not in shown
+
+
+def test_a_strangers_text_stays_text(server, url, send):
+    eve = token(url, f"eve {NASTY}")
+    source = f"# {NASTY} {BIDI}\nprint({NASTY + BIDI!r})\n\n"
+    source += f"def euler_eqs(t, w, I):\n    raise ValueError({NASTY + BIDI!r})  # {NASTY}{BIDI}\n"
+    script = type(f"{NASTY}", (), {}).__name__
+    send(eve, f"E = type({script!r}, (Exception,), {{}})\n\ndef euler_eqs(t, w, I):\n    raise E({BIDI!r})\n", f"{NASTY}.py")
+    sent = send(eve, source, f"<script>{BIDI}'\"><b>.py")
+    for path in (f"/submissions/{sent['id']}", f"/submissions/{sent['id']}/diff"):
+        status, _, told = call(server, path, eve)
+        found = Tags(told)
+        assert status == 200 and found.tags.count("script") == 1 and not {"svg", "b>"} & set(found.tags), path
+        assert not [name for name in found.attributes if name.startswith("on") or name == "style"]
+        assert not [address for address in found.addresses if not address.startswith(("/", "#", "data:,"))]
+        assert not set(BIDI) & set(told) and "49" not in re.findall(r"\{\{.{0,5}\}\}|&gt;49&lt;", told)
+        assert "&lt;script&gt;" in told and "\ufffd" in told
+    assert Tags(page(server, eve, sent)).tags.count("img") == sum(len(sent["report"][kind]) for kind in ("figures", "animations"))
+
+
+def test_pictures_and_motions_of_one_attempt_come_from_the_same_arrays(server, ann, rigid_body, url, send):
+    sent = send(ann, RIGHT + "# same", exercises=("6",))
+    attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]
+    packed = sql(
+        url, "SELECT content FROM artefact JOIN kept USING (sha256) WHERE attempt_id = %s AND name = 'arrays.npz'", attempt
+    )[0][0]
+    seen = rendering.unpack(packed)["precession"]
+    made = motion_data.tell(rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"])
+    path = f"/submissions/{sent['id']}/motions/precession.json"
+    assert call(server, path, ann)[2].encode() == made
+    assert sql(url, "SELECT 1 FROM kept WHERE attempt_id = %s AND name = 'motions/precession.json'", attempt) == [(1,)]
+
+
+def test_points_are_out_of_all_there_are(server, url, ann):
+    id = graded(url, "ann", "+-", total=36, not_attempted=["1", "6"])
+    summary = "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"
+    assert summary in call(server, f"/submissions/{id}", ann)[2]
+    newest = json.loads(call(server, SLUG, ann)[2])["submissions"][0]
+    assert (newest["score"], newest["max_score"], newest["total"]) == (1, 2, 36)
+    for page in ("/", "/assignments/rigid-body", f"/submissions/{id}"):
+        assert "✗ 1 of 36</span>" in call(server, page, ann)[2], page
+    assert '"total":36' in call(server, f"/v1/submissions/{id}/events", ann)[2].replace(" ", "")
+
+
+def test_the_page_states_each_cause_once_above_the_lines_that_refer_to_it(server, url, ann):
+    slip = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check <I₃ − I₁>", 1.0)
+    outcomes = [outcome(f"c{k}", "fail", f"label {k}", diagnosis=[slip]) for k in (1, 2)]
+    page = call(server, f"/submissions/{graded(url, 'ann', exercises=[ExerciseReport('2', 'Euler', outcomes)])}", ann)[2]
+    assert page.count("ω̇₂ has the opposite sign: check &lt;I₃ − I₁&gt;") == 1 and page.count('href="#cause-1"') == 2
+    assert "<h2>One cause explains 2 failures</h2>" in page and page.index('id="cause-1"') < page.index("Exercise 2.")
+    assert '<a href="#check-c1">label 1</a>; <a href="#check-c2">label 2</a>' in page

@@ -1,0 +1,51 @@
+"""Packages beyond numpy, scipy and matplotlib: importable where the assignment declares them, and nowhere else."""
+
+from dataclasses import replace
+
+import pytest
+
+from ecp.judge import Verdict
+from service.grading.batch import Ask, Wanted, grade_files
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox.isolation import tier_b
+from service.sandbox.result import Fault
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose, with_packages
+
+EXTRA = ("iniconfig",)  # small, pure Python, and installed for pytest
+CODE = """
+import iniconfig, pathlib
+def box_moments(m, a, b, c):
+    try:
+        (pathlib.Path(iniconfig.__file__).parent / "x.py").write_text("x")
+    except OSError:
+        return m / 12 * np.array([b * b + c * c, c * c + a * a, a * a + b * b])
+"""
+
+
+@pytest.mark.parametrize("walls", [lambda: choose("A"), pytest.param(tier_b, marks=pytest.mark.slow)], ids=["A", "B"])
+def test_a_declared_package_can_be_imported_and_not_written_to(rigid_body, walls):
+    sandbox = Sandbox(with_packages(walls(), EXTRA))
+    try:
+        report = grade(Submission(CODE), replace(rigid_body, packages=EXTRA), sandbox, 1, ["1"]).report
+    finally:
+        sandbox.close()
+    verdicts = {outcome.id: outcome.verdict for outcome in report.outcomes()}
+    assert verdicts["1-boxes"] is Verdict.PASS, report.text()
+
+
+def test_without_it_the_error_lists_what_there_is(rigid_body, sandbox):
+    report = grade(Submission(CODE), rigid_body, sandbox, 1, ["1"]).report
+    ending = report.endings[0]
+    assert ending.sentence.startswith("ModuleNotFoundError: No module named 'iniconfig' (the sandbox has numpy ")
+    assert f"stopped with {ending.sentence}" in report.outcomes()[0].line
+
+
+def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_path):
+    lacking = replace(rigid_body, packages=("no-such-package",))
+    with pytest.raises(Fault, match="rigid-body needs packages that are not installed on this server: no-such-package"):
+        grade(Submission(CODE), lacking, sandbox, 1)
+    (tmp_path / "mine.py").write_text(CODE)
+    with pytest.raises(Fault, match="no-such-package"):
+        list(grade_files([Ask(tmp_path / "mine.py")], Wanted(lacking, 1), choose()))

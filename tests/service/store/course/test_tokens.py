@@ -1,0 +1,65 @@
+"""Tokens and logins in the store: which are good, who may revoke them, and that a login is confirmed once."""
+
+import pytest
+
+from service.store.course import tokens
+from tests.support.database import run
+
+
+def in_transaction(url, action):
+    """Return what ``action(connection)`` returns in one transaction."""
+
+    async def begun(database):
+        async with database.begin() as connection:
+            return await action(connection)
+
+    return run(url, begun)
+
+
+def given(url, name, seconds=1000.0):
+    return in_transaction(url, lambda c: tokens.give(c, name, label="test", scopes=["read"], seconds=seconds))
+
+
+def found(url, token):
+    return run(url, lambda d: tokens.find(d, token))
+
+
+def test_a_token_is_good_until_it_expires(url):
+    good, old = found(url, given(url, "ann")), found(url, given(url, "ann", seconds=-1.0))
+    assert (good.person, good.scopes, good.over) == ("ann", {"read"}, None)
+    assert old.over.startswith("expired on 20")
+    assert found(url, "polhode_unknown") is None
+
+
+def test_a_revoked_token_is_not_good(url):
+    token, other = given(url, "ben"), given(url, "cleo")
+    assert in_transaction(url, lambda c: tokens.revoke(c, person="ben")) == 1
+    assert found(url, token).over.startswith("was revoked on 20") and found(url, other).over is None
+
+
+def test_only_its_owner_revokes_a_token_of_their_own(url):
+    token = given(url, "dora")
+    id = found(url, token).id
+    assert not in_transaction(url, lambda c: tokens.revoke_own(c, "eve", id))
+    assert found(url, token).over is None
+    assert in_transaction(url, lambda c: tokens.revoke_own(c, "dora", id))
+    assert found(url, token).over and not in_transaction(url, lambda c: tokens.revoke_own(c, "dora", id))
+
+
+def test_a_login_is_confirmed_by_one_person_and_collected_once(url):
+    device, code = run(url, lambda d: tokens.begin_login(d, "a notebook"))
+    assert run(url, lambda d: tokens.collect_login(d, device, 1.0)) is None, "nobody has confirmed it"
+    assert run(url, lambda d: tokens.confirm_login(d, code, "fay"))
+    assert not run(url, lambda d: tokens.confirm_login(d, code, "mallory"))
+    token, person = run(url, lambda d: tokens.collect_login(d, device, 1.0))
+    assert person == "fay" and found(url, token).person == "fay"
+    with pytest.raises(tokens.LoginOver):
+        run(url, lambda d: tokens.collect_login(d, device, 1.0))
+
+
+def test_a_refused_login_gives_no_token(url):
+    device, code = run(url, lambda d: tokens.begin_login(d, "a notebook"))
+    assert run(url, lambda d: tokens.confirm_login(d, code, None))
+    assert not run(url, lambda d: tokens.confirm_login(d, code, "gus"))
+    with pytest.raises(tokens.LoginOver):
+        run(url, lambda d: tokens.collect_login(d, device, 1.0))

@@ -1,0 +1,130 @@
+"""A worker in this process: what becomes of the attempt it takes, and how often it gives a sign of life."""
+
+import asyncio
+import contextlib
+import os
+
+import pytest
+
+from service.grading import grader
+from service.sandbox.select import WallsMissing
+from service.settings import Settings
+from service.workers import worker
+from tests.support.database import run, sql
+from tests.support.submissions import submitted
+
+SLOW = "def euler_eqs(t, w, I):\n    while True: pass\n"  # its scene is stopped after 2 s
+RUNS = "SELECT ending, phase, note FROM run WHERE attempt_id = %s"
+JOBS = "SELECT status::text FROM procrastinate_jobs WHERE args->>'attempt' = %s AND status = 'todo'"
+
+
+class Left(BaseException):
+    """The process would have ended here."""
+
+
+@pytest.fixture
+def waiting(database_url):
+    """An attempt whose job a worker has taken."""
+    _, attempt = submitted(database_url, source=SLOW, exercises=["2"])
+    sql(database_url, "SELECT id FROM procrastinate_fetch_job_v2(NULL, NULL)")
+    return attempt
+
+
+@contextlib.asynccontextmanager
+async def worker_on(url, **settings):
+    one = worker.Slot(Settings(database_url=url, **settings), "w1")
+    try:
+        yield one
+    finally:
+        await one._database.close()
+
+
+def grade(url, attempt):
+    """Grade the attempt as the function of its job does."""
+
+    async def graded(database):
+        async with worker_on(url) as worker:
+            await worker._grade(str(attempt))
+
+    run(url, graded)
+
+
+def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_url, waiting, sandbox, monkeypatch):
+    monkeypatch.setattr(grader, "_sandbox", sandbox)
+    grade(database_url, waiting)
+    ((ending, phase, _),) = sql(database_url, RUNS, waiting)
+    assert ending == "finished" and phase in ("playing", "judging"), "the run was begun as 'starting'"
+    assert sql(database_url, "SELECT score FROM result WHERE attempt_id = %s", waiting) == [(0,)]
+
+
+def test_an_attempt_that_cannot_be_graded_is_given_back(database_url, waiting, monkeypatch):
+    monkeypatch.setattr(grader, "_sandbox", None)
+    grade(database_url, waiting)
+    assert sql(database_url, RUNS, waiting) == [("failed", "starting", "this worker was not started")]
+    assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
+
+
+def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(database_url, waiting, sandbox, monkeypatch):
+    def leave(code):
+        raise Left
+
+    async def stopped(database):
+        async with worker_on(database_url, drain=0) as worker:
+            grading = asyncio.create_task(worker._grade(str(waiting)))
+            taking = asyncio.create_task(_stubborn(grading))
+            while not worker._claimed:
+                await asyncio.sleep(0.01)
+            with pytest.raises(Left):
+                await worker._drain(taking)
+            given_back = await database.rows("SELECT ending FROM run")
+            await grading  # a process would have ended before
+            return given_back
+
+    monkeypatch.setattr(grader, "_sandbox", sandbox)
+    monkeypatch.setattr(os, "_exit", leave)
+    assert [row.ending for row in run(database_url, stopped)] == ["released"]
+    assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
+
+
+def test_a_worker_that_has_no_walls_says_why_and_takes_nothing(database_url, monkeypatch):
+    def refuse(least):
+        raise WallsMissing(f"no walls of {least} here")
+
+    async def started(database):
+        async with worker_on(database_url, min_tier="A") as worker:
+            trying = asyncio.create_task(worker._put_up_walls())
+            while not (known := await database.rows("SELECT walls, refusal FROM worker")):
+                await asyncio.sleep(0.02)
+            worker._stopping.set()
+            return tuple(known[0]), await trying
+
+    monkeypatch.setattr(worker, "choose", refuse)
+    assert run(database_url, started) == ((None, "no walls of A here"), False)
+
+
+async def _stubborn(grading):
+    """As Procrastinate, end only after the job."""
+    while not grading.done():
+        try:
+            await asyncio.sleep(0.05)
+        except asyncio.CancelledError:
+            continue
+
+
+@pytest.mark.parametrize(
+    ("lease", "beat", "look"), [(2.0, 0.5, 1.0), (0.4, 0.1, 0.2), (60.0, 15.0, 1.0)], ids=["default", "shortest", "longest"]
+)
+def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, beat, look):
+    async def times():
+        one = worker.Slot(Settings(database_url="postgresql://nobody@127.0.0.1:1/none", lease=lease), "w")
+        try:
+            return one._beat_s, one._look_s
+        finally:
+            await one._database.close()
+
+    assert asyncio.run(times()) == pytest.approx((beat, look))
+
+
+def test_what_no_setting_changes():
+    assert (worker.ENROL_S, worker.SWEEP_S, worker.RETRY_WALLS_S) == (3.0, 30.0, 5.0)
+    assert (worker.PATIENCE_S, worker.MOST_S) == (3600.0, 900.0), "a result in hand outlives an hour without database"

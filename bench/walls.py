@@ -14,14 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from exercises.assignment import Blank
+from exercises.assignment import ArraySpec
 from exercises.catalogue import assignments
 from exercises.rigid_body import host_integration
 from service.grading.crosscheck import Attempt, cross_check
 from service.grading.grade import draw_inputs, truth
 from service.sandbox import session
-from service.sandbox.isolation import tier_b
-from service.sandbox.job import Cell, Job, Played
+from service.sandbox.isolation import process_isolation
+from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 
@@ -35,7 +35,7 @@ TRIVIAL = Job(
     "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](1.0))}",
     (Cell("submission.py", "import time\nprint(time.clock_gettime(time.CLOCK_MONOTONIC))\ndef f(x):\n    return [x, x]"),),
     ("f",),
-    (Played("one", "ask", "f", {}, {"x": Blank((2,))}, 2.0, None),),
+    (SceneRequest("one", "ask", "f", {}, {"x": ArraySpec((2,))}, 2.0, None),),
 )
 DRAWING = """
 import matplotlib.pyplot as plt
@@ -52,14 +52,14 @@ def main() -> None:
     walls = choose()
     first, second = Sandbox(walls), Sandbox(walls)
     for sandbox in (first, second):
-        sandbox.rehearse()
+        sandbox.self_test()
     print(f"\nwalls: {walls.name}")
     warm = latency(first, "trivial play")
-    bare = Sandbox(tier_b(()))
+    bare = Sandbox(process_isolation(()))
     bare.start()
     latency(bare, "the same without any wall")
     bare.close()
-    latency(in_tier_b := Sandbox(tier_b()), "the same in tier B")
+    latency(in_tier_b := Sandbox(process_isolation()), "the same in tier B")
     in_tier_b.close()
     cold = statistics.median(timed(lambda: _cold(walls)) for _ in range(5))
     print(f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm play")
@@ -159,7 +159,7 @@ def _probing():
     assignment = assignments()["rigid-body"]
     scenes = [assignment.scene("probes"), assignment.scene("torque-free")]
     inputs = {s.name: draw_inputs(s, 1) for s in scenes}
-    played = tuple(Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes)
+    played = tuple(SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes)
     setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
     job = Job(setup, plays, (Cell("submission.py", RIGHT),), ("euler_eqs",), played)
     return job, inputs, {s.name: truth(s, inputs[s.name]) for s in scenes}
@@ -174,7 +174,7 @@ def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
 
 def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
     asked = dict(inputs["torque-free"]) | {"orientation": False}
-    scene = Played("torque-free", "", "euler_eqs", {}, {}, 20.0, None, lambda ask: host_integration.motion(asked, ask))
+    scene = SceneRequest("torque-free", "", "euler_eqs", {}, {}, 20.0, None, lambda ask: host_integration.motion(asked, ask))
     motion = sandbox.play(replace(job, scenes=(scene,))).driven["torque-free"]
     assert np.all(np.isfinite(motion["w"]))
 

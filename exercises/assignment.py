@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise
-from ecp.outcome import Diagnosis, Swept
+from ecp.outcome import Diagnosis, SweepResult
 
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
 """By scene, what a function was asked there and what came back."""
-Ask = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+RightHandSide = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 class InvalidAssignment(Exception):
@@ -31,7 +31,7 @@ class NoAssignment(LookupError):
 
 
 @dataclass(frozen=True)
-class Blank:
+class ArraySpec:
     """An array a scene may bring back, as ``float64`` or ``uint8``: of exactly ``shape``, or where ``up_to`` of at least one and at
     most that many in every length but the last, which is exact."""
 
@@ -41,7 +41,7 @@ class Blank:
 
 
 @dataclass(frozen=True)
-class Drive:
+class HostVerification:
     """How the host makes sure that a motion which came back is the one the student's function drives.
 
     It is if ``certified(inputs, seen, truth)`` of the scene ``proof``, where the function was asked for single values, also along
@@ -51,8 +51,8 @@ class Drive:
 
     proof: str
     certified: Callable[[Inputs, Arrays, Arrays], bool]
-    follows: Callable[[Inputs, Arrays, Ask, np.random.Generator], bool]
-    motion: Callable[[Inputs, Ask], Arrays]
+    follows: Callable[[Inputs, Arrays, RightHandSide, np.random.Generator], bool]
+    motion: Callable[[Inputs, RightHandSide], Arrays]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +74,13 @@ class Scene:
     play: str
     function: str
     inputs: Inputs | Callable[[np.random.Generator], Inputs]
-    returns: Mapping[str, Blank]
+    returns: Mapping[str, ArraySpec]
     truth: Callable[[Inputs], Arrays]
     budget_s: float
     after: str | None = None
     known: tuple[str, ...] = ()
     twice: bool = False
-    drive: Drive | None = None
+    drive: HostVerification | None = None
     replaced: Callable[[Inputs, Arrays], Inputs | str | None] | None = None
 
 
@@ -89,7 +89,7 @@ class Sweep:
     """Speed against accuracy of the student's own function, played only when somebody asks; ``read(seen, truth)`` tells it."""
 
     scene: Scene
-    read: Callable[[Arrays, Arrays], Swept]
+    read: Callable[[Arrays, Arrays], SweepResult]
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class Assignment:
         """All of them, in order."""
         return [c for e in self.exercises for c in e.checks]
 
-    def most_points(self, numbers: Collection[str] | None = None) -> int:
+    def max_points(self, numbers: Collection[str] | None = None) -> int:
         """A point for each check of the exercises (default: all), but for those of functions that may be left out: a bonus."""
         asked = [e for e in self.exercises if numbers is None or e.number in numbers]
         return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in asked)

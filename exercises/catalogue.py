@@ -20,16 +20,16 @@ SETTING = "POLHODE_ASSIGNMENTS"
 
 def folders() -> list[Path]:
     """Every folder that means to be an assignment, those beside this file first."""
-    return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in within(one))]))
+    return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in discover(one))]))
 
 
-def taken(slug: str) -> bool:
+def is_taken(slug: str) -> bool:
     """Whether that name is an assignment's, or a module's of this folder."""
     name = slug.replace("-", "_")
     return name in [folder.name for folder in folders()] or importlib.util.find_spec(f"exercises.{name}") is not None
 
 
-def home() -> Path | None:
+def default_folder() -> Path | None:
     """Where a new assignment belongs: in the first folder of them that POLHODE_ASSIGNMENTS names, else here, unless installed."""
     for named in _named():
         if not (named / "__init__.py").is_file():
@@ -38,7 +38,7 @@ def home() -> Path | None:
     return None if {"site-packages", "dist-packages"} & set(here.parts) else here
 
 
-def add(folder: Path) -> None:
+def register_folder(folder: Path) -> None:
     """Let this process, and those it starts, know the assignment in ``folder``."""
     known = os.environ.get(SETTING)
     os.environ[SETTING] = os.pathsep.join([*([known] if known else []), str(folder.resolve())])
@@ -69,7 +69,7 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     return module.ASSIGNMENT, []
 
 
-def within(named: Path) -> list[Path]:
+def discover(named: Path) -> list[Path]:
     """The assignment that a folder is, or each in a folder of them; a folder that is not there stands for itself."""
     if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
         return [named]
@@ -108,41 +108,41 @@ def _imported(folder: Path) -> ModuleType:
     return module
 
 
-class Found(NamedTuple):
+class Catalogue(NamedTuple):
     """The assignments by their slugs; and those that cannot be used, with all that is wrong with each."""
 
-    sound: dict[str, Assignment]
-    broken: dict[str, InvalidAssignment]
+    valid: dict[str, Assignment]
+    invalid: dict[str, InvalidAssignment]
 
 
 def assignments() -> dict[str, Assignment]:
     """Every assignment that can be used, by its slug."""
-    return found().sound
+    return load_catalogue().valid
 
 
 def find(slug: str) -> Assignment:
     """The assignment of that slug, or of that folder's name; InvalidAssignment for a broken one, NoAssignment for none."""
     slug = slug.replace("_", "-")
-    if (error := found().broken.get(slug)) and slug not in found().sound:
+    if (error := load_catalogue().invalid.get(slug)) and slug not in load_catalogue().valid:
         raise error
-    if slug not in found().sound:
-        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(found().sound)) or 'none'}")
-    return found().sound[slug]
+    if slug not in load_catalogue().valid:
+        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(load_catalogue().valid)) or 'none'}")
+    return load_catalogue().valid[slug]
 
 
 @functools.cache
-def found() -> Found:
+def load_catalogue() -> Catalogue:
     """Each package in this folder, and each that POLHODE_ASSIGNMENTS names: one that is broken costs no other."""
-    sound, broken = {}, {}
+    valid, invalid = {}, {}
     for folder in folders():
         slug = slug_of(folder)
         try:
             assignment = _load(slug, folder)
         except InvalidAssignment as error:
-            broken[slug] = error
+            invalid[slug] = error
         else:
-            sound[slug] = assignment
-    return Found(sound, broken)
+            valid[slug] = assignment
+    return Catalogue(valid, invalid)
 
 
 def _load(slug: str, folder: Path) -> Assignment:

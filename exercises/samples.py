@@ -52,12 +52,12 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Listed:
+class SampleSet:
     """The ``samples`` of an assignment; files that have no expectation, and expectations that have no file."""
 
     samples: list[Sample]
     unlisted: list[Path]
-    fileless: list[str]
+    missing: list[str]
 
 
 def codes(report: Mapping[str, Any]) -> set[str]:
@@ -65,7 +65,7 @@ def codes(report: Mapping[str, Any]) -> set[str]:
     return {d["code"] for e in report["exercises"] for o in e["outcomes"] for d in o["diagnosis"]}
 
 
-def listed(assignment: Assignment) -> Listed:
+def load_samples(assignment: Assignment) -> SampleSet:
     """What lies in the assignment's folder samples/; InvalidAssignment with every error of its expected.toml."""
     folder = assignment.folder / "samples"
     entries, errors = read(assignment)
@@ -73,14 +73,14 @@ def listed(assignment: Assignment) -> Listed:
         raise InvalidAssignment(assignment.slug, [f"samples/expected.toml: {error}" for error in errors])
     files = {path.name: path for path in sorted(folder.glob("*")) if path.suffix in (".py", ".ipynb")}
     known = [_sample(assignment, files[name], entry) for name, entry in entries.items() if name in files]
-    return Listed(known, [files[name] for name in files if name not in entries], [name for name in entries if name not in files])
+    return SampleSet(known, [files[name] for name in files if name not in entries], [name for name in entries if name not in files])
 
 
 def samples(assignment: Assignment) -> list[Sample]:
     """The samples of an assignment, as its expected.toml lists them; ValueError if files and list disagree."""
-    found = listed(assignment)
-    if found.unlisted or found.fileless:
-        names = sorted([*(path.name for path in found.unlisted), *found.fileless])
+    found = load_samples(assignment)
+    if found.unlisted or found.missing:
+        names = sorted([*(path.name for path in found.unlisted), *found.missing])
         raise ValueError(f"samples without or with only an expectation: {names}")
     return found.samples
 

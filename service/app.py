@@ -10,15 +10,15 @@ from fastapi import FastAPI
 from fastapi.middleware.cors import CORSMiddleware
 from fastapi.staticfiles import StaticFiles
 
-from exercises.catalogue import found
+from exercises.catalogue import load_catalogue
 from service.api import events, exports, figures, health, history, kit, submissions
-from service.api.renderer import Draughtsman
+from service.api.renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
-from service.auth.passwords import Passwords
-from service.auth.rate_limit import Throttle
+from service.auth.passwords import PasswordChecker
+from service.auth.rate_limit import LoginRateLimiter
 from service.http import errors, middleware
-from service.http.live import Listener, Watch
+from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import account, course, gradebook, login, overrides, queue, reference, regrades, submission
 from service.settings import Settings
@@ -50,7 +50,7 @@ PAGES = (
     account.router,
     oidc.router,
 )
-ENVIRONMENT.globals["csrf"] = forms.hidden
+ENVIRONMENT.globals["csrf"] = forms.csrf_field
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 
@@ -82,20 +82,22 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     settings: Settings = app.state.settings
     assert settings.database_url is not None
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait)
-    await register(database, found().sound.values())
-    for broken in found().broken.values():
+    await register(database, load_catalogue().valid.values())
+    for broken in load_catalogue().invalid.values():
         log.error("%s", broken)
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
-    app.state.passwords, app.state.throttle = Passwords(database), Throttle()
-    app.state.crew = health.Crew(database)
-    app.state.listener, app.state.draughtsman = Listener(database), Draughtsman()
+    app.state.passwords, app.state.throttle = PasswordChecker(database), LoginRateLimiter()
+    app.state.crew = health.WorkerStatus(database)
+    app.state.listener, app.state.renderer = Listener(database), Renderer()
     app.state.listener.start()
-    app.state.queue = Watch(app.state.listener, lambda: queue_overview.look(database), partial(queue.shown, lease_s=settings.lease))
+    app.state.queue = ChangeFeed(
+        app.state.listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease)
+    )
     try:
         yield
     finally:
-        app.state.draughtsman.stop()
+        app.state.renderer.stop()
         app.state.hub.stop()
         app.state.passwords.stop()
         await app.state.listener.stop()

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, settings
 
 from exercises.catalogue import assignments
 from exercises.wheel import wheel
-from service.sandbox.isolation import tier_b
+from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from service.store.database import migrate
@@ -83,7 +83,7 @@ def rigid_body():
 def sandbox():
     """Behind tier A, as a server has it where it can."""
     sandbox = Sandbox(choose("A"))
-    sandbox.rehearse()
+    sandbox.self_test()
     yield sandbox
     sandbox.close()
 
@@ -94,8 +94,8 @@ def either_sandbox(request, sandbox):
     if request.param == "A":
         yield sandbox
         return
-    bare = Sandbox(tier_b())
-    bare.rehearse()
+    bare = Sandbox(process_isolation())
+    bare.self_test()
     yield bare
     bare.close()
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import reference
 from ecp.checks import Arrays
-from exercises.assignment import Ask, Drive, Inputs
+from exercises.assignment import HostVerification, Inputs, RightHandSide
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ def certified(inputs: Inputs, seen: Arrays, truth: Arrays) -> bool:
     return bool(np.all(np.abs(seen["wdot"] - truth["wdot"]) <= EXACT * truth["scale"]))
 
 
-def follows(inputs: Inputs, seen: Arrays, ask: Ask, rng: np.random.Generator) -> bool:
+def follows(inputs: Inputs, seen: Arrays, ask: RightHandSide, rng: np.random.Generator) -> bool:
     """Whether stretches of the motion, drawn at random, are what the integrator makes of ``ask`` from their beginnings."""
     times, w, R = np.linspace(0.0, inputs["t_end"], inputs["n"]), seen["w"], seen.get("R")
     length = max(1, round(STRETCH * len(times)))
@@ -43,7 +43,7 @@ def follows(inputs: Inputs, seen: Arrays, ask: Ask, rng: np.random.Generator) ->
     return True
 
 
-def motion(inputs: Inputs, ask: Ask) -> Mapping[str, Array]:
+def motion(inputs: Inputs, ask: RightHandSide) -> Mapping[str, Array]:
     """The whole motion. Raises TooManyCalls or ValueError where there is none."""
     times = np.linspace(0.0, inputs["t_end"], inputs["n"])
     start = _state(np.asarray(inputs["w0"], dtype=float), np.eye(3) if inputs["orientation"] else None)
@@ -51,14 +51,14 @@ def motion(inputs: Inputs, ask: Ask) -> Mapping[str, Array]:
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
-DRIVE = Drive("probes", certified, follows, motion)
+DRIVE = HostVerification("probes", certified, follows, motion)
 
 
 def _state(w: Array, R: Array | None) -> Array:
     return w if R is None else np.concatenate([w, R.ravel()])
 
 
-def _integrate(start: Array, times: Array, I: Array, ask: Ask, most_calls: int) -> Array:
+def _integrate(start: Array, times: Array, I: Array, ask: RightHandSide, most_calls: int) -> Array:
     from scipy.integrate import solve_ivp
 
     moments, calls = np.asarray(I, dtype=float), 0

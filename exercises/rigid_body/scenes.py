@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 import reference
-from exercises.assignment import Blank, Inputs, Scene
+from exercises.assignment import ArraySpec, Inputs, Scene
 from exercises.rigid_body import probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
@@ -43,7 +43,7 @@ def _spin(name: str, axis: int) -> Scene:
 
 
 def _motion(name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs], n: int, orientation: bool) -> Scene:
-    returns = {"w": Blank((3, n))} | ({"R": Blank((n, 3, 3))} if orientation else {})
+    returns = {"w": ArraySpec((3, n))} | ({"R": ArraySpec((n, 3, 3))} if orientation else {})
     return Scene(
         name, "trajectory", "euler_eqs", inputs, returns, _exact_motion, budget_s=12.0, after="probes", known=("t",), drive=DRIVE
     )
@@ -159,15 +159,15 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
 FILMED = (1.25, 1.25, 2.0)  # not those of the course: |L| is not the rate at which ê₃ goes round L
 TILT = Rotation.from_rotvec([-2.0, 1.0, 0.0]).as_matrix()
 FILM = {
-    "frames": Blank((24, 360, 480, 3), "uint8", up_to=True),
-    "tracks": Blank((600, 256, 3), up_to=True),
-    "owners": Blank((256, 3), up_to=True),
-    "labels": Blank((64, 3), up_to=True),
-    "at": Blank((600, 3), up_to=True),
-    "cost": Blank((6,)),
-    "own_R": Blank((4000, 3, 3), up_to=True),
-    "own_t": Blank((4000, 1), up_to=True),
-    "own_I": Blank((8, 3), up_to=True),
+    "frames": ArraySpec((24, 360, 480, 3), "uint8", up_to=True),
+    "tracks": ArraySpec((600, 256, 3), up_to=True),
+    "owners": ArraySpec((256, 3), up_to=True),
+    "labels": ArraySpec((64, 3), up_to=True),
+    "at": ArraySpec((600, 3), up_to=True),
+    "cost": ArraySpec((6,)),
+    "own_R": ArraySpec((4000, 3, 3), up_to=True),
+    "own_t": ArraySpec((4000, 1), up_to=True),
+    "own_I": ArraySpec((8, 3), up_to=True),
 }
 THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
 TRAJECTORIES = (
@@ -183,15 +183,15 @@ TRAJECTORIES = (
 ASKED = probes.asked(len(TRAJECTORIES))
 
 SCENES = (
-    Scene("boxes", "box", "box_moments", _boxes, {"moments": Blank((BOXES, 3))}, _exact_boxes, 1.0, known=("exact", "at")),
-    Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": Blank((1, 3))}, _exact_tensors, 1.0),
-    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": Blank((TENSORS, 3))}, _exact_tensors, 1.0),
+    Scene("boxes", "box", "box_moments", _boxes, {"moments": ArraySpec((BOXES, 3))}, _exact_boxes, 1.0, known=("exact", "at")),
+    Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": ArraySpec((1, 3))}, _exact_tensors, 1.0),
+    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": ArraySpec((TENSORS, 3))}, _exact_tensors, 1.0),
     Scene(
         "probes",
         "pointwise",
         "euler_eqs",
         _probes,
-        {"wdot": Blank((ASKED, 3))},
+        {"wdot": ArraySpec((ASKED, 3))},
         probes.exact,
         2.0,
         known=("exact", "at_w", "at_I"),
@@ -200,7 +200,7 @@ SCENES = (
     *TRAJECTORIES,
     *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in DRAWN.items()),
     *(
-        Scene(name, "precession", "precession_rate", given, {"rate": Blank(())}, _exact_precession, 1.0)
+        Scene(name, "precession", "precession_rate", given, {"rate": ArraySpec(())}, _exact_precession, 1.0)
         for name, given in TURNING.items()
     ),
     _film("film", "animate_precession", (2.2, 0.0, 0.5), FILMED, "L"),

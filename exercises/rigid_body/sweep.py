@@ -4,8 +4,8 @@ import math
 
 import reference
 from ecp.checks import Arrays
-from ecp.outcome import Swept, SweptPoint
-from exercises.assignment import Blank, Inputs, Scene, Sweep
+from ecp.outcome import SweepResult, SweptPoint
+from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.rigid_body.public.parameters import BODY, TORQUE_FREE
 from reference.errors import errors
 from reference.exact import Sampled
@@ -21,11 +21,11 @@ SETTINGS = [(solver, rtol) for solver in SOLVERS for rtol in TOLERANCES]
 INPUTS = {"w0": list(TORQUE_FREE), "I": list(BODY), "t": CHARTED.t.tolist(), "settings": SETTINGS, "orientation": True}
 N = len(CHARTED.t)
 RETURNS = {
-    "w": Blank((len(SETTINGS), 3, N)),
-    "R": Blank((len(SETTINGS), N, 3, 3)),
-    "calls": Blank((len(SETTINGS),)),
-    "seconds": Blank((len(SETTINGS),)),
-    "per_call": Blank(()),
+    "w": ArraySpec((len(SETTINGS), 3, N)),
+    "R": ArraySpec((len(SETTINGS), N, 3, 3)),
+    "calls": ArraySpec((len(SETTINGS),)),
+    "seconds": ArraySpec((len(SETTINGS),)),
+    "per_call": ArraySpec(()),
 }
 
 
@@ -35,7 +35,7 @@ def _truth(inputs: Inputs) -> Arrays:
     return {"w": exact.w, "R": exact.R}
 
 
-def read(seen: Arrays, truth: Arrays) -> Swept:
+def read(seen: Arrays, truth: Arrays) -> SweepResult:
     """Errors of every run, and one line: what the notebook's setting reaches, what a call costs, what is cheapest to 1e-8."""
     exact, points = Sampled(truth["w"], truth["R"]), []
     for k, (solver, rtol) in enumerate(SETTINGS):
@@ -50,7 +50,7 @@ def read(seen: Arrays, truth: Arrays) -> Swept:
                 seconds=float(seen["seconds"][k]),
             )
         )
-    return Swept(scene=CHARTED.name, points=points, line=_line(points, float(seen["per_call"])))
+    return SweepResult(scene=CHARTED.name, points=points, line=_line(points, float(seen["per_call"])))
 
 
 def _line(points: list[SweptPoint], per_call: float) -> str:

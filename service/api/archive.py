@@ -13,7 +13,7 @@ from ecp.document import NotADocument
 from ecp.document import read as read_document
 from ecp.report import Report
 from service.formats.csv import BYTE_ORDER_MARK, Value, table
-from service.formats.filenames import Archive, Names, safe
+from service.formats.filenames import UniqueNames, ZipStream, safe_filename
 from service.formats.grade_row import moment
 from service.store.course.grades import overrides, submissions, trail
 from service.store.course.people import ROSTER
@@ -28,10 +28,12 @@ INDEX = (
 OURS = ("report.json", "report.txt")
 
 
-async def everything(database: Database, slug: str, files: Mapping[str, str], people: Sequence[Found[Any]]) -> AsyncIterator[bytes]:
+async def course_archive(
+    database: Database, slug: str, files: Mapping[str, str], people: Sequence[Found[Any]]
+) -> AsyncIterator[bytes]:
     """The zip's bytes: ``files``, the roster, what was given instead, the audit trail, then every submission and a list of them."""
-    top, now = safe(slug), datetime.now(UTC)
-    with closing(Archive()) as archive:
+    top, now = safe_filename(slug), datetime.now(UTC)
+    with closing(ZipStream()) as archive:
         given = await overrides(database, slug)
         lists = {**files, "roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(GIVEN, given)}
         for name, content in lists.items():
@@ -53,16 +55,16 @@ class Folders:
     """A folder for each person, in it one for each submission; ``index`` has a line for each of these."""
 
     def __init__(self, top: str, people: Iterable[str]) -> None:
-        self._top, self._names = top, Names()
+        self._top, self._names = top, UniqueNames()
         self._of = {name: self._names.give(name, "person") for name in people}
         self.index: list[list[Value]] = []
 
-    def add(self, archive: Archive, batch: Sequence[Found[Any]]) -> None:
+    def add(self, archive: ZipStream, batch: Sequence[Found[Any]]) -> None:
         """Add these submissions."""
         for found in batch:
             person = self._of.get(found.person) or self._of.setdefault(found.person, self._names.give(found.person, "person"))
             folder = f"{self._top}/submissions/{person}/{found.submitted_at.astimezone(UTC):%Y%m%dT%H%M%SZ}-{found.id}"
-            archive.add(f"{folder}/{Names(OURS).give(found.filename, 'submission.py')}", found.source, found.submitted_at)
+            archive.add(f"{folder}/{UniqueNames(OURS).give(found.filename, 'submission.py')}", found.source, found.submitted_at)
             for name, content in _reports(found).items():
                 archive.add(f"{folder}/{name}", content, found.submitted_at)
             self.index.append(_line(found, folder))

@@ -10,7 +10,7 @@ from service.api.submissions import find_submission
 from service.http.live import Listener
 from service.store import records
 from service.store.database import is_outage
-from service.store.records import Stored
+from service.store.records import SubmissionRecord
 
 router = APIRouter()
 LONGEST_S = 3600.0
@@ -19,7 +19,7 @@ LONGEST_S = 3600.0
 @router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse)
 async def events(
     request: Request,
-    stored: Annotated[Stored, Depends(find_submission)],
+    stored: Annotated[SubmissionRecord, Depends(find_submission)],
     last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncIterator[ServerSentEvent]:
     """``queued`` with its position, ``running`` with scene k of n, at last ``graded`` or ``faulted``: then the stream ends.
@@ -28,7 +28,7 @@ async def events(
     event's id is what it tells, so who comes back with ``Last-Event-ID`` is not told the same twice.
     """
     told, listener = last_event_id, request.app.state.listener
-    async for _ in listener.looks(str(stored.id), LONGEST_S):
+    async for _ in listener.wait_for_changes(str(stored.id), LONGEST_S):
         try:
             now = await _now(request, stored, listener)
         except Exception as error:
@@ -43,7 +43,7 @@ async def events(
             return
 
 
-async def _now(request: Request, stored: Stored, listener: Listener) -> dict[str, Any]:
+async def _now(request: Request, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
     row = await records.state(request.app.state.database, stored.id)
     assert row is not None
     told = {"status": row.status, "attempt": row.number}

@@ -10,19 +10,19 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import StreamingResponse
 
 from exercises.assignment import Assignment
-from service.api.archive import everything
+from service.api.archive import course_archive
 from service.api.submissions import find_assignment
 from service.auth.roles import Staff
 from service.formats import canvas, grades_csv, grades_json, moodle, nbgrader
-from service.formats.filenames import safe
-from service.formats.grade_row import Row
+from service.formats.filenames import safe_filename
+from service.formats.grade_row import GradeRow
 from service.store.course.grades import grades, roster
 
 router = APIRouter()
 CSV = "text/csv; charset=utf-8"
-IMPORTED: dict[str, Callable[[Sequence[Row], Assignment], str]] = {
+IMPORTED: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
     "nbgrader": lambda rows, _: nbgrader.text(rows),
-    "canvas": lambda rows, assignment: canvas.text(rows, assignment.title, assignment.most_points()),
+    "canvas": lambda rows, assignment: canvas.text(rows, assignment.title, assignment.max_points()),
     "moodle": lambda rows, assignment: moodle.text(rows, assignment.title),
 }
 
@@ -31,7 +31,7 @@ IMPORTED: dict[str, Callable[[Sequence[Row], Assignment], str]] = {
 async def course_csv(request: Request, person: Staff) -> Response:
     """The whole course: a line for each student, points and most points of every assignment."""
     rows = await grades(request.app.state.database)
-    return _file("course-grades.csv", CSV, await asyncio.to_thread(grades_csv.course, rows))
+    return _file("course-grades.csv", CSV, await asyncio.to_thread(grades_csv.course_csv, rows))
 
 
 @router.get("/assignments/{slug}/grades.csv")
@@ -65,17 +65,17 @@ async def all_zip(slug: str, request: Request, person: Staff) -> Response:
     rows, people = await grades(database, slug), await roster(database)
     own_csv, own_json = await asyncio.gather(*(asyncio.to_thread(form, assignment, rows) for form in (_own, _json)))
     files = {"grades.csv": own_csv, "grades.json": own_json}
-    parts = everything(database, slug, files, people)
+    parts = course_archive(database, slug, files, people)
     return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{slug}-all.zip"))
 
 
-def _own(assignment: Assignment, rows: Sequence[Row]) -> str:
+def _own(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     """With the columns of the checks in the assignment's order, then of those that only older versions have."""
     known = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
-    return grades_csv.assignment(rows, [*known, *sorted({check for row in rows for check in row.checks} - known.keys())])
+    return grades_csv.assignment_csv(rows, [*known, *sorted({check for row in rows for check in row.checks} - known.keys())])
 
 
-def _json(assignment: Assignment, rows: Sequence[Row]) -> str:
+def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     checks = [
         {"id": check.id, "exercise": exercise.number, "label": check.label, "hidden": assignment.hidden(check)}
         for exercise in assignment.exercises
@@ -83,7 +83,7 @@ def _json(assignment: Assignment, rows: Sequence[Row]) -> str:
     ]
     about = {"assignment": assignment.slug, "title": assignment.title, "version": assignment.version}
     about |= {"exported_at": datetime.now(UTC).isoformat(timespec="seconds")}
-    return grades_json.text({**about, "max_points": assignment.most_points(), "checks": checks}, rows)
+    return grades_json.text({**about, "max_points": assignment.max_points(), "checks": checks}, rows)
 
 
 def _file(name: str, kind: str, content: str) -> Response:
@@ -94,7 +94,7 @@ def _headers(name: str) -> dict[str, str]:
     """A name that needs no quoting, and for other names what RFC 8187 has."""
     stem, _, ending = name.rpartition(".")
     name = f"{stem}-{datetime.now(UTC):%Y-%m-%d}.{ending}"
-    plain = safe(name.encode("ascii", "ignore").decode(), f"export.{ending}")
+    plain = safe_filename(name.encode("ascii", "ignore").decode(), f"export.{ending}")
     return {
         "Content-Disposition": f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}",
         "Cache-Control": "no-store",

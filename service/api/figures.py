@@ -5,16 +5,16 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from service.api.renderer import NotDrawn
+from service.api.renderer import RenderFailed
 from service.api.submissions import find_assignment, find_submission
 from service.grading.rendering import FORMATS
 from service.grading.rendering import find as find_figure
 from service.http.errors import Problem
 from service.store import sweeps
-from service.store.records import Stored, find_artefact, keep
+from service.store.records import SubmissionRecord, find_artefact, store_artefacts
 
 router = APIRouter()
-Submission = Annotated[Stored, Depends(find_submission)]
+Submission = Annotated[SubmissionRecord, Depends(find_submission)]
 SWEPT_IN_S = 50.0
 
 
@@ -26,14 +26,14 @@ async def figure(stored: Submission, name: str, form: Literal["png", "svg"], req
         raise Problem(404, "not-found", f"the report has no figure {name[:80]}")
 
     async def draw(packed: bytes) -> bytes:
-        drawn: bytes = await request.app.state.draughtsman.figure(stored, name, packed, form)
+        drawn: bytes = await request.app.state.renderer.figure(stored, name, packed, form)
         return drawn
 
-    return await kept_or_made(request, stored, f"figures/{name}.{form}", FORMATS[form], draw)
+    return await cached_artefact(request, stored, f"figures/{name}.{form}", FORMATS[form], draw)
 
 
-async def kept_or_made(
-    request: Request, stored: Stored, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
+async def cached_artefact(
+    request: Request, stored: SubmissionRecord, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
 ) -> Response:
     """The artefact ``name``; the first who asks has it made of the attempt's packed arrays, and it is kept."""
     database = request.app.state.database
@@ -45,9 +45,9 @@ async def kept_or_made(
             content = await make(packed[0])
         except (ArithmeticError, ValueError) as error:
             raise Problem(404, "not-found", f"these numbers cannot be drawn: {error}") from error
-        except NotDrawn as error:
+        except RenderFailed as error:
             raise Problem(503, "busy", "the picture could not be drawn: ask again") from error
-        await keep(database, stored.attempt, {name: content})
+        await store_artefacts(database, stored.attempt, {name: content})
         found = await find_artefact(database, stored.attempt, name)
         assert found is not None
     return _cached(request, found, media_type)
@@ -59,12 +59,12 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
     if stored.report is None:
         raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
     database = request.app.state.database
-    async for _ in request.app.state.listener.looks(str(stored.id), SWEPT_IN_S):
+    async for _ in request.app.state.listener.wait_for_changes(str(stored.id), SWEPT_IN_S):
         if found := await find_artefact(database, stored.attempt, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
         if refused := await find_artefact(database, stored.attempt, "sweep.refused"):
             raise Problem(404, "not-found", f"this function could not be swept: {refused[0].decode()}")
-        await sweeps.ask(database, stored.attempt)
+        await sweeps.request(database, stored.attempt)
     raise Problem(503, "busy", "the sweep has not been played yet: ask again later")
 
 

@@ -5,7 +5,7 @@ import time
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 
-from exercises.catalogue import found
+from exercises.catalogue import load_catalogue
 from service.http.metrics import exposition
 from service.store.database import Database
 
@@ -27,7 +27,9 @@ async def livez() -> dict[str, str]:
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
     checks = {"walls": "no worker has been heard of", "database": "ok"}
-    broken = {"assignments": f"broken: {', '.join(found().broken)}"} if found().broken else {}  # the others can be graded
+    invalid = (
+        {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
+    )  # the others can be graded
     try:
         await request.app.state.database.ping()
         walls, refusal = await request.app.state.crew.known()
@@ -35,8 +37,8 @@ async def readyz(request: Request) -> JSONResponse:
     except Exception as error:
         walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
     if walls is None:
-        return JSONResponse({"status": "not ready", "checks": checks | broken}, 503, {"Retry-After": "5"})
-    return JSONResponse({"status": "ready", "checks": checks | broken})
+        return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
+    return JSONResponse({"status": "ready", "checks": checks | invalid})
 
 
 @router.get("/metrics")
@@ -45,7 +47,7 @@ async def metrics(request: Request) -> Response:
     return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")
 
 
-class Crew:
+class WorkerStatus:
     """Who grades, as the workers tell it; asked for at most once a second."""
 
     def __init__(self, database: Database) -> None:
@@ -56,7 +58,10 @@ class Crew:
         """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
         now = time.monotonic()
         if now - self._asked > KNOWN_FOR_S:
-            found = await self._database.rows(_CREW)
-            self._known = next((w.walls for w in found if w.walls), None), next((w.refusal for w in found if w.refusal), None)
+            load_catalogue = await self._database.rows(_CREW)
+            self._known = (
+                next((w.walls for w in load_catalogue if w.walls), None),
+                next((w.refusal for w in load_catalogue if w.refusal), None),
+            )
             self._asked = now
         return self._known

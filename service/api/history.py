@@ -10,8 +10,8 @@ from fastapi import APIRouter, Request
 
 from ecp.judge import MARKS, Verdict
 from service.api.submissions import find_assignment
-from service.auth.identity import who
-from service.store.history import Past, past
+from service.auth.identity import authenticate
+from service.store.history import PastSubmission, past_submissions
 
 router = APIRouter()
 
@@ -20,15 +20,15 @@ router = APIRouter()
 async def list_own(slug: str, request: Request) -> dict[str, Any]:
     """Your own submissions, newest first, each with its verdicts and what changed since the one before; the best and the last."""
     find_assignment(slug)
-    person = await who(request)
-    found = await past(request.app.state.database, person.name, slug)
+    person = await authenticate(request)
+    found = await past_submissions(request.app.state.database, person.name, slug)
     told = await asyncio.to_thread(_told, found)
     graded = [one for one in told if one["points"] is not None]
     best = max(graded, key=lambda one: one["points"], default=None)  # of equals the newest
     return {"assignment": slug, "submissions": told, "best": best and best["id"], "last": told[0]["id"] if told else None}
 
 
-def _told(found: Sequence[Past]) -> list[dict[str, Any]]:
+def _told(found: Sequence[PastSubmission]) -> list[dict[str, Any]]:
     return [
         {
             "id": str(one.id),
@@ -48,7 +48,7 @@ def _told(found: Sequence[Past]) -> list[dict[str, Any]]:
     ]
 
 
-def _changed(earlier: Past, later: Past) -> dict[str, Any]:
+def _changed(earlier: PastSubmission, later: PastSubmission) -> dict[str, Any]:
     """Checks whose verdict is another than before, with both; and the same with how the source differs, in words."""
     both = sorted(earlier.verdicts.keys() & later.verdicts.keys())
     flips = {id: [earlier.verdicts[id], later.verdicts[id]] for id in both if earlier.verdicts[id] != later.verdicts[id]}
@@ -57,7 +57,7 @@ def _changed(earlier: Past, later: Past) -> dict[str, Any]:
     return {"checks": flips, "told": "; ".join([_difference(earlier, later), *told])}
 
 
-def _difference(earlier: Past, later: Past) -> str:
+def _difference(earlier: PastSubmission, later: PastSubmission) -> str:
     if earlier.sha256 == later.sha256:
         return "the same source"
     was, now = Counter(earlier.source.splitlines()), Counter(later.source.splitlines())

@@ -16,14 +16,14 @@ MOST_BODY = 2 * MOST_BYTES + 64 * 1024  # a source may double in size when JSON 
 
 
 @dataclass(frozen=True)
-class Received:
+class ParsedSubmission:
     """A submission that can be graded, and the exercises asked for (None: those it attempts)."""
 
     submission: Submission
     exercises: list[str] | None
 
 
-async def receive(request: Request, assignment: Assignment) -> Received:
+async def parse_submission(request: Request, assignment: Assignment) -> ParsedSubmission:
     """The submission in ``request``; Problem with a 4xx status for anything that is none."""
     kind = request.headers.get("content-type", "").split(";")[0].strip().lower()
     await read_capped(request, MOST_BODY, f"a submission has at most {MOST_BYTES} bytes")
@@ -40,7 +40,7 @@ async def receive(request: Request, assignment: Assignment) -> Received:
     return received
 
 
-async def _from_json(request: Request) -> Received:
+async def _from_json(request: Request) -> ParsedSubmission:
     try:
         document = json.loads(await request.body())
     except (ValueError, RecursionError):
@@ -50,10 +50,10 @@ async def _from_json(request: Request) -> Received:
     if unknown := sorted(set(document) - {"source", "exercises", "filename"}):
         raise Problem(422, "invalid-request", f"unknown field {unknown[0]}", f"/{unknown[0]}")
     name = _filename(document.get("filename", "submission.py"), "/filename")
-    return Received(_submission(document["source"].encode("utf-8", "replace"), name), _exercises(document))
+    return ParsedSubmission(_submission(document["source"].encode("utf-8", "replace"), name), _exercises(document))
 
 
-async def _from_form(request: Request) -> Received:
+async def _from_form(request: Request) -> ParsedSubmission:
     try:
         form = await request.form(max_files=1, max_fields=20)
     except Exception as error:
@@ -64,7 +64,7 @@ async def _from_form(request: Request) -> Received:
             raise Problem(422, "invalid-request", 'the form has no file in its field "file"', "/file")
         name = _filename(upload.filename or "submission.py", "/file")
         numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
-        return Received(_submission(await upload.read(), name), _exercises({"exercises": numbers or None}))
+        return ParsedSubmission(_submission(await upload.read(), name), _exercises({"exercises": numbers or None}))
     finally:
         await form.close()
 

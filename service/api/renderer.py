@@ -11,16 +11,16 @@ from typing import Any
 
 from service.grading import grader
 from service.sandbox.guest.lockdown import die_with_parent
-from service.store.records import Stored
+from service.store.records import SubmissionRecord
 
 DRAW_S = 60.0
 
 
-class NotDrawn(Exception):
+class RenderFailed(Exception):
     """The drawing process was lost or took too long; the next picture gets a new one."""
 
 
-class Draughtsman:
+class Renderer:
     """Draws figures and charts; a process that is lost is replaced at the next picture."""
 
     def __init__(self) -> None:
@@ -29,7 +29,7 @@ class Draughtsman:
         self._drawing: dict[tuple[Any, ...], asyncio.Task[bytes]] = {}
         self._one_at_a_time = asyncio.Lock()
 
-    async def figure(self, stored: Stored, name: str, packed: bytes, form: str) -> bytes:
+    async def figure(self, stored: SubmissionRecord, name: str, packed: bytes, form: str) -> bytes:
         """A figure of a graded submission. ArithmeticError or ValueError where its numbers cannot be drawn."""
         key = stored.attempt, name, form
         return await self._once(key, grader.draw_one, stored.assignment, name, packed, stored.seed, form)
@@ -69,4 +69,4 @@ class Draughtsman:
             except (BrokenProcessPool, TimeoutError) as error:
                 self.stop()
                 self._pool = None
-                raise NotDrawn from error
+                raise RenderFailed from error

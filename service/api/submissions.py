@@ -18,15 +18,15 @@ from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from service.api import parse_submission
-from service.auth.identity import STAFF, role, who
+from service.auth.identity import STAFF, authenticate, role
 from service.formats import junit
 from service.grading.result import GradedFile
 from service.http.errors import Problem
 from service.store import records
 from service.store.course import overrides
 from service.store.database import Database, is_outage
-from service.store.records import New, Stored
-from service.store.submissions import KeyReused, Refused, accept
+from service.store.records import NewSubmission, SubmissionRecord
+from service.store.submissions import KeyReused, SubmissionRejected, accept
 
 router = APIRouter()
 LONGEST_WAIT_S = 60.0
@@ -76,17 +76,17 @@ async def submit(
 ) -> JSONResponse:
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
-    person = await who(request, "submit")
+    person = await authenticate(request, "submit")
     walls, refusal = await request.app.state.crew.known()
     if refusal and not walls:
         raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
-    received = await parse_submission.receive(request, assignment)
-    new = New(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
+    received = await parse_submission.parse_submission(request, assignment)
+    new = NewSubmission(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
     try:
         accepted = await accept(database, new, idempotency_key or None)
     except KeyReused:
         raise Problem(422, "key-reused", "the key came with another body before: use a new one") from None
-    except Refused as reason:
+    except SubmissionRejected as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
     queued = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late, sha256=new.submission.sha256) | {
@@ -126,9 +126,9 @@ def find_assignment(slug: str) -> Assignment:
         raise Problem(404, "not-found", f"there is no assignment {slug[:80]}") from None
 
 
-async def find_submission(request: Request, id: str) -> Stored:
+async def find_submission(request: Request, id: str) -> SubmissionRecord:
     """The submission; a 404 problem where there is none, a 403 problem where it is somebody else's and they are no staff."""
-    person = await who(request)
+    person = await authenticate(request)
     stored = await records.read(_database(request), asked) if (asked := _uuid(id)) else None
     if stored is None:
         raise Problem(404, "not-found", f"there is no submission {id[:80]}")
@@ -144,7 +144,7 @@ def _uuid(told: str) -> uuid.UUID | None:
         return None
 
 
-def _document(stored: Stored) -> dict[str, Any]:
+def _document(stored: SubmissionRecord) -> dict[str, Any]:
     told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
     told |= {"report": document(stored.report) if stored.report else None}
     told |= {"fault": stored.fault} if stored.fault else {}
@@ -155,10 +155,10 @@ def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha
     return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late, "sha256": sha256}
 
 
-async def _wait(request: Request, id: uuid.UUID, seconds: float) -> Stored:
+async def _wait(request: Request, id: uuid.UUID, seconds: float) -> SubmissionRecord:
     """The submission as soon as it has its result, or as it is after ``seconds``."""
     database = _database(request)
-    async for _ in request.app.state.listener.looks(str(id), seconds):
+    async for _ in request.app.state.listener.wait_for_changes(str(id), seconds):
         row = await records.state(database, id)
         if row is None or row.finished:
             break
@@ -193,7 +193,7 @@ async def report_junit(id: str, request: Request) -> Response:
     return Response(await asyncio.to_thread(junit.text, [file], find_assignment(stored.assignment)), media_type="application/xml")
 
 
-async def _graded(request: Request, id: str) -> tuple[Stored, Report]:
+async def _graded(request: Request, id: str) -> tuple[SubmissionRecord, Report]:
     """The submission with its report; a 409 problem where it has none."""
     stored = await find_submission(request, id)
     if stored.report is None:

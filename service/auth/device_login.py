@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Request, Response
 from fastapi.responses import JSONResponse
 
-from service.auth.identity import who
+from service.auth.identity import authenticate
 from service.http.errors import Problem
 from service.http.requests import public_address
 from service.store.course import tokens
@@ -17,11 +17,11 @@ ShortText = Annotated[str, Body(embed=True, max_length=120)]
 
 
 @router.post("/v1/logins", status_code=201)
-async def begin(request: Request, label: ShortText = "a notebook") -> dict[str, object]:
+async def start(request: Request, label: ShortText = "a notebook") -> dict[str, object]:
     """Begin a login: the code to show to the person, where to confirm it, and the secret to collect the token with."""
     label = "".join(c for c in label if c.isprintable())[:LONGEST_LABEL] or "a notebook"
     try:
-        device, code = await tokens.begin_login(request.app.state.database, label)
+        device, code = await tokens.create_login(request.app.state.database, label)
     except tokens.TooManyLogins:
         raise Problem(503, "busy", "too many logins wait to be confirmed: try again in a moment") from None
     address = f"{public_address(request)}/login"
@@ -51,12 +51,12 @@ async def collect(request: Request, device_code: ShortText) -> JSONResponse:
 @router.get("/v1/me")
 async def me(request: Request) -> dict[str, object]:
     """Who the request's token belongs to and what it may; "local" where no login is needed."""
-    person = await who(request)
+    person = await authenticate(request)
     return {"person": person.name, "scopes": sorted(person.scopes), "local": person.alone}
 
 
 @router.delete("/v1/me/token", status_code=204)
-async def forget(request: Request) -> Response:
+async def revoke(request: Request) -> Response:
     """Revoke the token that the request brings."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()
     known = await tokens.find(request.app.state.database, token)

@@ -26,7 +26,7 @@ class Person:
     alone: bool = False
 
 
-async def who(request: Request, scope: str = "read") -> Person:
+async def authenticate(request: Request, scope: str = "read") -> Person:
     """The person; Problem 401 where nothing tells who it is, 403 where the token given is not for this."""
     if not hasattr(request.state, "person"):  # a page asks more than once
         request.state.person = await _identified(request)
@@ -98,13 +98,13 @@ def _by_header(request: Request) -> Person | None:
     with contextlib.suppress(UnicodeDecodeError):
         told = told.encode("latin-1").decode()  # HTTP reads Latin-1, proxies send UTF-8
     try:
-        return Person(people.tidy(told), frozenset(tokens.SCOPES))
-    except people.NoName as error:
+        return Person(people.normalize_name(told), frozenset(tokens.SCOPES))
+    except people.InvalidName as error:
         raise Problem(401, "nobody", f"the header {header} names nobody: {error}") from None
 
 
 async def _by_cookie(request: Request) -> Person | None:
-    if (secret := sessions.opened(request)) is None:
+    if (secret := sessions.read_session(request)) is None:
         return None
     known = await tokens.find(request.app.state.database, secret)
     if known is None or known.over is not None:

@@ -52,7 +52,7 @@ class Hub:
             with _opener.open(request, timeout=ANSWER_S) as answer:
                 told = json.loads(answer.read(1 << 20))
             name, kind, scopes = told["name"], told["kind"], set(told["scopes"])
-            return people.tidy(name) if kind == "user" and self._needed & scopes else None
+            return people.normalize_name(name) if kind == "user" and self._needed & scopes else None
         except urllib.error.HTTPError as error:
             with error:
                 if error.code in (401, 403):

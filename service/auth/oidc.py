@@ -15,7 +15,7 @@ from fastapi.responses import RedirectResponse
 from itsdangerous import BadData
 
 from service.auth import sessions
-from service.auth.roles import Glancing
+from service.auth.roles import OptionalUser
 from service.http.errors import Problem
 from service.http.requests import LONGEST_PATH, local_path, public_address
 from service.settings import Settings
@@ -52,19 +52,19 @@ def provider(settings: Settings) -> Any | None:
 
 
 @router.get("/oidc/login")
-async def begin(request: Request, next: str = "") -> Response:
+async def start(request: Request, next: str = "") -> Response:
     """Send the browser to the provider."""
     client, request.scope["session"] = _client(request), {}
     with _sentences():
         await _metadata(request)
         response: Response = await client.authorize_redirect(request, f"{public_address(request)}{PATH}/callback")
     under_way = sessions.serializer(request, "sign-in").dumps([request.scope["session"], local_path(next[:LONGEST_PATH])])
-    sessions.put(request, response, COOKIE, under_way, max_age=UNDER_WAY_S, path=PATH)
+    sessions.set_cookie(request, response, COOKIE, under_way, max_age=UNDER_WAY_S, path=PATH)
     return response
 
 
 @router.get("/oidc/callback")
-async def finish(request: Request, present: Glancing) -> Response:
+async def finish(request: Request, present: OptionalUser) -> Response:
     """Log in whom the provider names, and go on to where they were going."""
     _client(request)
     try:
@@ -82,7 +82,7 @@ async def finish(request: Request, present: Glancing) -> Response:
         raise Problem(403, "not-allowed", str(error)) from None
     response = RedirectResponse(back or "/", 303)
     response.delete_cookie(COOKIE, path=PATH)
-    await sessions.begin(request, response, name, request.app.state.settings.oidc_name)
+    await sessions.start_session(request, response, name, request.app.state.settings.oidc_name)
     return response
 
 
@@ -109,8 +109,8 @@ def _name(request: Request, claims: dict[str, Any]) -> str:
     if claim == "email" and claims.get("email_verified") is not True:
         raise Problem(403, "not-allowed", "the provider has not verified your email address")
     try:
-        return people.tidy(claims[claim] if isinstance(claims.get(claim), str) else "")
-    except people.NoName:
+        return people.normalize_name(claims[claim] if isinstance(claims.get(claim), str) else "")
+    except people.InvalidName:
         raise Problem(403, "not-allowed", f"the provider does not tell your name (its claim {claim})") from None
 
 

@@ -18,17 +18,17 @@ SHORTEST, LONGEST = 10, 200
 _HASHER = PasswordHasher()
 
 
-class NotGood(ValueError):
+class InvalidPassword(ValueError):
     """Not a password to be set; the message says what one is."""
 
 
-def tidy(password: str, name: str) -> str:
+def normalize(password: str, name: str) -> str:
     """The password as it is hashed; NotGood for one that may not be set for the person of that name."""
     password = composed(password)
     if not SHORTEST <= len(password) <= LONGEST:
-        raise NotGood(f"a password has {SHORTEST} to {LONGEST} characters")
+        raise InvalidPassword(f"a password has {SHORTEST} to {LONGEST} characters")
     if password.strip().casefold() == name.casefold() or len(set(password)) == 1:
-        raise NotGood("a password is neither the name nor one character over and over")
+        raise InvalidPassword("a password is neither the name nor one character over and over")
     return password
 
 
@@ -37,7 +37,7 @@ def composed(password: str) -> str:
     return unicodedata.normalize("NFC", password)
 
 
-def hashed(password: str) -> str:
+def hash_password(password: str) -> str:
     """What is kept of a tidy password: argon2id with its salt and parameters."""
     return _HASHER.hash(password)
 
@@ -45,22 +45,22 @@ def hashed(password: str) -> str:
 def matches(kept: str | None, password: str) -> bool:
     """Whether it is the password; without one, or with what is no hash, the same work is done for nothing."""
     try:
-        return _HASHER.verify(kept or nobodys(), composed(password)) and kept is not None
+        return _HASHER.verify(kept or dummy_hash(), composed(password)) and kept is not None
     except InvalidHashError:
         return matches(None, password)
     except VerificationError:
         return False
 
 
-def outdated(kept: str) -> bool:
+def needs_rehash(kept: str) -> bool:
     """Whether it was made with other parameters than hashes are now."""
     return _HASHER.check_needs_rehash(kept)
 
 
 @cache
-def nobodys() -> str:
+def dummy_hash() -> str:
     """The hash of a password that nobody has."""
-    return hashed("of nobody")
+    return hash_password("of nobody")
 
 
 P = ParamSpec("P")
@@ -68,13 +68,13 @@ T = TypeVar("T")
 THREADS, MOST_WAITING = 2, 64  # a hash takes 64 MiB and some 50 ms
 
 
-class Passwords:
+class PasswordChecker:
     """Passwords of the persons in the database."""
 
     def __init__(self, database: Database) -> None:
         self._database, self._waiting = database, 0
         self._threads = ThreadPoolExecutor(THREADS, "passwords")
-        self._threads.submit(nobodys)
+        self._threads.submit(dummy_hash)
 
     def stop(self) -> None:
         """Check no more."""
@@ -85,14 +85,14 @@ class Passwords:
         kept = await credentials.password(self._database, name)
         if not await self._run(matches, kept, password) or kept is None:
             raise Problem(401, "nobody", "name or password is wrong")
-        if outdated(kept):
+        if needs_rehash(kept):
             renewed = await self.hash(composed(password))
             async with self._database.begin() as connection:
                 await credentials.renew_hash(connection, name, kept, renewed)
 
     async def hash(self, password: str) -> str:
         """What is kept of a tidy password."""
-        return await self._run(hashed, password)
+        return await self._run(hash_password, password)
 
     async def _run(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         if self._waiting >= MOST_WAITING:

@@ -24,7 +24,7 @@ BY_NAME, BY_ADDRESS = RateLimitItemPerMinute(10, 15), RateLimitItemPerMinute(100
 Key = tuple[RateLimitItem, str, str]
 
 
-class Throttle:
+class LoginRateLimiter:
     """What has failed in the last minutes, and what is being tried."""
 
     def __init__(self) -> None:

@@ -6,31 +6,31 @@ from urllib.parse import quote
 from fastapi import Depends, FastAPI, Request
 from fastapi.responses import RedirectResponse, Response
 
-from service.auth.identity import STAFF, Person, role, who
+from service.auth.identity import STAFF, Person, authenticate, role
 from service.http.errors import Problem
 
 
-class LogInFirst(Exception):
+class LoginRequired(Exception):
     """A browser asks for a page without telling whose it is."""
 
 
-async def looking(request: Request) -> Person:
+async def current_user(request: Request) -> Person:
     """Whoever looks at a page, with their role in ``request.state.role``; a browser that tells nobody is sent to log in."""
     try:
-        person = await who(request)
+        person = await authenticate(request)
     except Problem as problem:
         asks_a_program = "authorization" in request.headers or request.app.state.settings.person_header is not None
         if problem.status != 401 or asks_a_program:
             raise
-        raise LogInFirst from None
+        raise LoginRequired from None
     await role(request, person)
     return person
 
 
-async def glancing(request: Request) -> Person | None:
+async def optional_user(request: Request) -> Person | None:
     """Whoever looks at a page that is open to all, with their role, or None if nothing tells who it is."""
     try:
-        person = await who(request)
+        person = await authenticate(request)
     except Problem as problem:
         if problem.status != 401:
             raise
@@ -41,7 +41,7 @@ async def glancing(request: Request) -> Person | None:
 
 async def staff(request: Request) -> Person:
     """An assistant or instructor; Problem 403 for anybody else."""
-    person = await looking(request)
+    person = await current_user(request)
     if request.state.role not in STAFF:
         raise Problem(403, "not-allowed", "this is for the staff of the course")
     return person
@@ -49,14 +49,14 @@ async def staff(request: Request) -> Person:
 
 async def instructor(request: Request) -> Person:
     """An instructor; Problem 403 for anybody else."""
-    person = await looking(request)
+    person = await current_user(request)
     if request.state.role != "instructor":
         raise Problem(403, "not-allowed", "this is for instructors")
     return person
 
 
-Glancing = Annotated[Person | None, Depends(glancing)]
-Looking = Annotated[Person, Depends(looking)]
+OptionalUser = Annotated[Person | None, Depends(optional_user)]
+CurrentUser = Annotated[Person, Depends(current_user)]
 Staff = Annotated[Person, Depends(staff)]
 Instructor = Annotated[Person, Depends(instructor)]
 
@@ -69,4 +69,4 @@ def install(app: FastAPI) -> None:
         back = f"?next={quote(asked)}" if request.method == "GET" and asked != "/" else ""
         return RedirectResponse(f"/login{back}", 303)
 
-    app.add_exception_handler(LogInFirst, ask)
+    app.add_exception_handler(LoginRequired, ask)

@@ -18,7 +18,7 @@ SESSION_S = 12 * 3600
 KNOWN_S = 180 * 24 * 3600
 
 
-def opened(request: Request) -> str | None:
+def read_session(request: Request) -> str | None:
     """The secret of the browser's session; None without a cookie that was signed here in the last twelve hours."""
     try:
         return _signer(request).unsign(request.cookies.get(COOKIE, ""), max_age=SESSION_S).decode()
@@ -26,23 +26,23 @@ def opened(request: Request) -> str | None:
         return None
 
 
-async def begin(request: Request, response: Response, name: str, how: str) -> None:
+async def start_session(request: Request, response: Response, name: str, how: str) -> None:
     """A new session for that person, who has logged in, in the place of whichever the browser had."""
-    database, before = request.app.state.database, opened(request)
+    database, before = request.app.state.database, read_session(request)
     known = None if before is None else await tokens.find(database, before)
     async with database.begin() as connection:
         if known is not None:
             await tokens.revoke(connection, id=known.id)
         label = f"{_browser(request)}, by {how}"
-        secret = await tokens.begin_session(connection, name, label=label, seconds=SESSION_S)
+        secret = await tokens.create_session(connection, name, label=label, seconds=SESSION_S)
         if how == "password":
-            await people.note(connection, name, "log in", name, {"by": how})
-    put(request, response, COOKIE, _signer(request).sign(secret).decode(), max_age=SESSION_S)
-    put(request, response, KNOWN, serializer(request, "known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S)
+            await people.record_audit(connection, name, "log in", name, {"by": how})
+    set_cookie(request, response, COOKIE, _signer(request).sign(secret).decode(), max_age=SESSION_S)
+    set_cookie(request, response, KNOWN, serializer(request, "known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S)
     response.delete_cookie(VISIT)
 
 
-def forgotten(response: Response) -> Response:
+def clear_session(response: Response) -> Response:
     """That response, with which the browser forgets its session."""
     response.delete_cookie(COOKIE)
     return response
@@ -57,7 +57,7 @@ def known_as(request: Request, name: str) -> str | None:
     return str(id) if whose == name else None
 
 
-def visit(request: Request) -> str:
+def anonymous_id(request: Request) -> str:
     """A secret of a browser that nobody has logged in with; ``keep_visit`` puts a new one into its cookies."""
     given = request.cookies.get(VISIT, "")
     if re.fullmatch(r"[\w-]{43}", given, re.ASCII):
@@ -67,13 +67,13 @@ def visit(request: Request) -> str:
     return str(request.state.visit)
 
 
-def keep_visit(request: Request, response: Response) -> None:
+def store_anonymous_id(request: Request, response: Response) -> None:
     """Give the browser the visit that forms were bound to, if it is new."""
     if hasattr(request.state, "visit"):
-        put(request, response, VISIT, request.state.visit)
+        set_cookie(request, response, VISIT, request.state.visit)
 
 
-def put(request: Request, response: Response, name: str, value: str, **terms: Any) -> None:
+def set_cookie(request: Request, response: Response, name: str, value: str, **terms: Any) -> None:
     """Set a cookie that no script reads and that no form of another site brings along."""
     secure = public_address(request).startswith("https://")
     response.set_cookie(name, value, httponly=True, samesite="lax", secure=secure, **terms)

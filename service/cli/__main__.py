@@ -102,7 +102,7 @@ def _worker(arguments: argparse.Namespace) -> int:
     from service import logs
     from service.settings import Settings
     from service.store.postgres.server import running_url
-    from service.workers.pool import Crew
+    from service.workers.pool import WorkerPool
 
     settings = Settings() if arguments.workers is None else Settings(workers=arguments.workers)
     logs.install(settings.log_level)
@@ -111,7 +111,7 @@ def _worker(arguments: argparse.Namespace) -> int:
     if settings.database_url is None:
         print(f"polhode: no server has its database in {settings.data}, and POLHODE_DATABASE_URL is not set", file=sys.stderr)
         return 2
-    return Crew(settings).run()
+    return WorkerPool(settings).run()
 
 
 def _chart(arguments: argparse.Namespace) -> int:
@@ -136,39 +136,39 @@ def _chart(arguments: argparse.Namespace) -> int:
 def _mutants(arguments: argparse.Namespace) -> int:
     from exercises.assignment import InvalidAssignment, NoAssignment
     from exercises.catalogue import find
-    from service.cli.mutants import OURS, NoMutants, fates, table
+    from service.cli.mutants import OURS, NoMutants, grade_mutants, table
 
     try:
-        found = list(fates(find(arguments.assignment), arguments.most))
+        load_catalogue = list(grade_mutants(find(arguments.assignment), arguments.most))
     except (InvalidAssignment, NoAssignment, NoMutants) as error:
         print(f"polhode: no mutants: {error}", file=sys.stderr)
         return 2
-    print(table(found))
-    for fate in found:
+    print(table(load_catalogue))
+    for fate in load_catalogue:
         if fate.wrong == (OURS in fate.accepted):
             print(f"{'WRONG, BUT ACCEPTED' if fate.wrong else 'right, but refused'}: {fate.mutant.kind}, {fate.mutant.name}")
-    return 1 if any(f.wrong == (OURS in f.accepted) for f in found) else 0
+    return 1 if any(f.wrong == (OURS in f.accepted) for f in load_catalogue) else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:
     from service.cli.doctor import examine
     from service.settings import Settings
 
-    lines, sound = examine(Settings().min_tier)
+    lines, valid = examine(Settings().min_tier)
     print("\n".join(lines))
-    return 0 if sound else 2
+    return 0 if valid else 2
 
 
 def _assignments(arguments: argparse.Namespace) -> int:
-    from exercises.catalogue import found
+    from exercises.catalogue import load_catalogue
 
-    for assignment in found().sound.values():
+    for assignment in load_catalogue().valid.values():
         print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
         for exercise in assignment.exercises:
             print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
-    for error in found().broken.values():
+    for error in load_catalogue().invalid.values():
         print(f"polhode: {error}", file=sys.stderr)
-    return CANNOT if found().broken else 0
+    return CANNOT if load_catalogue().invalid else 0
 
 
 if __name__ == "__main__":

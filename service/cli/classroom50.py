@@ -30,19 +30,19 @@ _COMMITTER = re.compile(rb"^committer .*> (\d{1,11}) [+-]\d+$", re.MULTILINE)
 _TAG = re.compile(r"submit/(\d{4}-\d\d-\d\dT\d\d-\d\d-\d\dZ)")
 
 
-class NotTold(Exception):
+class MissingEnvironment(Exception):
     """We are not run by Classroom 50, or not told enough: the message names what is missing."""
 
 
-def about(environment: Mapping[str, str], folder: Path, graded_at: datetime) -> About:
+def read_environment(environment: Mapping[str, str], folder: Path, graded_at: datetime) -> About:
     """The submission checked out in that folder; NotTold if a variable is missing or no time of submission can be found."""
     told = {field: next((value for name in names if (value := environment.get(name))), "") for field, names in NAMES.items()}
     told["assignment_type"] = told["assignment_type"] or "individual"
     if missing := [" or ".join(NAMES[field]) for field, value in told.items() if not value]:
-        raise NotTold(f"Classroom 50 sets {', '.join(missing)}: not set here")
+        raise MissingEnvironment(f"Classroom 50 sets {', '.join(missing)}: not set here")
     submitted_at = _committed(environment.get("GITHUB_SHA", ""), folder) or _tagged(told["submission"])
     if submitted_at is None:
-        raise NotTold(f"neither git nor the tag {told['submission']} tells when the submission was made")
+        raise MissingEnvironment(f"neither git nor the tag {told['submission']} tells when the submission was made")
     return About(**told, submitted_at=submitted_at, graded_at=graded_at)
 
 

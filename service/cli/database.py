@@ -53,18 +53,19 @@ def database_url(settings: "Settings", *, create: bool = False) -> Iterator[str]
         embedded.stop()
 
 
-def telling_why(command: Callable[P, int]) -> Callable[P, int]:
+def report_errors(command: Callable[P, int]) -> Callable[P, int]:
     """Exit code 2 and a sentence where the database does not do what is asked."""
 
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> int:
         import psycopg
         from sqlalchemy.exc import DBAPIError
 
+        from service.store.postgres.backup import BackupError
         from service.store.postgres.os_user import DatabaseUnavailable
 
         try:
             return command(*args, **kwargs)
-        except (DatabaseUnavailable, OSError) as error:
+        except (DatabaseUnavailable, BackupError, OSError) as error:
             print(f"polhode: {error}", file=sys.stderr)
         except (psycopg.Error, DBAPIError) as error:
             cause = getattr(error, "orig", None) or error
@@ -76,7 +77,7 @@ def telling_why(command: Callable[P, int]) -> Callable[P, int]:
     return wrapped
 
 
-def do(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
+def run_async(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
     """What ``action`` makes of the database behind ``url``."""
     from service.store.database import Database
 
@@ -90,7 +91,7 @@ def do(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
     return asyncio.run(once())
 
 
-@telling_why
+@report_errors
 def _upgrade(arguments: argparse.Namespace) -> int:
     from service.store.database import migrate
 
@@ -99,7 +100,7 @@ def _upgrade(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@telling_why
+@report_errors
 def _backup(arguments: argparse.Namespace) -> int:
     from service.store.postgres.backup import backup
     from service.store.postgres.server import find_programs
@@ -111,7 +112,7 @@ def _backup(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@telling_why
+@report_errors
 def _restore(arguments: argparse.Namespace) -> int:
     from service.store.postgres.backup import restore
     from service.store.postgres.server import find_programs
@@ -123,7 +124,7 @@ def _restore(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@telling_why
+@report_errors
 def _check(arguments: argparse.Namespace) -> int:
     from service.store.postgres.backup import check
 

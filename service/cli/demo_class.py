@@ -17,7 +17,7 @@ from service.settings import Settings
 from service.store import queue_overview
 from service.store.course import deadlines, people
 from service.store.database import Database
-from service.store.records import New
+from service.store.records import NewSubmission
 from service.store.submissions import accept, register
 
 GIVEN = [
@@ -117,7 +117,7 @@ def _roster(rng: np.random.Generator) -> Iterator[tuple[str, str, str, str, str]
         yield f"student-{k:02}", "student", f"{given} {family}", f"student-{k:02}@example.org", f"{260000 + k}"
 
 
-def _handed_in(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[New]:
+def _handed_in(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
     """None to three submissions of the last days, the last one better than the first as a rule."""
     files = {s.file.name: s for s in samples(assignment)}
     tries, ends = (_some(table, most, rng) for table, most in ((TRIES, rng.choice([0, 1, 1, 2])), (ENDS, rng.random() < 0.85)))
@@ -126,7 +126,7 @@ def _handed_in(assignment: Assignment, name: str, rng: np.random.Generator) -> I
         sample, ago = files[file], ago * 0.8
         submission = Submission.from_bytes(sample.file.read_bytes(), f"{name}{sample.file.suffix}")
         arrived = time.monotonic() - 86400.0 * ago
-        yield New(uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived)
+        yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived)
 
 
 def _some(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:

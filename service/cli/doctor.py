@@ -7,12 +7,12 @@ from pathlib import Path
 
 from exercises import packages
 from exercises.catalogue import assignments
-from service.grading.grade import lacking
+from service.grading.grade import missing_packages
 from service.sandbox.guest import landlock, lockdown
 from service.sandbox.guest.syscalls import MACHINES
-from service.sandbox.result import Fault
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import WallsMissing, choose, try_namespaces
+from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
 from service.sandbox.self_test import ATTEMPTS
 
 SWITCHES = {  # kernel settings that forbid namespaces: the value that does, and what to do
@@ -35,17 +35,17 @@ def examine(least: str) -> tuple[list[str], bool]:
     lines += [f"              try: {advice}" for advice in ([] if walls else _advice())]
     try:
         chosen = choose(least)
-    except WallsMissing as missing:
+    except IsolationUnavailable as missing:
         return [*lines, f"tier          none: {missing}"], False
     lines.append(f"tier          {chosen.name.removeprefix('tier ')}")
     sandbox = Sandbox(chosen)
     try:
-        sandbox.rehearse()
-    except Fault as fault:
+        sandbox.self_test()
+    except SystemFault as fault:
         return [*lines, f"probe         {fault}"], False
     finally:
         sandbox.close()
-    absent = [sentence for known in assignments().values() if (sentence := lacking(known))]
+    absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
     return [
         *lines,
         f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should",

@@ -20,18 +20,18 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 def _gradescope(arguments: argparse.Namespace) -> int:
     from exercises.assignment import InvalidAssignment, NoAssignment
-    from service.cli.files import meant
+    from service.cli.files import resolve_assignment
     from service.cli.gradescope_bundle import bundle
     from service.cli.output_dir import write
     from service.grading.grade import UnknownExercise, select
 
     try:
-        assignment = meant(arguments.assignment, [])
+        assignment = resolve_assignment(arguments.assignment, [])
         select(assignment, arguments.exercise)
         write(arguments.out, bundle(assignment, arguments.exercise))
     except (InvalidAssignment, NoAssignment, UnknownExercise, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
-    points = assignment.most_points(arguments.exercise)
+    points = assignment.max_points(arguments.exercise)
     print(f"written to {arguments.out}: upload it as the autograder, with {points} points for it")
     return 0

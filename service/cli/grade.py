@@ -49,28 +49,28 @@ def seed(told: str) -> int:
 
 
 def _grade(arguments: argparse.Namespace) -> int:
-    from service.cli.files import NothingFound, find_files
-    from service.sandbox.result import Fault
-    from service.sandbox.select import WallsMissing, choose
+    from service.cli.files import NoSubmissionFound, find_files
+    from service.sandbox.result import SystemFault
+    from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
     least = Settings().min_tier
     with ThreadPoolExecutor(1) as beside:  # walls are looked for while the libraries are imported
         looking = beside.submit(choose, least)
         from exercises.assignment import InvalidAssignment, NoAssignment
-        from service.cli.files import meant
-        from service.cli.output_dir import Folder
+        from service.cli.files import resolve_assignment
+        from service.cli.output_dir import OutputDir
         from service.cli.progress import Progress
-        from service.grading.batch import Ask, Wanted, grade_files
+        from service.grading.batch import GradeOptions, GradeRequest, grade_files
         from service.grading.grade import UnknownExercise
     try:
         files = find_files(arguments.files)
-        assignment = meant(arguments.assignment, files)
+        assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-        wanted = Wanted(assignment, seed, report_options.pictures(arguments), arguments.sweep)
-        written = report_options.Forms(arguments, files)
-        asks = [Ask(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
-        folder = Folder(arguments.out, files) if arguments.out else None
+        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep)
+        written = report_options.ReportFiles(arguments, files)
+        asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
+        folder = OutputDir(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
         with Progress(len(files), guard=report_options.guard(arguments)) as progress:
             for file in grade_files(asks, wanted, looking.result(), arguments.jobs, progress.tell):
@@ -86,11 +86,11 @@ def _grade(arguments: argparse.Namespace) -> int:
     except (
         InvalidAssignment,
         NoAssignment,
-        NothingFound,
+        NoSubmissionFound,
         UnknownExercise,
-        report_options.Unfit,
-        WallsMissing,
-        Fault,
+        report_options.InvalidOutputOption,
+        IsolationUnavailable,
+        SystemFault,
         OSError,
     ) as error:
         print(f"polhode: {error}", file=sys.stderr)

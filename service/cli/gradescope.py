@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from service.cli.files import NothingFound, find_files
+from service.cli.files import NoSubmissionFound, find_files
 from service.cli.output_dir import write
 
 HOME = Path("/autograder")
@@ -43,7 +43,7 @@ def _found(submission: Path) -> list[Path]:
     """Every .py and .ipynb that was handed in."""
     try:
         return find_files([str(submission)])
-    except NothingFound:
+    except NoSubmissionFound:
         return []
 
 

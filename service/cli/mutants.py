@@ -26,7 +26,7 @@ class NoMutants(LookupError):
 
 
 @dataclass(frozen=True)
-class Fate:
+class MutantResult:
     """What became of a mutant. ``wrong``: it is, by more than rounding; ``accepted``: the sets of lines that accept it."""
 
     mutant: Mutant
@@ -34,7 +34,7 @@ class Fate:
     accepted: frozenset[str]
 
 
-def fates(assignment: Assignment, most: int | None = None) -> Iterator[Fate]:
+def grade_mutants(assignment: Assignment, most: int | None = None) -> Iterator[MutantResult]:
     """The fate of each mutant the assignment's folder makes (of the first ``most``), in as many workers as there are cores."""
     if not (assignment.folder / "mutants.py").is_file():
         raise NoMutants(f"{assignment.folder} has no mutants.py")
@@ -49,7 +49,7 @@ def fates(assignment: Assignment, most: int | None = None) -> Iterator[Fate]:
             yield _fate(mutant, source, job.result()[0])
 
 
-def table(found: Sequence[Fate]) -> str:
+def table(found: Sequence[MutantResult]) -> str:
     """Markdown: for each kind how many there are, how many are right after all, and who accepts how many of the wrong ones."""
     kinds = list(dict.fromkeys(f.mutant.kind for f in found))
     judges = sorted({name for f in found for name in f.accepted} | {OURS}, key=lambda name: (name == OURS, -_accepted(found, name)))
@@ -58,16 +58,16 @@ def table(found: Sequence[Fate]) -> str:
     return "\n".join([head, "|---" * (3 + len(judges)) + "|", *rows, _row("all", found, judges)])
 
 
-def _fate(mutant: Mutant, source: Any, report: Report) -> Fate:
+def _fate(mutant: Mutant, source: Any, report: Report) -> MutantResult:
     passed = {o.id for o in report.outcomes() if o.verdict is Verdict.PASS}
     accepted = {name for name, ids in source.LINES.items() if ids <= passed}
-    return Fate(mutant, source.differs(mutant.source), frozenset(accepted | ({OURS} if report.passed else set())))
+    return MutantResult(mutant, source.differs(mutant.source), frozenset(accepted | ({OURS} if report.passed else set())))
 
 
-def _row(kind: str, found: Sequence[Fate], judges: Sequence[str]) -> str:
+def _row(kind: str, found: Sequence[MutantResult], judges: Sequence[str]) -> str:
     numbers = [len(found), sum(not f.wrong for f in found), *(_accepted(found, name) for name in judges)]
     return f"| {kind} | {' | '.join(map(str, numbers))} |"
 
 
-def _accepted(found: Sequence[Fate], name: str) -> int:
+def _accepted(found: Sequence[MutantResult], name: str) -> int:
     return sum(f.wrong and name in f.accepted for f in found)

@@ -18,7 +18,7 @@ def _new(arguments: argparse.Namespace) -> int:
     from exercises import catalogue
     from service.cli.scaffolding import CannotScaffold, scaffold
 
-    slug, into = arguments.slug, arguments.into or catalogue.home()
+    slug, into = arguments.slug, arguments.into or catalogue.default_folder()
     title = arguments.title if arguments.title is not None else slug.replace("-", " ").capitalize()
     try:
         if into is None:

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from ecp.document import document
 from exercises.assignment import Assignment
 from service.formats import html
-from service.formats.filenames import Names
+from service.formats.filenames import UniqueNames
 from service.grading.result import GradedFile
 
 
@@ -33,11 +33,11 @@ def write(file: Path, content: str | bytes) -> None:
         part.unlink(missing_ok=True)
 
 
-class Folder:
+class OutputDir:
     """Reports below ``path``, a folder for each file named like it; where several are, by their whole paths; and index.html."""
 
     def __init__(self, path: Path, files: Sequence[Path]) -> None:
-        stems, names = Counter(file.stem for file in files), Names(["index.html"])
+        stems, names = Counter(file.stem for file in files), UniqueNames(["index.html"])
         whole = {f: f.stem if stems[f.stem] == 1 else "_".join(p for p in f.parts if p not in ("/", "..")) for f in files}
         self._path, self._names = path, {file: names.give(name) for file, name in whole.items()}
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
-from service.cli.database import database_url, do, telling_why
+from service.cli.database import database_url, report_errors, run_async
 from service.formats.csv import table
 from service.settings import Settings
 
@@ -52,7 +52,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     unlink.set_defaults(run=_unlink)
 
 
-@telling_why
+@report_errors
 def _roster(arguments: argparse.Namespace) -> int:
     from service.store.course import people, tokens
     from service.store.course import people as rosters
@@ -68,15 +68,15 @@ def _roster(arguments: argparse.Namespace) -> int:
         terms = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
         async with database.begin() as connection:
             await people.enroll(connection, roster)
-            rows = await tokens.give_all(connection, [entry.name for entry in roster], **terms)
-            await people.note(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
+            rows = await tokens.create_all(connection, [entry.name for entry in roster], **terms)
+            await people.record_audit(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
             target.write(table(("name", "token"), rows))
             target.flush()
 
     with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:
         try:
             with database_url(Settings()) as url:
-                do(url, enter)
+                run_async(url, enter)
         except BaseException:
             arguments.tokens.unlink()
             raise
@@ -84,38 +84,38 @@ def _roster(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@telling_why
+@report_errors
 def _give(arguments: argparse.Namespace) -> int:
     from service.store.course import people, tokens
 
     try:
-        name = people.tidy(arguments.name)
-    except people.NoName as error:
+        name = people.normalize_name(arguments.name)
+    except people.InvalidName as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
     async def give(database: "Database") -> str:
         seconds, scopes = arguments.days * tokens.DAY_S, arguments.scope or tokens.SCOPES
         async with database.begin() as connection:
-            await people.note(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
-            return await tokens.give(connection, name, label=arguments.label, scopes=scopes, seconds=seconds)
+            await people.record_audit(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
+            return await tokens.create(connection, name, label=arguments.label, scopes=scopes, seconds=seconds)
 
     with database_url(Settings()) as url:
-        print(do(url, give))
+        print(run_async(url, give))
     return 0
 
 
-@telling_why
+@report_errors
 def _list(arguments: argparse.Namespace) -> int:
     from service.store.course import tokens
 
     with database_url(Settings()) as url:
-        rows = do(url, lambda database: tokens.all_of(database, arguments.name))
+        rows = run_async(url, lambda database: tokens.all_of(database, arguments.name))
     print("\n".join(_lines(rows)) or "no tokens")
     return 0
 
 
-@telling_why
+@report_errors
 def _revoke(arguments: argparse.Namespace) -> int:
     from service.store.course import people, tokens
 
@@ -127,11 +127,11 @@ def _revoke(arguments: argparse.Namespace) -> int:
         async with database.begin() as connection:
             count = await tokens.revoke(connection, id=arguments.id, person=arguments.person)
             subject = str(arguments.id or arguments.person)
-            await people.note(connection, getpass.getuser(), "revoke token", subject, {"count": count})
+            await people.record_audit(connection, getpass.getuser(), "revoke token", subject, {"count": count})
         return count
 
     with database_url(Settings()) as url:
-        count = do(url, revoke)
+        count = run_async(url, revoke)
     print(f"{count} revoked")
     return 0 if count else 1
 
@@ -149,15 +149,15 @@ def _days(text: str) -> float:
     return days
 
 
-@telling_why
+@report_errors
 def _password(arguments: argparse.Namespace) -> int:
     from service.auth import passwords
     from service.store.course import credentials, people
 
     try:
-        name = people.tidy(arguments.name)
-        kept = passwords.hashed(passwords.tidy(_asked(name), name))
-    except (people.NoName, passwords.NotGood) as error:
+        name = people.normalize_name(arguments.name)
+        kept = passwords.hash_password(passwords.normalize(_asked(name), name))
+    except (people.InvalidName, passwords.InvalidPassword) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
@@ -166,7 +166,7 @@ def _password(arguments: argparse.Namespace) -> int:
             return await credentials.set_password(connection, name, kept, by=getpass.getuser())
 
     with database_url(Settings()) as url:
-        known = do(url, keep)
+        known = run_async(url, keep)
     if not known:
         print(f"polhode: nobody is called {name} here: polhode roster and polhode token give enter people", file=sys.stderr)
         return 1
@@ -174,7 +174,7 @@ def _password(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@telling_why
+@report_errors
 def _unlink(arguments: argparse.Namespace) -> int:
     from service.store.course import credentials
 
@@ -183,7 +183,7 @@ def _unlink(arguments: argparse.Namespace) -> int:
             return await credentials.unlink(connection, arguments.name, by=getpass.getuser())
 
     with database_url(Settings()) as url:
-        known = do(url, forget)
+        known = run_async(url, forget)
     print(f"{arguments.name} is connected to no account any more" if known else f"{arguments.name} was connected to none")
     return 0 if known else 1
 
@@ -196,5 +196,5 @@ def _asked(name: str) -> str:
         return sys.stdin.readline().rstrip("\r\n")
     asked = getpass.getpass(f"New password of {name}: ")
     if asked != getpass.getpass("The same again: "):
-        raise passwords.NotGood("that was not the same twice")
+        raise passwords.InvalidPassword("that was not the same twice")
     return asked

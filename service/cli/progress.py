@@ -7,7 +7,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import TextIO
 
-from service.formats.check_text import one_line, shown
+from service.formats.check_text import one_line, sanitize
 from service.grading.result import GradedFile
 
 CLEAR = "\r\x1b[K"
@@ -39,7 +39,7 @@ class Progress:
 
     def show(self, file: GradedFile, *, text: bool) -> None:
         """Print a file's report (``text``), or why there is none."""
-        name = shown(str(file.file)).replace("\n", "\ufffd")  # a line of its own could be a command where it is printed
+        name = sanitize(str(file.file)).replace("\n", "\ufffd")  # a line of its own could be a command where it is printed
         if file.report is None:
             self.say(f"polhode: {name}: {one_line(file.why)}", good=False, to=sys.stderr)
         else:

@@ -8,11 +8,11 @@ from datetime import datetime
 from typing import TYPE_CHECKING, TypeVar
 from uuid import UUID
 
-from service.cli.database import database_url, do, telling_why
+from service.cli.database import database_url, report_errors, run_async
 from service.settings import Settings
 
 if TYPE_CHECKING:
-    from service.store.queue_overview import Queue
+    from service.store.queue_overview import QueueSnapshot
 
 T = TypeVar("T")
 EVERY_S = 1.0
@@ -36,15 +36,15 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     assign.set_defaults(run=_assign)
 
 
-@telling_why
+@report_errors
 def _queue(arguments: argparse.Namespace) -> int:
-    from service.store.queue_overview import look
+    from service.store.queue_overview import snapshot
 
     live = sys.stdout.isatty() and not arguments.once
     with database_url(Settings()) as url:
         try:
             while True:
-                print(("\x1b[2J\x1b[H" if live else "") + show(do(url, look)), flush=True)
+                print(("\x1b[2J\x1b[H" if live else "") + show(run_async(url, snapshot)), flush=True)
                 if not live:
                     return 0
                 time.sleep(EVERY_S)
@@ -52,7 +52,7 @@ def _queue(arguments: argparse.Namespace) -> int:
             return 0
 
 
-def show(queue: "Queue") -> str:
+def show(queue: "QueueSnapshot") -> str:
     """The queue as a table for a terminal."""
     lines = [f"{w.n:6} {w.kind} waiting, the first for {w.waited_s:.1f} s" for w in queue.waiting] or ["nothing waits"]
     lines += ["", f"{'worker':28} {'since':>8} {'heard':>7}  {'what':24} whose"]
@@ -67,16 +67,16 @@ def show(queue: "Queue") -> str:
     return "\n".join(lines)
 
 
-@telling_why
+@report_errors
 def _regrade(arguments: argparse.Namespace) -> int:
-    from service.store.queue_overview import grade_again
+    from service.store.queue_overview import regrade
 
     which = "all" if arguments.all else "faults" if arguments.faults else arguments.ids
     if bool(arguments.ids) + arguments.all + arguments.faults != 1:
         print("polhode: which ones? Give either ids, --faults or --all", file=sys.stderr)
         return 2
     with database_url(Settings()) as url:
-        count = do(url, lambda database: grade_again(database, which, getpass.getuser()))
+        count = run_async(url, lambda database: regrade(database, which, getpass.getuser()))
     print(f"queued again: {count}")
     if arguments.ids and count < len(set(arguments.ids)):
         print("polhode: the others do not exist or are being graded", file=sys.stderr)
@@ -84,13 +84,13 @@ def _regrade(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@telling_why
+@report_errors
 def _assign(arguments: argparse.Namespace) -> int:
     from service.store.queue_overview import Rules, set_rules
 
     with database_url(Settings()) as url:
         rules = Rules(arguments.due, arguments.grace, arguments.most)
-        known = do(url, lambda database: set_rules(database, arguments.slug, rules, getpass.getuser()))
+        known = run_async(url, lambda database: set_rules(database, arguments.slug, rules, getpass.getuser()))
     if not known:
         print(f"polhode: the database has no assignment {arguments.slug}", file=sys.stderr)
         return 2

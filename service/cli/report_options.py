@@ -28,7 +28,7 @@ VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 FILES = ("junit", "csv", "gradescope", "classroom50")
 
 
-class Unfit(ValueError):
+class InvalidOutputOption(ValueError):
     """What was asked for cannot be written; the message tells why."""
 
 
@@ -55,20 +55,20 @@ def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
 
 def guard(arguments: argparse.Namespace) -> Callable[[str], str] | None:
     """In GitHub Actions what makes words of students such that none of their lines is a command; elsewhere None."""
-    from service.formats.github import unheard
+    from service.formats.github import escape_commands
 
     in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"  # such as pre-commit's hook
-    return (lambda words: unheard(words, secrets.token_hex(16))) if in_actions else None
+    return (lambda words: escape_commands(words, secrets.token_hex(16))) if in_actions else None
 
 
-class Forms:
+class ReportFiles:
     """The forms asked for; Unfit, before anything is graded, where one of them cannot be had of these files."""
 
     def __init__(self, arguments: argparse.Namespace, files: Sequence[Path]) -> None:
         self._arguments, self._about = arguments, None
         for form in ("gradescope", "classroom50"):
             if getattr(arguments, form) and len(files) != 1:
-                raise Unfit(f"--{form} tells of one file, and there are {len(files)}")
+                raise InvalidOutputOption(f"--{form} tells of one file, and there are {len(files)}")
         if arguments.classroom50:
             self._about = _about(files[0])
         for path in filter(None, (getattr(arguments, form) for form in FILES)):
@@ -100,7 +100,7 @@ class Forms:
         found, arguments = [], self._arguments
         if arguments.csv:
             checks = [check.id for check in assignment.checks()]
-            found.append((arguments.csv, grades_csv.assignment(rows(graded, assignment), checks)))
+            found.append((arguments.csv, grades_csv.assignment_csv(rows(graded, assignment), checks)))
         if arguments.gradescope:
             results = gradescope.document(graded[0], assignment, max_score=arguments.max_score, hidden=arguments.hidden)
             found.append((arguments.gradescope, json.dumps(results, indent=1)))
@@ -111,12 +111,12 @@ class Forms:
 
 
 def _about(file: Path) -> "About":
-    from service.cli.classroom50 import NotTold, about
+    from service.cli.classroom50 import MissingEnvironment, read_environment
 
     try:
-        return about(os.environ, file.parent, datetime.now(UTC))
-    except NotTold as error:
-        raise Unfit(str(error)) from error
+        return read_environment(os.environ, file.parent, datetime.now(UTC))
+    except MissingEnvironment as error:
+        raise InvalidOutputOption(str(error)) from error
 
 
 def _tell_github(graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:

@@ -40,7 +40,7 @@ def _check(slug: str, title: str) -> None:
         raise CannotScaffold(f"{slug!r} is no slug: small letters and digits, words parted by single dashes, such as {SLUG}")
     if keyword.iskeyword(slug):
         raise CannotScaffold(f"{slug} is a word of Python's own, which no package can be called")
-    if catalogue.taken(slug):
+    if catalogue.is_taken(slug):
         raise CannotScaffold(f"{slug} is taken: there is an assignment or a module of that name")
     if not title.strip() or not title.isprintable() or len(title) > MOST_TITLE:
         raise CannotScaffold(f"a title is one line of text, of at most {MOST_TITLE} characters")

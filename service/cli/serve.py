@@ -14,7 +14,7 @@ from service.app import create_app
 from service.auth import oidc
 from service.settings import Settings
 from service.store.postgres.os_user import DatabaseUnavailable
-from service.workers.supervisor import Keeper
+from service.workers.supervisor import Supervisor
 
 CLOSE_S = 2  # what a stopping server gives its open answers, event streams among them
 
@@ -26,8 +26,8 @@ def serve(settings: Settings) -> int:
     signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
     try:
         oidc.provider(settings)  # to fail before a database is started
-        door = open_door(settings)
-        keeper = Keeper(settings)
+        door = open_socket(settings)
+        keeper = Supervisor(settings)
         keeper.begin()
         server = http_server(settings.model_copy(update={"database_url": keeper.url}))
         server.run(sockets=[door])
@@ -57,7 +57,7 @@ class _Server(uvicorn.Server):
         super().handle_exit(sig, frame)
 
 
-def open_door(settings: Settings) -> socket.socket:
+def open_socket(settings: Settings) -> socket.socket:
     """Return a socket that listens where the settings say; OSError with the address where that fails."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:

@@ -7,7 +7,7 @@ from ecp.document import document
 from ecp.judge import MARKS, Verdict
 from ecp.report import Report
 from exercises.assignment import Assignment
-from exercises.samples import Listed, Sample, codes, entry
+from exercises.samples import Sample, SampleSet, codes, entry
 from service.grading.result import GradedFile
 
 
@@ -58,11 +58,11 @@ def new_entry(assignment: Assignment, graded: GradedFile) -> str | None:
     return entry(graded.file.name, None, assignment, document(graded.report))
 
 
-def summary(assignment: Assignment, found: Listed, tally: Tally, whole: bool) -> Iterator[str]:
+def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool) -> Iterator[str]:
     """How many were as expected; and, of ``whole`` sets, what no sample shows: these are warnings."""
     agreed = tally.samples - tally.otherwise
     yield f"{assignment.slug}: {agreed} of {tally.samples} samples as expected, {len(tally.made)} checks"
-    yield from (f"{name}: expected.toml has an entry for it, but there is no such file" for name in found.fileless)
+    yield from (f"{name}: expected.toml has an entry for it, but there is no such file" for name in found.missing)
     if whole:
         yield from _listing("no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed])
         yield from _listing("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])

@@ -15,8 +15,8 @@ from service.cli.grade import count, seed
 
 if TYPE_CHECKING:
     from exercises.assignment import Assignment
-    from exercises.samples import Listed
-    from service.sandbox.isolation import Walls
+    from exercises.samples import SampleSet
+    from service.sandbox.isolation import Isolation
 
 SEED = 1
 
@@ -35,33 +35,33 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _verify(arguments: argparse.Namespace) -> int:
-    from service.sandbox.result import Fault
-    from service.sandbox.select import WallsMissing, choose
+    from service.sandbox.result import SystemFault
+    from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
     with ThreadPoolExecutor(1) as beside:  # walls are looked for while the assignments are imported
         looking = beside.submit(choose, Settings().min_tier)
         from exercises import validation
         from exercises.assignment import InvalidAssignment
-        from exercises.samples import listed
+        from exercises.samples import load_samples
 
-        asked, broken = _asked(arguments.assignments)
-    sets: list[tuple[Assignment, Listed]] = []
+        asked, invalid = _asked(arguments.assignments)
+    sets: list[tuple[Assignment, SampleSet]] = []
     for assignment in asked:
         try:
-            sets.append((assignment, listed(assignment)))
+            sets.append((assignment, load_samples(assignment)))
         except InvalidAssignment as error:
-            broken.append(str(error))
-        broken += [f"assignment {assignment.slug}: {error}" for error in validation.public_errors(assignment)]
-    for sentence in broken:
+            invalid.append(str(error))
+        invalid += [f"assignment {assignment.slug}: {error}" for error in validation.public_errors(assignment)]
+    for sentence in invalid:
         print(f"polhode: {sentence}", file=sys.stderr)
-    codes = [2 if broken or not sets else 0]
-    for assignment, found in sets:
+    codes = [2 if invalid or not sets else 0]
+    for assignment, load_catalogue in sets:
         try:
-            codes.append(_verify_one(assignment, found, arguments, looking.result()))
+            codes.append(_verify_one(assignment, load_catalogue, arguments, looking.result()))
         except BrokenPipeError:
             raise
-        except (WallsMissing, Fault, OSError) as error:
+        except (IsolationUnavailable, SystemFault, OSError) as error:
             print(f"polhode: {error}", file=sys.stderr)
             return 2
     return max(codes)
@@ -70,55 +70,55 @@ def _verify(arguments: argparse.Namespace) -> int:
 def _asked(told: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     """The assignments meant, and a sentence for each that cannot be used."""
     from exercises.assignment import InvalidAssignment, NoAssignment
-    from exercises.catalogue import find, found
+    from exercises.catalogue import find, load_catalogue
 
     if not told:
-        return list(found().sound.values()), [str(error) for error in found().broken.values()]
-    asked, broken = [], []
+        return list(load_catalogue().valid.values()), [str(error) for error in load_catalogue().invalid.values()]
+    asked, invalid = [], []
     for one in told:
         slugs = _slugs(one)
-        broken += [] if slugs else [f"there is no assignment in {one}"]
+        invalid += [] if slugs else [f"there is no assignment in {one}"]
         for slug in slugs:
             try:
                 asked.append(find(slug))
             except (InvalidAssignment, NoAssignment) as error:
-                broken.append(str(error))
-    return asked, broken
+                invalid.append(str(error))
+    return asked, invalid
 
 
 def _slugs(told: str) -> list[str]:
     """Of the assignments meant by a slug, a folder, a folder of samples or one of assignments; those elsewhere are made known."""
     from exercises import catalogue
-    from exercises.catalogue import found
+    from exercises.catalogue import load_catalogue
 
     if not Path(told).is_dir():
         return [told]
     named = Path(told).resolve()
-    meant = catalogue.within(named.parent if named.name == "samples" else named)
+    meant = catalogue.discover(named.parent if named.name == "samples" else named)
     known = [folder.resolve() for folder in catalogue.folders()]
     for folder in meant:
         if folder not in known:
-            catalogue.add(folder)
-            found.cache_clear()
+            catalogue.register_folder(folder)
+            load_catalogue.cache_clear()
     return [catalogue.slug_of(folder) for folder in meant]
 
 
-def _verify_one(assignment: "Assignment", found: "Listed", arguments: argparse.Namespace, walls: "Walls") -> int:
+def _verify_one(assignment: "Assignment", load_catalogue: "SampleSet", arguments: argparse.Namespace, walls: "Isolation") -> int:
     from exercises.samples import with_entries
     from service.cli import verification
     from service.cli.output_dir import write
     from service.cli.progress import Progress
-    from service.grading.batch import Ask, Wanted, grade_files
+    from service.grading.batch import GradeOptions, GradeRequest, grade_files
 
-    listed = [s for s in found.samples if _is_meant(s.file.name, arguments.only)]
-    unlisted = [file for file in found.unlisted if _is_meant(file.name, arguments.only)]
-    asks = [Ask(s.file, tuple(s.ask) if s.ask else None) for s in listed] + [Ask(file) for file in unlisted]
+    load_samples = [s for s in load_catalogue.samples if _is_meant(s.file.name, arguments.only)]
+    unlisted = [file for file in load_catalogue.unlisted if _is_meant(file.name, arguments.only)]
+    asks = [GradeRequest(s.file, tuple(s.ask) if s.ask else None) for s in load_samples] + [GradeRequest(file) for file in unlisted]
     if not asks:
         print(f"polhode: {assignment.slug}: no sample to grade in {assignment.folder / 'samples'}", file=sys.stderr)
         return 2
-    tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in listed}
+    tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in load_samples}
     with Progress(len(asks), "as expected") as progress:
-        for graded in grade_files(asks, Wanted(assignment, arguments.seed), walls, arguments.jobs, progress.tell):
+        for graded in grade_files(asks, GradeOptions(assignment, arguments.seed), walls, arguments.jobs, progress.tell):
             if graded.fault:
                 faults += 1
                 progress.say(f"?  {graded.file.name}   not graded: {graded.fault}", good=False)
@@ -133,9 +133,9 @@ def _verify_one(assignment: "Assignment", found: "Listed", arguments: argparse.N
             progress.say("\n     ".join([head, *wrong]), good=not wrong)
     if entries:
         write(assignment.folder / "samples" / "expected.toml", with_entries(assignment, entries))
-    for line in verification.summary(assignment, found, tally, whole=not arguments.only and not faults):
+    for line in verification.summary(assignment, load_catalogue, tally, whole=not arguments.only and not faults):
         print(line)
-    return 2 if faults else 1 if tally.otherwise or found.fileless else 0
+    return 2 if faults else 1 if tally.otherwise or load_catalogue.missing else 0
 
 
 def _is_meant(name: str, only: Sequence[str] | None) -> bool:

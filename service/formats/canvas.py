@@ -9,14 +9,14 @@ import re
 from collections.abc import Sequence
 
 from service.formats.csv import table
-from service.formats.grade_row import Row
+from service.formats.grade_row import GradeRow
 
 HEADER = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
 POSSIBLE = "Points Possible"
 RESERVED = re.compile(r"(Current|Final|Override) (Score|Points|Grade|Status)")
 
 
-def text(rows: Sequence[Row], title: str, max_points: int) -> str:
+def text(rows: Sequence[GradeRow], title: str, max_points: int) -> str:
     """The CSV of one assignment."""
     possible = [f"    {POSSIBLE}", None, None, None, None, max_points]
     students = [[_name(row), None, row.student_id, row.student, None, row.points] for row in rows if row.points is not None]
@@ -30,6 +30,6 @@ def column(title: str) -> str:
     return re.sub(r"\((\d+)\)$", r"[\1]", title)
 
 
-def _name(row: Row) -> str:
+def _name(row: GradeRow) -> str:
     """Whoever is called like the row that tells what an assignment has would be taken for it."""
     return row.name.replace(POSSIBLE, "Points-Possible")

@@ -11,7 +11,7 @@ from typing import Any
 from ecp.judge import Verdict
 from ecp.report import ExerciseReport, Report
 from exercises.assignment import Assignment
-from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, shown
+from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
 from service.grading.result import GradedFile, state
 
 SCHEMA = "classroom50/result/v1"
@@ -42,7 +42,7 @@ def document(file: GradedFile, assignment: Assignment, about: About) -> dict[str
     if file.fault is not None:
         raise NoVerdict(file.fault)
     if (report := file.report) is None:
-        most, tests = assignment.most_points(), [_failed(SUBMITTED, assignment.most_points(), file.refused or "")]
+        most, tests = assignment.max_points(), [_failed(SUBMITTED, assignment.max_points(), file.refused or "")]
     elif not report.max_score:
         most, tests = 0, [_failed(NOTHING, 0, "nothing that counts was checked")]
     else:
@@ -74,10 +74,10 @@ def _tests(exercise: ExerciseReport, report: Report) -> Iterator[dict[str, Any]]
                 "max-score": 1,
                 "id": outcome.id,
                 "verdict": outcome.verdict.value,
-                "state": state(outcome, report.endings),
+                "state": state(outcome, report.scene_ends),
                 "output": detail(outcome, report),
             }
 
 
 def _failed(name: str, most: int, output: str) -> dict[str, Any]:
-    return {"test-name": name, "passed": False, "score": 0, "max-score": most, "output": shown(output)}
+    return {"test-name": name, "passed": False, "score": 0, "max-score": most, "output": sanitize(output)}

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # what a zip can tell
 
 
-class Archive:
+class ZipStream:
     """Add files, and between them ``take`` the bytes that can go; ``end`` gives the last."""
 
     def __init__(self) -> None:
@@ -61,14 +61,14 @@ DEVICES = {"con", "prn", "aux", "nul", *(f"{device}{n}" for device in ("com", "l
 _UNSAFE = re.compile(r"[^\w.@+-]+|_{2,}")
 
 
-def safe(text: str, otherwise: str = "file") -> str:
+def safe_filename(text: str, otherwise: str = "file") -> str:
     """One part of a path: letters, digits, ``. _ - + @``; no dot or dash in front, no device of Windows, not too long."""
     name = _UNSAFE.sub("_", unicodedata.normalize("NFC", text)).lstrip(".-_@+ ").rstrip(".-_")
     name = _cut(name) or otherwise
     return f"_{name}" if name.partition(".")[0].casefold() in DEVICES else name
 
 
-class Names:
+class UniqueNames:
     """The names given out in one folder, those ``taken`` among them."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
@@ -76,7 +76,7 @@ class Names:
 
     def give(self, text: str, otherwise: str = "file") -> str:
         """A safe name that is not given yet, also where a file system takes large for small letters."""
-        name = first = safe(text, otherwise)
+        name = first = safe_filename(text, otherwise)
         stem, dot, ending = first.rpartition(".")
         count = 1
         while _folded(name) in self._taken:

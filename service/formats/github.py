@@ -13,7 +13,7 @@ from ecp.judge import MARKS, Verdict
 from ecp.outcome import Outcome
 from ecp.report import Report
 from exercises.assignment import Assignment
-from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, shown
+from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, sanitize
 from service.formats.source_lines import Lines
 from service.grading import result as graded
 from service.grading.result import GradedFile
@@ -35,7 +35,7 @@ class Annotation:
         return f"::error {told}::{_data(self.message)}"
 
 
-def unheard(text: str, token: str) -> str:
+def escape_commands(text: str, token: str) -> str:
     """The text for a workflow's log, in which the runner takes no line for a command; nobody may know the ``token`` before."""
     return f"::stop-commands::{token}\n{text}\n::{token}::"
 
@@ -83,11 +83,11 @@ def summary(files: Sequence[GradedFile], assignment: Assignment, most: int = MOS
 def _of(file: GradedFile, assignment: Assignment) -> list[Annotation]:
     path = one_line(file.file.as_posix())
     if file.fault is not None:
-        return [Annotation("polhode failed: this is no verdict", shown(file.fault, MOST_MESSAGE), path, 1)]
+        return [Annotation("polhode failed: this is no verdict", sanitize(file.fault, MOST_MESSAGE), path, 1)]
     if file.report is None:
-        return [Annotation("no submission", shown(file.refused or "", MOST_MESSAGE), path, 1)]
+        return [Annotation("no submission", sanitize(file.refused or "", MOST_MESSAGE), path, 1)]
     if not file.report.max_score:
-        return [Annotation(f"not so: {NOTHING}", shown(file.report.text(), MOST_MESSAGE), path, 1)]
+        return [Annotation(f"not so: {NOTHING}", sanitize(file.report.text(), MOST_MESSAGE), path, 1)]
     lines = Lines(file, assignment)
     groups: dict[tuple[int | None, str], list[tuple[str, Outcome]]] = {}
     for exercise in file.report.exercises:
@@ -112,7 +112,7 @@ def _annotation(file: GradedFile, path: str, line: int | None, outcomes: list[tu
         told += ["", f"also {len(others)} more check{'s' * (len(others) > 1)}:", *others[:MOST_NAMED], *left]
     where = ": ".join(part for part in (f"exercise {exercise}", lines.function(first)) if part)
     many = f" ({len(outcomes)} checks)" if others else ""
-    return Annotation(one_line(where + many), shown("\n".join(told), MOST_MESSAGE), path, line)
+    return Annotation(one_line(where + many), sanitize("\n".join(told), MOST_MESSAGE), path, line)
 
 
 def _fitting(files: Sequence[GradedFile], told: Callable[[GradedFile], str], room: int) -> tuple[str, int]:

@@ -10,7 +10,7 @@ from service.grading.result import GradedFile, state
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class GradeRow:
     """One student and one assignment, with the best of their submissions: most points, of equals the newest.
 
     ``points`` are the ``score`` unless somebody gave others; None while nothing is graded. ``max_points`` is what the assignment
@@ -63,18 +63,18 @@ def moment(at: datetime | None) -> str | None:
     return None if at is None else at.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def rows(files: Sequence[GradedFile], assignment: Assignment) -> list[Row]:
+def rows(files: Sequence[GradedFile], assignment: Assignment) -> list[GradeRow]:
     """A row for each file; files of one name in several folders, such as ann/mine.py and ben/mine.py, go by their path."""
     stems = Counter(file.file.stem for file in files)
     return [row(file, assignment, "" if stems[file.file.stem] == 1 else file.file.with_suffix("").as_posix()) for file in files]
 
 
-def row(file: GradedFile, assignment: Assignment, student: str = "") -> Row:
+def row(file: GradedFile, assignment: Assignment, student: str = "") -> GradeRow:
     """The row of one file. What is no submission has no points; after a fault of ours, none are known."""
-    about = Row(
+    about = GradeRow(
         assignment=assignment.slug,
         title=assignment.title,
-        max_points=assignment.most_points(),
+        max_points=assignment.max_points(),
         student=student or file.file.stem,
         submission=file.file.as_posix(),
         attempts=1,
@@ -85,9 +85,9 @@ def row(file: GradedFile, assignment: Assignment, student: str = "") -> Row:
     return about if file.report is None else _graded(about, file)
 
 
-def _graded(about: Row, file: GradedFile) -> Row:
+def _graded(about: GradeRow, file: GradedFile) -> GradeRow:
     report = file.report
     assert report is not None
     grader = f"polhode {report.provenance.versions.get('polhode', '')}, assignment version {report.version}"
-    checks = {outcome.id: state(outcome, report.endings) for outcome in report.outcomes()}
+    checks = {outcome.id: state(outcome, report.scene_ends) for outcome in report.outcomes()}
     return replace(about, status="graded", counted=report.max_score, grader=grader, checks=checks)

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from service.formats.grade_row import Row, moment
+from service.formats.grade_row import GradeRow, moment
 
 AS_THEY_ARE = (
     "student", "full_name", "email", "student_id", "status", "attempts", "submission", "late", "score", "points", "counted",
@@ -12,12 +12,12 @@ AS_THEY_ARE = (
 )  # fmt: skip
 
 
-def text(about: Mapping[str, Any], rows: Sequence[Row]) -> str:
+def text(about: Mapping[str, Any], rows: Sequence[GradeRow]) -> str:
     """``about`` the assignment, and its ``students``."""
     return json.dumps({**about, "students": [_student(row) for row in rows]}, ensure_ascii=False, allow_nan=False)
 
 
-def _student(row: Row) -> dict[str, Any]:
+def _student(row: GradeRow) -> dict[str, Any]:
     times = {"submitted_at": moment(row.submitted_at), "graded_at": moment(row.graded_at)}
     checks = {check: {"state": state, "given": row.given.get(check)} for check, state in row.checks.items()}
     return {name: getattr(row, name) for name in AS_THEY_ARE} | times | {"grader": row.grader or None, "checks": checks}

@@ -13,7 +13,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Outcome
 from ecp.report import ExerciseReport, Picture, Report
 from exercises.assignment import Assignment
-from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, shown
+from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
 from service.grading.result import GradedFile, state
 
 VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
@@ -37,7 +37,7 @@ def document(
     about = {"execution_time": round(file.seconds, 3), "output_format": "text", "stdout_visibility": "hidden"}
     if file.report is not None:
         return _graded(file, file.report, assignment, max_score, hidden) | about
-    said, most = shown(file.refused or ""), assignment.most_points() if max_score is None else max_score
+    said, most = sanitize(file.refused or ""), assignment.max_points() if max_score is None else max_score
     return {"score": 0, "output": said, "tests": [_failed(SUBMITTED, said) | {"score": 0, "max_score": most}]} | about
 
 
@@ -52,7 +52,7 @@ def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score:
     made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance
     return {
         "score": report.score * point,
-        "output": shown(report.summary()),
+        "output": sanitize(report.summary()),
         "tests": [*tests, *_figures(file, report)],
         "extra_data": made | {"seed": provenance.seed, "versions": provenance.versions},
     }
@@ -67,7 +67,7 @@ def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) 
             test |= {"score": point * passed, "max_score": point, "status": "passed" if passed else "failed"}
         test |= {"output": detail(outcome, report), "output_format": "text", "tags": _tags(exercise, outcome)}
         test["visibility"] = hidden if outcome.hidden else "visible"
-        test["extra_data"] = {"id": outcome.id, "verdict": outcome.verdict.value, "state": state(outcome, report.endings)}
+        test["extra_data"] = {"id": outcome.id, "verdict": outcome.verdict.value, "state": state(outcome, report.scene_ends)}
         yield test
 
 

@@ -14,7 +14,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Outcome
 from ecp.report import ExerciseReport, Report
 from exercises.assignment import Assignment
-from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, shown
+from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
 from service.formats.source_lines import Lines
 from service.grading.result import GradedFile, state
 
@@ -60,12 +60,12 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
         if exercise.outcomes:
             yield f"{name}: {_title(exercise)}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
     if not report.max_score:
-        yield name, [Case(NOTHING, "error", "unmeasured", "nothing that counts was checked", shown(report.text()))]
+        yield name, [Case(NOTHING, "error", "unmeasured", "nothing that counts was checked", sanitize(report.text()))]
 
 
 def _ungraded(file: GradedFile) -> Case:
     kind, said = ("fault", f"polhode failed: {file.fault}") if file.fault is not None else ("refused", file.refused or "")
-    return Case(SUBMITTED, "error", kind, one_line(said), shown(said), 1)
+    return Case(SUBMITTED, "error", kind, one_line(said), sanitize(said), 1)
 
 
 def _case(outcome: Outcome, report: Report, lines: Lines) -> Case:
@@ -74,7 +74,7 @@ def _case(outcome: Outcome, report: Report, lines: Lines) -> Case:
         return Case(name, line=lines.of(outcome))
     kind = KINDS[outcome.verdict] if outcome.counted else "skipped"
     told = detail(outcome, report)
-    return Case(name, kind, state(outcome, report.endings), one_line(outcome.line), told, lines.of(outcome))
+    return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), told, lines.of(outcome))
 
 
 def _title(exercise: ExerciseReport) -> str:

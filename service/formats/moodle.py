@@ -9,18 +9,18 @@ import re
 from collections.abc import Sequence
 
 from service.formats.csv import Value, cell, table
-from service.formats.grade_row import Row
+from service.formats.grade_row import GradeRow
 
 HEADER = ("Username", "ID number", "Email address")
 NOBODY = "(none)"
 
 
-def text(rows: Sequence[Row], title: str) -> str:
+def text(rows: Sequence[GradeRow], title: str) -> str:
     """The CSV of one assignment."""
     return table([*HEADER, title], [_line(row) for row in rows if row.points is not None])
 
 
-def _line(row: Row) -> list[Value]:
+def _line(row: GradeRow) -> list[Value]:
     return [*map(_key, (row.student, row.student_id, row.email)), row.points]
 
 

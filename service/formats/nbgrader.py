@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from service.formats.csv import Value, table
-from service.formats.grade_row import Row
+from service.formats.grade_row import GradeRow
 
 COLUMNS = (
     "assignment", "duedate", "timestamp", "student_id", "last_name", "first_name", "email", "raw_score", "late_submission_penalty",
@@ -17,7 +17,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def text(rows: Sequence[Row]) -> str:
+def text(rows: Sequence[GradeRow]) -> str:
     """The CSV, with line feeds and without byte order mark, as nbgrader writes it."""
     return table(COLUMNS, [_line(row) for row in sorted(rows, key=lambda row: (*names(row.full_name), row.student))], end="\n")
 
@@ -31,7 +31,7 @@ def names(full: str) -> tuple[str, str]:
     return last.strip(), first.strip()
 
 
-def _line(row: Row) -> list[Value]:
+def _line(row: GradeRow) -> list[Value]:
     known = row.points is not None or row.submission is None
     score = float(row.points or 0) if known else None
     who: list[Value] = [row.student, *names(row.full_name), row.email]

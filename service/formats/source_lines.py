@@ -14,7 +14,7 @@ from ecp.outcome import Outcome
 from exercises.assignment import Assignment
 from service.formats.check_text import stopped_by
 from service.grading.result import GradedFile
-from service.grading.submission import BREAK, places
+from service.grading.submission import BREAK, source_locations
 
 Numbered = list[tuple[int, str]]
 """Lines of a cell, each with its number in the file."""
@@ -24,14 +24,14 @@ class Lines:
     """Of one file of an assignment."""
 
     def __init__(self, file: GradedFile, assignment: Assignment) -> None:
-        self._endings = file.report.endings if file.report else []
+        self._scene_ends = file.report.scene_ends if file.report else []
         self._functions = {c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes}
         self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else {"submission.py": _numbered(file.source)}
 
     def of(self, outcome: Outcome) -> int | None:
         """The line in the file; None if there is none to name."""
-        ending = stopped_by(outcome, self._endings)
-        for place in reversed(places(ending)) if ending else ():
+        scene_end = stopped_by(outcome, self._scene_ends)
+        for place in reversed(source_locations(scene_end)) if scene_end else ():
             cell = self._cells.get(place.cell, [])
             if 1 <= place.line <= len(cell):
                 return cell[place.line - 1][0]

@@ -11,17 +11,17 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 
-from ecp.outcome import Swept
+from ecp.outcome import SweepResult
 from exercises import validation
 from exercises.assignment import Assignment
 from service.grading import charts, rendering
-from service.grading.grade import Graded, grade, lacking, select
-from service.grading.grader import NotSwept, sweep
+from service.grading.grade import Graded, grade, missing_packages, select
+from service.grading.grader import SweepFailed, sweep
 from service.grading.result import GradedFile
 from service.grading.submission import MOST_BYTES, BadSubmission, Submission
 from service.sandbox.guest.lockdown import die_with_parent
-from service.sandbox.isolation import Walls
-from service.sandbox.result import Fault
+from service.sandbox.isolation import Isolation
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
 
@@ -30,7 +30,7 @@ Tell = Callable[[int], None]
 
 
 @dataclass(frozen=True)
-class Ask:
+class GradeRequest:
     """A file to grade, and the exercises of it; None: those it attempts."""
 
     file: Path
@@ -38,7 +38,7 @@ class Ask:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class GradeOptions:
     """What is wanted of every file: scenes drawn from ``seed``, figures in the ``forms`` (svg, png), whether it is swept too."""
 
     assignment: Assignment
@@ -48,7 +48,7 @@ class Wanted:
 
 
 def grade_files(
-    asks: Sequence[Ask], wanted: Wanted, walls: Walls, jobs: int | None = None, tell: Tell = lambda done: None
+    asks: Sequence[GradeRequest], wanted: GradeOptions, walls: Isolation, jobs: int | None = None, tell: Tell = lambda done: None
 ) -> Iterator[GradedFile]:
     """Each file in turn, graded by a process for each processor (at most ``jobs``); ``tell`` hears how many files are done.
 
@@ -58,8 +58,8 @@ def grade_files(
     """
     for ask in asks:
         select(wanted.assignment, ask.exercises)
-    if absent := lacking(wanted.assignment):
-        raise Fault(absent)
+    if absent := missing_packages(wanted.assignment):
+        raise SystemFault(absent)
     walls = with_packages(walls, wanted.assignment.packages)
     contents = [_read(ask.file) for ask in asks]
     processes = min(len(asks), jobs or len(os.sched_getaffinity(0)))
@@ -77,8 +77,10 @@ def grade_files(
         pool.shutdown(cancel_futures=True)
 
 
-def _here(asks: Sequence[Ask], contents: Sequence[bytes], wanted: Wanted, walls: Walls, tell: Tell) -> Iterator[GradedFile]:
-    hand = _Hand(wanted, walls)
+def _here(
+    asks: Sequence[GradeRequest], contents: Sequence[bytes], wanted: GradeOptions, walls: Isolation, tell: Tell
+) -> Iterator[GradedFile]:
+    hand = _FileGrader(wanted, walls)
     try:
         for number, (ask, content) in enumerate(zip(asks, contents, strict=True), start=1):
             graded = hand.grade(ask, content)
@@ -88,7 +90,7 @@ def _here(asks: Sequence[Ask], contents: Sequence[bytes], wanted: Wanted, walls:
         hand.sandbox.close()
 
 
-def _in_turn(asks: Sequence[Ask], asked: Sequence["Future[GradedFile]"], tell: Tell) -> Iterator[GradedFile]:
+def _in_turn(asks: Sequence[GradeRequest], asked: Sequence["Future[GradedFile]"], tell: Tell) -> Iterator[GradedFile]:
     done: list[object] = []
 
     def count(one: object) -> None:
@@ -104,17 +106,17 @@ def _in_turn(asks: Sequence[Ask], asked: Sequence["Future[GradedFile]"], tell: T
             yield GradedFile(file=ask.file, fault="a process that grades was lost (killed, or out of memory)")
 
 
-class _Hand:
+class _FileGrader:
     """A process's own: one sandbox, and what is wanted of each file."""
 
-    def __init__(self, wanted: Wanted, walls: Walls) -> None:
+    def __init__(self, wanted: GradeOptions, walls: Isolation) -> None:
         self.wanted, self.sandbox = wanted, Sandbox(walls)
         self.sandbox.start()
 
-    def grade(self, ask: Ask, content: bytes) -> GradedFile:
+    def grade(self, ask: GradeRequest, content: bytes) -> GradedFile:
         """Raises Fault only where the walls do not hold: then no file can be graded."""
-        if not self.sandbox.rehearsed:
-            self.sandbox.rehearse()
+        if not self.sandbox.self_tested:
+            self.sandbox.self_test()
         began = time.perf_counter()
         try:
             submission = Submission.from_bytes(content, ask.file.name)
@@ -126,7 +128,7 @@ class _Hand:
             if wanted.swept:
                 graded.report.sweep = _sweep(submission, wanted.assignment, self.sandbox)
             drawn = _draw(graded, wanted)
-        except Fault as fault:
+        except SystemFault as fault:
             return GradedFile(file=ask.file, source=source, fault=str(fault))
         except (Exception, SystemExit) as error:  # the assignment's code or ours: not foreseen, and no other file's
             log.exception("grading failed")
@@ -135,17 +137,17 @@ class _Hand:
         return GradedFile(file=ask.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
 
 
-_hand: _Hand | None = None
+_hand: _FileGrader | None = None
 
 
-def _begin(wanted: Wanted, walls: Walls) -> None:
+def _begin(wanted: GradeOptions, walls: Isolation) -> None:
     global _hand  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a key pressed is for who started us
-    _hand = _Hand(wanted, walls)
+    _hand = _FileGrader(wanted, walls)
 
 
-def _grade(ask: Ask, content: bytes) -> GradedFile:
+def _grade(ask: GradeRequest, content: bytes) -> GradedFile:
     assert _hand is not None
     return _hand.grade(ask, content)
 
@@ -156,14 +158,14 @@ def _read(file: Path) -> bytes:
         return stream.read(MOST_BYTES + 1)
 
 
-def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> Swept:
+def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> SweepResult:
     try:
         return sweep(submission, assignment, sandbox)
-    except NotSwept as reason:
-        return Swept(scene="", points=[], line=f"not swept: {reason}")
+    except SweepFailed as reason:
+        return SweepResult(scene="", points=[], line=f"not swept: {reason}")
 
 
-def _draw(graded: Graded, wanted: Wanted) -> dict[str, bytes]:
+def _draw(graded: Graded, wanted: GradeOptions) -> dict[str, bytes]:
     """Figures, contact sheets and the chart of a sweep by file name, if any pictures are wanted."""
     if not wanted.forms:
         return {}

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ecp.checks import Arrays
-from ecp.outcome import Ending, SceneEnding
-from exercises.assignment import Ask, Assignment, Inputs, Scene
-from service.sandbox.job import Job, Played
-from service.sandbox.result import Seen
+from ecp.outcome import Ended, SceneEnd
+from exercises.assignment import Assignment, Inputs, RightHandSide, Scene
+from service.sandbox.job import Job, SceneRequest
+from service.sandbox.result import PlayResult
 from service.sandbox.sandbox import Sandbox
 
 DRIVE_S = 20.0
@@ -32,7 +32,7 @@ class Attempt:
     job: Job
     inputs: Mapping[str, Inputs]
     truths: Mapping[str, Arrays]
-    seen: Seen
+    seen: PlayResult
 
 
 def cross_check(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, seed: int) -> CrossCheck:
@@ -46,7 +46,7 @@ def cross_check(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, seed
             continue
         proof = scene.drive.proof
         if proof not in seen.arrays:
-            _forget(seen, scene.name, Ending.NOT_PLAYED, f"it comes after {proof}")
+            _forget(seen, scene.name, Ended.NOT_PLAYED, f"it comes after {proof}")
         elif proof not in found.unsteady and scene.drive.certified(
             attempt.inputs[proof], seen.arrays[proof], attempt.truths[proof]
         ):
@@ -66,13 +66,18 @@ def _ask_again(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, rng: 
     twice = [s for s in assignment.scenes if s.twice and s.name in seen.arrays]
     orders = {s.name: rng.permutation(len(next(iter(seen.arrays[s.name].values())))) for s in twice}
     again = [replace(p, inputs=_shuffled(p.inputs, orders[p.name]), after=None) for p in job.scenes if p.name in orders]
-    other = Seen()
+    other = PlayResult()
     for _ in range(TRIES):  # a child that did not come to its end says nothing against the answers of the first
         if left := [p for p in again if p.name not in other.arrays]:
             other.add(sandbox.play(replace(job, scenes=tuple(left))))
     for name in set(orders) - set(other.arrays):
-        ending = other.endings.get(name)
-        _forget(seen, name, ending.ending if ending else Ending.EXITED, f"asked again, {ending.sentence if ending else 'it ended'}")
+        scene_end = other.scene_ends.get(name)
+        _forget(
+            seen,
+            name,
+            scene_end.ended if scene_end else Ended.EXITED,
+            f"asked again, {scene_end.sentence if scene_end else 'it ended'}",
+        )
     return {
         name
         for name, order in orders.items()
@@ -80,10 +85,10 @@ def _ask_again(assignment: Assignment, attempt: Attempt, sandbox: Sandbox, rng: 
     }
 
 
-def _forget(seen: Seen, scene: str, ending: Ending, sentence: str) -> None:
+def _forget(seen: PlayResult, scene: str, scene_end: Ended, sentence: str) -> None:
     """Take back what a scene brought: it is not measured, and the sentence says why."""
     del seen.arrays[scene]
-    seen.endings[scene] = SceneEnding(scene=scene, ending=ending, sentence=sentence)
+    seen.scene_ends[scene] = SceneEnd(scene=scene, ended=scene_end, sentence=sentence)
 
 
 def _shuffled(inputs: Mapping[str, Any], order: np.ndarray) -> dict[str, Any]:
@@ -107,7 +112,7 @@ def _drive(scenes: list[Scene], attempt: Attempt, sandbox: Sandbox, rng: np.rand
     inputs, seen = attempt.inputs, attempt.seen
 
     def driver(scene: Scene) -> Any:
-        def drive(ask: Ask) -> tuple[bool, Arrays | None]:
+        def drive(ask: RightHandSide) -> tuple[bool, Arrays | None]:
             assert scene.drive is not None
             if scene.drive.follows(inputs[scene.name], seen.arrays[scene.name], ask, rng):
                 return True, None
@@ -118,7 +123,7 @@ def _drive(scenes: list[Scene], attempt: Attempt, sandbox: Sandbox, rng: np.rand
 
         return drive
 
-    played = tuple(Played(s.name, "", s.function, {}, {}, DRIVE_S, None, driver(s)) for s in scenes)
+    played = tuple(SceneRequest(s.name, "", s.function, {}, {}, DRIVE_S, None, driver(s)) for s in scenes)
     answered = sandbox.play(replace(attempt.job, scenes=played))
     for scene in scenes:
         follows, motion = answered.driven.get(scene.name, (False, None))
@@ -128,7 +133,11 @@ def _drive(scenes: list[Scene], attempt: Attempt, sandbox: Sandbox, rng: np.rand
             seen.arrays[scene.name] = dict(motion)
             found.how[scene.name] = f"played by the host, call by call: what the child played does not follow {scene.function}"
         else:
-            ending = answered.endings.get(scene.name)
-            said = ending.sentence if ending and ending.ending is not Ending.FINISHED else "the integrator does not get on with it"
-            _forget(seen, scene.name, Ending.NOT_PLAYED, f"called by the host, {said}")
+            scene_end = answered.scene_ends.get(scene.name)
+            said = (
+                scene_end.sentence
+                if scene_end and scene_end.ended is not Ended.FINISHED
+                else "the integrator does not get on with it"
+            )
+            _forget(seen, scene.name, Ended.NOT_PLAYED, f"called by the host, {said}")
             found.how[scene.name] = f"what the child played does not follow {scene.function}, and the host could not play it"

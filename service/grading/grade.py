@@ -14,14 +14,14 @@ from ecp.checks import Arrays, Check
 from ecp.claims import Claim, NotebookCheck
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
+from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd
 from ecp.report import ExerciseReport, Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import Attempt, CrossCheck, cross_check
 from service.grading.submission import Submission
-from service.sandbox.job import Job, Played
-from service.sandbox.result import Fault, Seen
+from service.sandbox.job import Job, SceneRequest
+from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 
 log = logging.getLogger(__name__)
@@ -59,8 +59,8 @@ def grade(
     ``seed`` draws the scenes a student must not know; the same seed gives the same questions.
     ``tell`` hears how far it is. Raises UnknownExercise, and Fault when the sandbox fails: then there is no report.
     """
-    if absent := lacking(assignment):
-        raise Fault(absent)
+    if absent := missing_packages(assignment):
+        raise SystemFault(absent)
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
@@ -83,13 +83,13 @@ def grade(
         exercises=sections,
         figures=figures,
         animations=animations,
-        endings=[*seen.cells.values(), *(e for e in seen.endings.values() if e.scene in told)],
+        scene_ends=[*seen.cells.values(), *(e for e in seen.scene_ends.values() if e.scene in told)],
         stdout=seen.stdout,
         notebook_checks=_own_checks(seen),
         provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
         not_attempted=missed,
     )
-    report.total = report.max_score + assignment.most_points(missed)
+    report.total = report.max_score + assignment.max_points(missed)
     return Graded(report, covered, shown)
 
 
@@ -103,7 +103,7 @@ def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exerci
     return [e for e in assignment.exercises if e.number in wanted]
 
 
-def lacking(assignment: Assignment) -> str:
+def missing_packages(assignment: Assignment) -> str:
     """Say which packages of the assignment this server does not have; "" if none."""
     absent = ", ".join(packages.missing(assignment.packages))
     return f"assignment {assignment.slug} needs packages that are not installed on this server: {absent}" if absent else ""
@@ -123,7 +123,7 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """The question for the far side of the wall: the submission's cells and these scenes."""
-    played = tuple(Played(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after) for s in scenes)
+    played = tuple(SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after) for s in scenes)
     setup, plays = ((assignment.folder / name).read_text(encoding="utf-8") for name in ("setup.py", "plays.py"))
     return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), played)
 
@@ -142,7 +142,7 @@ def _fixed_truth(scene: Scene) -> Arrays:
 
 def _play(
     job: Job, assignment: Assignment, inputs: dict[str, Inputs], sandbox: Sandbox, tell: Tell
-) -> tuple[Seen, dict[str, Arrays]]:
+) -> tuple[PlayResult, dict[str, Arrays]]:
     """What came back, and the exact answer to each scene of it, worked out while the guest plays that scene."""
     places = {played.name: k for k, played in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
@@ -157,16 +157,16 @@ def _play(
         instead = scene.replaced(inputs[name], seen.arrays[name]) if scene.replaced else None
         if isinstance(instead, str):
             del seen.arrays[name]
-            seen.endings[name] = SceneEnding(scene=name, ending=Ending.WRONG_ANSWER, sentence=instead)
+            seen.scene_ends[name] = SceneEnd(scene=name, ended=Ended.WRONG_ANSWER, sentence=instead)
         elif instead is not None:
             inputs[name], exact[name] = instead, scene.truth(instead)
-    for ending in (*seen.cells.values(), *seen.endings.values()):
-        if ending.ending is Ending.RAISED and ending.sentence.startswith("ModuleNotFoundError: "):
-            ending.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
+    for scene_end in (*seen.cells.values(), *seen.scene_ends.values()):
+        if scene_end.ended is Ended.RAISED and scene_end.sentence.startswith("ModuleNotFoundError: "):
+            scene_end.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
     return seen, {name: exact[name] for name in seen.arrays}
 
 
-def _own_checks(seen: Seen) -> list[NotebookCheck]:
+def _own_checks(seen: PlayResult) -> list[NotebookCheck]:
     if not seen.claims_left_out:
         return seen.claims
     more = Claim("check", f"{seen.claims_left_out} more checks", left_out=f"at most {len(seen.claims)} are taken")
@@ -178,7 +178,7 @@ def _with_precursors(assignment: Assignment, wanted: set[str]) -> set[str]:
     return wanted | {after for s in assignment.scenes if s.name in wanted and (after := s.after) is not None}
 
 
-def _add_what_is_known(assignment: Assignment, seen: Seen, truths: Mapping[str, Arrays]) -> None:
+def _add_what_is_known(assignment: Assignment, seen: PlayResult, truths: Mapping[str, Arrays]) -> None:
     for name, arrays in seen.arrays.items():
         arrays |= {known: truths[name][known] for known in assignment.scene(name).known}
 
@@ -204,26 +204,26 @@ def _unsteady(scene: Scene) -> Diagnosis:
     return Diagnosis(code="not-deterministic", sentence=sentence, confidence=1.0)
 
 
-def _outcome(check: Check, scenes: list[Scene], seen: Seen, truths: Mapping[str, Arrays]) -> Outcome:
+def _outcome(check: Check, scenes: list[Scene], seen: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:
     for scene in scenes:
         if not seen.finished(scene.name):
             return check.unmeasured(_cause(scene, seen))
     return check.judge([seen.arrays[s.name] for s in scenes], [truths[s.name] for s in scenes])
 
 
-def _cause(scene: Scene, seen: Seen) -> str:
-    """Why a scene brought nothing: its own ending, or that of the scene it comes after, or of the cell that failed before."""
-    ending = seen.endings.get(scene.name)
-    if ending is None:
+def _cause(scene: Scene, seen: PlayResult) -> str:
+    """Why a scene brought nothing: its own scene_end, or that of the scene it comes after, or of the cell that failed before."""
+    scene_end = seen.scene_ends.get(scene.name)
+    if scene_end is None:
         return "your code stopped before this was played"
-    if ending.ending is Ending.NOT_PLAYED and scene.after in seen.endings and not seen.finished(scene.after):
-        ending = seen.endings[scene.after]
-    if ending.ending is Ending.MISSING and (failed := _failed_cell(seen)):
-        return f"{ending.sentence}; {failed.scene} stopped with {failed.sentence}"
-    return ending.sentence
+    if scene_end.ended is Ended.NOT_PLAYED and scene.after in seen.scene_ends and not seen.finished(scene.after):
+        scene_end = seen.scene_ends[scene.after]
+    if scene_end.ended is Ended.MISSING and (failed := _failed_cell(seen)):
+        return f"{scene_end.sentence}; {failed.scene} stopped with {failed.sentence}"
+    return scene_end.sentence
 
 
-def _failed_cell(seen: Seen) -> SceneEnding | None:
+def _failed_cell(seen: PlayResult) -> SceneEnd | None:
     """The one cell that failed; with several, which of them was to define a function cannot be told."""
     return next(iter(seen.cells.values())) if len(seen.cells) == 1 else None
 
@@ -241,7 +241,7 @@ def _diagnosed(assignment: Assignment, scene: str, inputs: Mapping[str, Inputs],
         return []
 
 
-def _likely(scenes: list[Scene], seen: Seen, causes: Causes) -> list[Diagnosis]:
+def _likely(scenes: list[Scene], seen: PlayResult, causes: Causes) -> list[Diagnosis]:
     """The likely cause: what the numbers of a scene or of the one before it single out, else how it ended."""
     for scene in scenes:
         for name in (scene.after, scene.name):
@@ -249,9 +249,9 @@ def _likely(scenes: list[Scene], seen: Seen, causes: Causes) -> list[Diagnosis]:
                 return list(found)
     for scene in scenes:
         for name in (scene.after, scene.name):
-            ending = seen.endings.get(name or "")
-            if ending is not None and ending.ending is Ending.MISSING and (failed := _failed_cell(seen)):
-                ending = failed
-            if ending is not None and ending.code is not None:
-                return [Diagnosis(code=ending.code, sentence=ending.sentence, confidence=1.0)]
+            scene_end = seen.scene_ends.get(name or "")
+            if scene_end is not None and scene_end.ended is Ended.MISSING and (failed := _failed_cell(seen)):
+                scene_end = failed
+            if scene_end is not None and scene_end.code is not None:
+                return [Diagnosis(code=scene_end.code, sentence=scene_end.sentence, confidence=1.0)]
     return []

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ecp.document import document, read
-from ecp.outcome import Swept
+from ecp.outcome import SweepResult
 from ecp.report import Report
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
@@ -16,36 +16,36 @@ from service.grading import charts, rendering
 from service.grading.grade import Tell, grade, job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.guest.lockdown import die_with_parent
-from service.sandbox.isolation import Walls
-from service.sandbox.result import Fault
+from service.sandbox.isolation import Isolation
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
 
 
-class NotSwept(Exception):
+class SweepFailed(Exception):
     """The function could not be swept; the message says why, to the student."""
 
 
-def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> Swept:
+def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> SweepResult:
     """Play the assignment's sweep with this submission. NotSwept where there is none, or the function does not see it through."""
     if assignment.sweep is None:
-        raise NotSwept(f"assignment {assignment.slug} has no sweep")
+        raise SweepFailed(f"assignment {assignment.slug} has no sweep")
     scene = assignment.sweep.scene
     assert not callable(scene.inputs)
     seen = sandbox.play(job_of(submission, assignment, [scene], {scene.name: scene.inputs}))
     if not seen.finished(scene.name):
-        ending = seen.endings.get(scene.name)
-        raise NotSwept(ending.sentence if ending else "your code stopped before this was played")
+        scene_end = seen.scene_ends.get(scene.name)
+        raise SweepFailed(scene_end.sentence if scene_end else "your code stopped before this was played")
     try:
         return assignment.sweep.read(seen.arrays[scene.name], truth(scene, scene.inputs))
     except (ArithmeticError, ValueError) as error:
-        raise NotSwept(f"the numbers that came back are beyond what can be judged ({error})") from error
+        raise SweepFailed(f"the numbers that came back are beyond what can be judged ({error})") from error
 
 
 _sandbox: Sandbox | None = None
 
 
-def start(walls: Walls) -> None:
+def start(walls: Isolation) -> None:
     """Prepare this process: a sandbox behind those walls, and no life after the process that started it."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
@@ -109,7 +109,7 @@ def draw_chart(kind: str, number: int) -> bytes:
 
 def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
     """The sweeps of a class, as ``sweep_one`` told them, over the reference methods; those on the scene that most are on."""
-    found = [read(Swept, told) for told in documents]
+    found = [read(SweepResult, told) for told in documents]
     scene = Counter(swept.scene for swept in found).most_common(1)[0][0]
     return charts.draw_class(charts.load_work_precision(), scene, [s.points for s in found if s.scene == scene])
 
@@ -119,7 +119,7 @@ def _assignment(slug: str) -> Assignment:
     try:
         return find(slug)
     except (InvalidAssignment, NoAssignment) as error:
-        raise Fault(f"the assignment {slug} cannot be used") from error
+        raise SystemFault(f"the assignment {slug} cannot be used") from error
 
 
 def _close() -> None:
@@ -130,7 +130,7 @@ def _close() -> None:
 def _own() -> Sandbox:
     """This process's sandbox, probed before its first use."""
     if _sandbox is None:
-        raise Fault("this worker was not started")
-    if not _sandbox.rehearsed:
-        _sandbox.rehearse()
+        raise SystemFault("this worker was not started")
+    if not _sandbox.self_tested:
+        _sandbox.self_test()
     return _sandbox

@@ -22,7 +22,7 @@ SEEN = 1e-6  # what is told of it
 ALIKE = 1e-5  # degrees, below which two attitudes are called the same
 
 
-class Sound(NamedTuple):
+class ValidPrefix(NamedTuple):
     """Rotations R (m, 3, 3) for the first m samples of a motion that can be shown, and how far what came back is ``off`` them."""
 
     R: Array
@@ -34,7 +34,7 @@ def find(assignment: Assignment, name: str) -> Motion | None:
     return next((m for e in assignment.exercises for m in e.motions if m.name == name), None)
 
 
-def tell(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> bytes:
+def to_json(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> bytes:
     """The motion as JSON, for the arrays that its scene brought back. ValueError where they are not those of the scene.
 
     ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular momentum, unit quaternions
@@ -46,7 +46,7 @@ def tell(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> byt
     given = np.asarray(seen.get("R"))
     if given.shape != R.shape or given.dtype.kind != "f":
         raise ValueError("no attitude came back for it")
-    yours, at = sound(given), np.linspace(0, len(t) - 1, min(FRAMES, len(t))).astype(int)
+    yours, at = valid_prefix(given), np.linspace(0, len(t) - 1, min(FRAMES, len(t))).astype(int)
     document = {
         "t": np.round(1e3 * t[at]).astype(int).tolist(),
         "half": [round(x, 4) for x in motion.half],
@@ -60,14 +60,14 @@ def tell(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> byt
     return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
-def sound(R: Array) -> Sound:
+def valid_prefix(R: Array) -> ValidPrefix:
     """The rotations nearest to ``R`` (n, 3, 3), up to the first that is too far from any."""
     with np.errstate(all="ignore"):
         off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
         good = np.isfinite(off) & (off <= NEAR) & (np.linalg.det(np.where(np.isfinite(R), R, 0.0)) > 0)
     many = len(R) if good.all() else int(np.argmin(good))
     left, _, right = np.linalg.svd(R[:many])
-    return Sound(left @ right, float(off[:many].max(initial=0.0)))
+    return ValidPrefix(left @ right, float(off[:many].max(initial=0.0)))
 
 
 def quaternions(R: Array) -> Array:
@@ -102,7 +102,7 @@ def _momentum(motion: Motion, exact: Arrays) -> Array:
     return np.asarray(L / np.linalg.norm(L))
 
 
-def _told(yours: Sound, given: Array, t: Array, R: Array) -> list[str]:
+def _told(yours: ValidPrefix, given: Array, t: Array, R: Array) -> list[str]:
     """How far the two are apart, and from when on nothing can be shown."""
     many, told = len(yours.R), []
     if many:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ecp.judge import Verdict
-from ecp.outcome import Ending, Outcome, SceneEnding
+from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 
 
@@ -55,14 +55,14 @@ def summary(files: Sequence[GradedFile]) -> str:
 MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
 """The states of a check, each with its shape."""
 WORDS = {"pass": "passed", "fail": "failed", "timeout": "timed out", "error": "stopped by an error", "unmeasured": "not measured"}
-NEVER_BEGUN = (Ending.FINISHED, Ending.NOT_PLAYED, Ending.MISSING)
+NEVER_BEGUN = (Ended.FINISHED, Ended.NOT_PLAYED, Ended.MISSING)
 
 
-def state(outcome: Outcome, endings: Iterable[SceneEnding]) -> str:
+def state(outcome: Outcome, scene_ends: Iterable[SceneEnd]) -> str:
     """Its verdict; where nothing was measured, a key of MARKS that tells how the code stopped."""
     if outcome.verdict is not Verdict.UNMEASURED:
         return outcome.verdict.value
-    ending = next((e.ending for e in endings if e.sentence == outcome.cause), Ending.NOT_PLAYED)
-    if ending is Ending.TIMED_OUT:
+    scene_end = next((e.ended for e in scene_ends if e.sentence == outcome.cause), Ended.NOT_PLAYED)
+    if scene_end is Ended.TIMED_OUT:
         return "timeout"
-    return "unmeasured" if ending in NEVER_BEGUN else "error"
+    return "unmeasured" if scene_end in NEVER_BEGUN else "error"

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from ecp.outcome import SceneEnding
+from ecp.outcome import SceneEnd
 from service.sandbox.job import Cell
 
 MOST_BYTES = 256 * 1024
@@ -20,7 +20,7 @@ class BadSubmission(ValueError):
 
 @dataclass(frozen=True)
 class Submission:
-    """Source text under the file name it came with; a name ending in .ipynb means a notebook."""
+    """Source text under the file name it came with; a name scene_end in .ipynb means a notebook."""
 
     source: str
     filename: str = "submission.py"
@@ -79,19 +79,19 @@ _FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
 
 
 @dataclass(frozen=True)
-class Place:
+class SourceLocation:
     """A line, from 1, of a cell by the name that a traceback has for it."""
 
     cell: str
     line: int
 
 
-def places(ending: SceneEnding) -> list[Place]:
+def source_locations(scene_end: SceneEnd) -> list[SourceLocation]:
     """The submission's own lines in a traceback, outermost first; what an exception says of itself is not read."""
     found = []
-    for line in (ending.traceback or "").split("\n"):
+    for line in (scene_end.traceback or "").split("\n"):
         if line and not line[0].isspace():
             break
         if frame := _FRAME.match(line):
-            found.append(Place(frame[1], int(frame[2][:9])))
+            found.append(SourceLocation(frame[1], int(frame[2][:9])))
     return found

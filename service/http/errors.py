@@ -64,7 +64,9 @@ def install(app: FastAPI) -> None:
         app.add_exception_handler(outage, _outage)
 
 
-def answer(status: int, kind: str, detail: str, errors: list[dict[str, str]] | None = None, **headers: str) -> JSONResponse:
+def problem_response(
+    status: int, kind: str, detail: str, errors: list[dict[str, str]] | None = None, **headers: str
+) -> JSONResponse:
     """The problem document as a response."""
     body = {"type": f"urn:polhode:problem:{kind}", "title": TITLES.get(kind, "Error"), "status": status, "detail": _plain(detail)}
     if errors:
@@ -93,7 +95,7 @@ def _tell(
     """As a page to somebody who looks at pages, else as a document; ``more`` are headers."""
     headers = {**problem.headers(), **(more or {})}
     if not wants_page(request):
-        return answer(problem.status, problem.kind, problem.detail, errors, **headers)
+        return problem_response(problem.status, problem.kind, problem.detail, errors, **headers)
     context = {"title": TITLES.get(problem.kind, "Error"), "detail": _plain(problem.detail)}
     return templates.TemplateResponse(request, "problem.html", context, status_code=problem.status, headers=headers)
 
@@ -118,6 +120,6 @@ async def _outage(request: Request, error: Exception) -> Response:
     return _tell(request, Problem(503, "busy", "the database does not answer: try again in a moment"))
 
 
-def crash() -> JSONResponse:
+def internal_error() -> JSONResponse:
     """The answer to a failure of ours."""
-    return answer(500, "fault", "polhode failed; the failure is ours and has been logged")
+    return problem_response(500, "fault", "polhode failed; the failure is ours and has been logged")

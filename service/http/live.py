@@ -46,7 +46,7 @@ class Listener:
         self._leaving = True
         self._wake_all()
 
-    async def looks(self, submission: str, seconds: float, every: float = LOOK_AGAIN_S) -> AsyncIterator[None]:
+    async def wait_for_changes(self, submission: str, seconds: float, every: float = LOOK_AGAIN_S) -> AsyncIterator[None]:
         """Now, after every news of the submission, and ``every`` so many seconds; ends after ``seconds``."""
         loop, event = asyncio.get_running_loop(), asyncio.Event()
         until = loop.time() + seconds
@@ -105,7 +105,7 @@ EVERY_S = 1.0
 LONGEST_S = 3600.0
 
 
-class Watch(Generic[T]):
+class ChangeFeed(Generic[T]):
     """``look`` asks the database; ``shown`` makes of its answer what a page shows, whose text tells whether it has changed."""
 
     def __init__(self, listener: Listener, look: Callable[[], Awaitable[T]], shown: Callable[[T], Any]) -> None:
@@ -132,7 +132,7 @@ class Watch(Generic[T]):
 
     async def events(self, told: str | None) -> AsyncIterator[ServerSentEvent]:
         """An event whenever what is shown is not what was ``told`` last, for an hour or until the server stops."""
-        async for _ in self._listener.looks("", LONGEST_S, EVERY_S):
+        async for _ in self._listener.wait_for_changes("", LONGEST_S, EVERY_S):
             try:
                 mark = sha256(repr(await self.now()).encode()).hexdigest()[:16]
             except Exception as error:

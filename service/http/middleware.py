@@ -8,7 +8,7 @@ from fastapi import FastAPI
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.http.errors import crash
+from service.http.errors import internal_error
 from service.http.metrics import REQUESTS, SECONDS
 from service.logs import request_id
 
@@ -26,10 +26,10 @@ OWN = {
 
 def install(app: FastAPI) -> None:
     """Guard every request of ``app``."""
-    app.add_middleware(Guard)
+    app.add_middleware(RequestMiddleware)
 
 
-class Guard:
+class RequestMiddleware:
     """ASGI middleware; an event stream passes through it unbuffered."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -64,7 +64,7 @@ class Guard:
         except Exception:
             log.exception("fault")
             if status == 0:
-                await crash()(scope, receive, tell)
+                await internal_error()(scope, receive, tell)
         finally:
             took, route = time.perf_counter() - began, getattr(scope.get("route"), "path", "other")
             REQUESTS.labels(method if method in METHODS else "other", route, status).inc()

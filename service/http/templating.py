@@ -14,7 +14,7 @@ TURNING = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2
 _TURNING, _STILL = re.compile(f"[{TURNING}]"), dict.fromkeys(map(ord, TURNING), "\ufffd")
 
 
-def still(value: object) -> str:
+def neutralize_bidi(value: object) -> str:
     """What a page shows of a value: with U+FFFD for whatever turns the direction of the text beside it."""
     shown = value if isinstance(value, str) else str(value)
     return shown.translate(_STILL) if _TURNING.search(shown) else shown  # of Markup this is Markup
@@ -25,11 +25,11 @@ ENVIRONMENT = Environment(
     autoescape=select_autoescape(),
     trim_blocks=True,
     lstrip_blocks=True,
-    finalize=still,
+    finalize=neutralize_bidi,
 )
 
 
-def moment(at: datetime | None, seconds: bool = False) -> Markup | str:
+def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
     """A moment as a ``<time>`` element, in UTC; a dash for none."""
     if at is None:
         return "–"
@@ -38,7 +38,7 @@ def moment(at: datetime | None, seconds: bool = False) -> Markup | str:
     return Markup('<time datetime="{}">{}</time>').format(at.isoformat(), shown)
 
 
-def duration(took: timedelta) -> str:
+def format_duration(took: timedelta) -> str:
     """How long something took, in the unit that suits it."""
     seconds = took.total_seconds()
     if seconds < 1:
@@ -50,5 +50,5 @@ def _around(request: Request) -> dict[str, Any]:
     return {"me": getattr(request.state, "person", None), "role": getattr(request.state, "role", None)}
 
 
-ENVIRONMENT.filters |= {"moment": moment, "duration": duration}
+ENVIRONMENT.filters |= {"moment": format_time, "duration": format_duration}
 templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_around])

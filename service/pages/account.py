@@ -6,10 +6,10 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from service.auth import passwords, sessions
-from service.auth.forms import Form, field, secret
-from service.auth.identity import Person, who
+from service.auth.forms import Form, field, raw_field
+from service.auth.identity import Person, authenticate
 from service.auth.rate_limit import BY_NAME
-from service.auth.roles import Looking
+from service.auth.roles import CurrentUser
 from service.http.errors import Problem, wants_page
 from service.http.templating import templates
 from service.store.course import credentials, people, tokens
@@ -23,17 +23,17 @@ DONE = {
 
 
 @router.get("/account", response_class=HTMLResponse)
-async def show(request: Request, person: Looking, done: str = "") -> Response:
+async def show(request: Request, person: CurrentUser, done: str = "") -> Response:
     """Who you are here, and what you are logged in with."""
     return await _page(request, person, done=DONE.get(done))
 
 
 @router.post("/account/password")
-async def set_password(request: Request, person: Looking, form: Form) -> Response:
+async def set_password(request: Request, person: CurrentUser, form: Form) -> Response:
     """Set a password, or change it for who knows the present one; every other browser is logged out."""
     await _told_apart(request)
     try:
-        await _check_present(request, person.name, secret(form, "present"))
+        await _check_present(request, person.name, raw_field(form, "present"))
         kept = await request.app.state.passwords.hash(_new(form, person.name))
     except Problem as problem:
         if not wants_page(request):
@@ -41,13 +41,13 @@ async def set_password(request: Request, person: Looking, form: Form) -> Respons
         return await _page(request, person, problem)
     current = getattr(request.state, "session", None)
     async with request.app.state.database.begin() as connection:
-        await people.enter(connection, person.name)  # a proxy may have told of somebody new
+        await people.add_person(connection, person.name)  # a proxy may have told of somebody new
         await credentials.set_password(connection, person.name, kept, by=person.name, but=current and current.id)
     return RedirectResponse("/account?done=password", 303)
 
 
 @router.post("/account/revoke")
-async def revoke(request: Request, person: Looking, form: Form) -> Response:
+async def revoke(request: Request, person: CurrentUser, form: Form) -> Response:
     """Revoke one token of yours, or end one session."""
     await _told_apart(request)
     try:
@@ -57,23 +57,23 @@ async def revoke(request: Request, person: Looking, form: Form) -> Response:
     async with request.app.state.database.begin() as connection:
         if not await tokens.revoke_own(connection, person.name, id):
             raise Problem(404, "not-found", "you have no such token or session, or it is over already")
-        await people.note(connection, person.name, "revoke token", str(id), {"count": 1})
+        await people.record_audit(connection, person.name, "revoke token", str(id), {"count": 1})
     return RedirectResponse("/account?done=revoked", 303)
 
 
 @router.post("/account/logout-everywhere")
-async def leave_everywhere(request: Request, person: Looking, form: Form) -> Response:
+async def leave_everywhere(request: Request, person: CurrentUser, form: Form) -> Response:
     """End your sessions in all browsers."""
     await _told_apart(request)
     async with request.app.state.database.begin() as connection:
         count = await tokens.end_sessions(connection, person.name)
-        await people.note(connection, person.name, "log out everywhere", person.name, {"count": count})
-    return sessions.forgotten(RedirectResponse("/login?out=1", 303))
+        await people.record_audit(connection, person.name, "log out everywhere", person.name, {"count": count})
+    return sessions.clear_session(RedirectResponse("/login?out=1", 303))
 
 
 async def _told_apart(request: Request) -> None:
     """Problem 403 for what may not change an account: a notebook's token, or the local student, who has none."""
-    if (await who(request, "login")).alone:
+    if (await authenticate(request, "login")).alone:
         raise Problem(403, "not-allowed", "this server knows one local student, who has no account")
 
 
@@ -90,12 +90,12 @@ async def _check_present(request: Request, name: str, present: str) -> None:
 
 
 def _new(form: Form, name: str) -> str:
-    wanted = secret(form, "password")
-    if wanted != secret(form, "again"):
+    wanted = raw_field(form, "password")
+    if wanted != raw_field(form, "again"):
         raise Problem(422, "invalid-request", "the new password was not typed the same twice", "/again")
     try:
-        return passwords.tidy(wanted, name)
-    except passwords.NotGood as error:
+        return passwords.normalize(wanted, name)
+    except passwords.InvalidPassword as error:
         raise Problem(422, "invalid-request", str(error), "/password") from None
 
 

@@ -8,12 +8,12 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from exercises.catalogue import assignments
 from service.auth import forms
 from service.auth.identity import STAFF
-from service.auth.roles import Instructor, Looking, Staff
+from service.auth.roles import CurrentUser, Instructor, Staff
 from service.formats.csv import table
 from service.http.errors import Problem
 from service.http.templating import templates
 from service.store.course import gradebook, people, tokens
-from service.store.course.audit import MOST, trail
+from service.store.course.audit import MOST, entries
 from service.store.records import recent
 
 router = APIRouter()
@@ -21,7 +21,7 @@ LATEST = 100
 
 
 @router.get("/", response_class=HTMLResponse)
-async def index(request: Request, person: Looking) -> Response:
+async def index(request: Request, person: CurrentUser) -> Response:
     """The assignments with their totals, and the latest submissions, of everybody or your own."""
     database, everybody = request.app.state.database, request.state.role in STAFF
     walls, refusal = await request.app.state.crew.known()
@@ -64,8 +64,8 @@ async def enter(request: Request, person: Instructor, form: forms.Form) -> Respo
     async with request.app.state.database.begin() as connection:
         await people.enroll(connection, entries)
         terms: dict[str, Any] = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
-        given = await tokens.give_all(connection, names, **terms) if names else []
-        await people.note(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(given)})
+        given = await tokens.create_all(connection, names, **terms) if names else []
+        await people.record_audit(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(given)})
     return _file(given) if given else RedirectResponse(f"/people?entered={len(entries)}", 303)
 
 
@@ -83,6 +83,6 @@ async def page(
 ) -> Response:
     """The latest entries, of all or about one subject or person."""
     subject = subject.strip().replace("\x00", "")
-    rows = await trail(request.app.state.database, subject or None, before)
+    rows = await entries(request.app.state.database, subject or None, before)
     context = {"rows": rows, "subject": subject, "older": rows[-1].id if len(rows) == MOST else None}
     return templates.TemplateResponse(request, "audit.html", context)

@@ -18,14 +18,14 @@ from service.http.templating import templates
 from service.pages import class_stats
 from service.store import queue_overview, sweeps
 from service.store.course import deadlines, gradebook
-from service.store.course.gradebook import Standing
+from service.store.course.gradebook import StudentRow
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED = 60 * 24 * 366, 10_000
 YEARS = range(2000, 3000)  # what is beyond is a slip, and at the ends of the calendar no arithmetic goes well
 
 
-class Which(BaseModel):
+class SubmissionFilter(BaseModel):
     """Which submissions: by a check, how it ended, a cause that was told."""
 
     check: str | None = Field(None, max_length=100)
@@ -37,7 +37,7 @@ class Which(BaseModel):
 async def class_(slug: str, request: Request, person: Staff, sort: Literal["name", "points"] = "name") -> Response:
     """Every student by every check, and what that amounts to."""
     assignment, database = find_assignment(slug), request.app.state.database
-    students = await gradebook.standings(database, slug)
+    students = await gradebook.student_rows(database, slug)
     if sort == "points":
         students.sort(key=lambda s: -1 if s.points is None else s.points, reverse=True)
     checks = class_stats.by_check(assignment, students)
@@ -61,11 +61,11 @@ async def class_(slug: str, request: Request, person: Staff, sort: Literal["name
 
 
 @router.get("/assignments/{slug}/class/submissions", response_class=HTMLResponse)
-async def chosen(slug: str, request: Request, person: Staff, which: Annotated[Which, Query()]) -> Response:
+async def chosen(slug: str, request: Request, person: Staff, which: Annotated[SubmissionFilter, Query()]) -> Response:
     """The students' submissions that count, of those whose check ended so, or who were told that cause."""
     assignment = find_assignment(slug)
     check, state, cause = which.check, which.state, which.cause
-    students = await gradebook.standings(request.app.state.database, slug)
+    students = await gradebook.student_rows(request.app.state.database, slug)
     found = [s for s in students if _fits(s, check, state, cause)]
     label = next((c.label for c in assignment.checks() if c.id == check), check)
     context = {"assignment": assignment, "students": found, "total": len(students), "check": check, "label": label}
@@ -81,7 +81,7 @@ async def class_sweep(slug: str, request: Request, person: Staff) -> Response:
     documents = await sweeps.documents(database, await gradebook.students(database, slug))
     if not documents:
         raise Problem(404, "not-found", "nobody's function has been swept yet")
-    return Response(await request.app.state.draughtsman.class_sweep(documents), media_type="image/svg+xml")
+    return Response(await request.app.state.renderer.class_sweep(documents), media_type="image/svg+xml")
 
 
 @router.post("/assignments/{slug}/class/sweep")
@@ -89,7 +89,7 @@ async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Fo
     """Have the functions of the submissions that count swept, behind everybody who waits for a grade."""
     find_assignment(slug)
     database = request.app.state.database
-    await sweeps.ask_class(database, await gradebook.students(database, slug))
+    await sweeps.request_class(database, await gradebook.students(database, slug))
     return RedirectResponse(f"/assignments/{slug}/class#speed", 303)
 
 
@@ -111,7 +111,7 @@ async def extend(slug: str, request: Request, person: Instructor, form: forms.Fo
     name, due, reason = forms.field(form, "name"), _moment(form, "due"), forms.field(form, "reason")
     database = request.app.state.database
     if due is None:
-        if not await deadlines.take_back(database, slug, name, person.name):
+        if not await deadlines.remove_extension(database, slug, name, person.name):
             raise Problem(422, "invalid-request", f"{name or 'nobody'} has no extension that could be taken back", "/name")
     elif not reason:
         raise Problem(422, "invalid-request", "an extension has a reason", "/reason")
@@ -120,7 +120,7 @@ async def extend(slug: str, request: Request, person: Instructor, form: forms.Fo
     return RedirectResponse(f"/assignments/{slug}/class#extensions", 303)
 
 
-def _fits(student: Standing, check: str | None, state: str | None, cause: str | None) -> bool:
+def _fits(student: StudentRow, check: str | None, state: str | None, cause: str | None) -> bool:
     """``state`` may be "none": nothing was sent; or "not-pass": whoever the check is no ✓ for."""
     if state == "none" and check is None:
         return student.submission is None

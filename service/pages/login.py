@@ -5,10 +5,10 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 from starlette.datastructures import FormData
 
 from service.auth import sessions
-from service.auth.forms import OpenForm, checked, field, secret
-from service.auth.identity import Person, by_token, same_origin, who
+from service.auth.forms import PublicForm, checked_form, field, raw_field
+from service.auth.identity import Person, authenticate, by_token, same_origin
 from service.auth.rate_limit import keys_of
-from service.auth.roles import Glancing
+from service.auth.roles import OptionalUser
 from service.http.errors import Problem, wants_page
 from service.http.requests import LONGEST_PATH, local_path
 from service.http.templating import templates
@@ -18,13 +18,13 @@ router = APIRouter()
 
 
 @router.get("/login", response_class=HTMLResponse)
-async def ask(request: Request, person: Glancing, code: str = "", next: str = "") -> Response:
+async def ask(request: Request, person: OptionalUser, code: str = "", next: str = "") -> Response:
     """The page that logs a browser in, or confirms a code."""
     return await _page(request, code[:20], local_path(next[:LONGEST_PATH]))
 
 
 @router.post("/login", response_class=HTMLResponse)
-async def answer(request: Request, form: OpenForm) -> Response:
+async def answer(request: Request, form: PublicForm) -> Response:
     """Log in by name and password or by a token, then go on to where they were going; confirm or refuse the code, if any."""
     code, back = field(form, "code", 20), local_path(field(form, "next", LONGEST_PATH))
     try:
@@ -37,30 +37,30 @@ async def answer(request: Request, form: OpenForm) -> Response:
         return await _page(request, code, back, problem, field(form, "name"))
     response = RedirectResponse(back or "/", 303)
     if how:
-        await sessions.begin(request, response, name, how)
+        await sessions.start_session(request, response, name, how)
     return response
 
 
 @router.post("/logout")
-async def leave(request: Request, person: Glancing) -> Response:
+async def leave(request: Request, person: OptionalUser) -> Response:
     """End the browser's session, on all servers."""
     same_origin(request)  # without a session there is no token of a form, yet a cookie to delete
     if person is not None:
-        await checked(request)
+        await checked_form(request)
         if known := getattr(request.state, "session", None):
             async with request.app.state.database.begin() as connection:
                 await tokens.revoke(connection, id=known.id)
-    return sessions.forgotten(RedirectResponse("/login?out=1", 303))
+    return sessions.clear_session(RedirectResponse("/login?out=1", 303))
 
 
 async def _logged_in(request: Request, form: FormData) -> tuple[str, str]:
     """Who it is and how they have just told, "" where the session told before; Problem 401, 403 or 429."""
-    token, password = field(form, "token"), secret(form, "password")
+    token, password = field(form, "token"), raw_field(form, "password")
     if token:
         return _may_log_in(await by_token(request, token)), "token"
     name = _tidy(field(form, "name"))
     if not name and not password:
-        return _may_log_in(await who(request, "login")), ""
+        return _may_log_in(await authenticate(request, "login")), ""
     with request.app.state.throttle.attempt(*keys_of(request, name)):
         await request.app.state.passwords.check(name, password)
     return name, "password"
@@ -75,8 +75,8 @@ def _may_log_in(person: Person) -> str:
 def _tidy(name: str) -> str:
     """As names are kept; "", which nobody is called, for what is none."""
     try:
-        return people.tidy(name)
-    except people.NoName:
+        return people.normalize_name(name)
+    except people.InvalidName:
         return ""
 
 
@@ -85,17 +85,17 @@ async def _confirm(request: Request, code: str, name: str, how: str, *, refused:
         raise Problem(404, "not-found", "no login waits under this code: begin again in the notebook")
     response = templates.TemplateResponse(request, "login_done.html", {"person": name, "refused": refused})
     if how:
-        await sessions.begin(request, response, name, how)
+        await sessions.start_session(request, response, name, how)
     return response
 
 
 async def _page(request: Request, code: str, back: str, problem: Problem | None = None, name: str = "") -> HTMLResponse:
     person = getattr(request.state, "person", None)
     oidc, settings = request.app.state.oidc, request.app.state.settings
-    label = await tokens.open_login(request.app.state.database, code) if code else None
+    label = await tokens.find_login(request.app.state.database, code) if code else None
     context = {"code": code, "label": label, "next": back, "person": person, "name": name, "error": problem and problem.detail}
     context |= {"out": "out" in request.query_params, "provider": settings.oidc_name if oidc else None}
     status, headers = (problem.status, problem.headers()) if problem else (200, {})
     response = templates.TemplateResponse(request, "login.html", context, status_code=status, headers=headers)
-    sessions.keep_visit(request, response)
+    sessions.store_anonymous_id(request, response)
     return response

@@ -11,7 +11,7 @@ from service.auth.roles import Instructor
 from service.http.errors import Problem
 from service.pages.queue import identifier
 from service.store.course import overrides
-from service.store.records import Stored
+from service.store.records import SubmissionRecord
 
 router = APIRouter()
 STATUS = {"invalid-request": 422, "not-ready": 409, "changed-meanwhile": 409}
@@ -30,7 +30,7 @@ async def give(id: str, request: Request, person: Instructor, form: Form) -> Res
         await overrides.give(
             request.app.state.database, stored.id, person.name, check=check or None, points=int(points), reason=reason, seen=known
         )
-    except overrides.NotGiven as why:
+    except overrides.OverrideRejected as why:
         raise _problem(why) from why
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
 
@@ -41,21 +41,21 @@ async def withdraw(id: str, override: str, request: Request, person: Instructor,
     stored = await find_submission(request, id)
     try:
         found = await overrides.withdraw(request.app.state.database, stored.id, identifier(override), person.name)
-    except overrides.NotGiven as why:
+    except overrides.OverrideRejected as why:
         raise _problem(why) from why
     if not found:
         raise Problem(404, "not-found", "there is nothing by this id to withdraw")
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
 
 
-async def context(request: Request, stored: Stored) -> dict[str, Any]:
+async def context(request: Request, stored: SubmissionRecord) -> dict[str, Any]:
     """What ``overrides.html`` shows of a submission."""
     given = await overrides.of_submission(request.app.state.database, stored.id)
     outcomes = stored.report.outcomes() if stored.report else []
     labels = {outcome.id: outcome.label for outcome in outcomes}
     counted = [(outcome.id, outcome.label) for outcome in outcomes if outcome.counted]
-    return {"overrides": given, "overrides_stamp": overrides.stamp(given), "check_labels": labels, "checks_counted": counted}
+    return {"overrides": given, "overrides_stamp": overrides.revision(given), "check_labels": labels, "checks_counted": counted}
 
 
-def _problem(why: overrides.NotGiven) -> Problem:
+def _problem(why: overrides.OverrideRejected) -> Problem:
     return Problem(STATUS[why.kind], why.kind, str(why))

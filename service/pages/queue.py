@@ -15,7 +15,7 @@ from service.http.errors import Problem
 from service.http.templating import templates
 from service.settings import LEASE_S
 from service.store import gradings
-from service.store.queue_overview import MOST_PLACES, Queue, grade_again
+from service.store.queue_overview import MOST_PLACES, QueueSnapshot, regrade
 
 router = APIRouter()
 LONG_S = 5.0  # in one scene: most take a tenth of that
@@ -42,7 +42,7 @@ async def cancel(attempt: str, request: Request, person: Staff, form: Form) -> R
     """Take an attempt out of the queue, or stop its worker; it costs its person nothing."""
     try:
         found = await gradings.cancel(request.app.state.database, identifier(attempt), person.name)
-    except gradings.Over:
+    except gradings.AlreadyFinished:
         raise Problem(409, "changed-meanwhile", "there is nothing to cancel: it has its result already") from None
     if found is None:
         raise Problem(404, "not-found", "there is no such attempt")
@@ -53,7 +53,7 @@ async def cancel(attempt: str, request: Request, person: Staff, form: Form) -> R
 @router.post("/queue/{submission}/retry")
 async def retry(submission: str, request: Request, person: Staff, form: Form) -> Response:
     """Grade again what has no report: a fault of ours, or what was cancelled."""
-    if not await grade_again(request.app.state.database, [identifier(submission)], person.name, faults=True):
+    if not await regrade(request.app.state.database, [identifier(submission)], person.name, faults=True):
         raise Problem(409, "changed-meanwhile", "there is nothing to try again: it has a report, is being graded, or is not there")
     request.app.state.queue.changed()
     return RedirectResponse("/queue", 303)
@@ -67,7 +67,7 @@ def identifier(told: str) -> UUID:
         raise Problem(404, "not-found", f"there is nothing by the id {told[:80]}") from None
 
 
-def shown(queue: Queue, lease_s: float = LEASE_S) -> dict[str, Any]:
+def snapshot(queue: QueueSnapshot, lease_s: float = LEASE_S) -> dict[str, Any]:
     """The queue as the page shows it; times are rounded, so that it does not change all the time."""
     busy = {run.worker for run in queue.going}
     return {
@@ -80,7 +80,7 @@ def shown(queue: Queue, lease_s: float = LEASE_S) -> dict[str, Any]:
     }
 
 
-def lasting(seconds: float) -> str:
+def format_seconds(seconds: float) -> str:
     """A time in words, the longer the rounder."""
     whole = max(0, int(seconds))
     for below, step in ((10, 1), (60, 5), (600, 30)):
@@ -91,15 +91,15 @@ def lasting(seconds: float) -> str:
 
 
 def _silence(seconds: float, usual: float) -> str:
-    return f"silent for {lasting(seconds)}" if seconds > usual else "alive"
+    return f"silent for {format_seconds(seconds)}" if seconds > usual else "alive"
 
 
 def _going(run: Row[Any], lease_s: float) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
-    told = {"phase": phase, "running": lasting(run.running_s), "in_scene": lasting(run.scene_s), "stuck": ""}
+    told = {"phase": phase, "running": format_seconds(run.running_s), "in_scene": format_seconds(run.scene_s), "stuck": ""}
     told["silent"] = _silence(run.silent_s, lease_s)
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
-        told["stuck"] = f"{lasting(run.scene_s)} {where}: perhaps an endless loop; its budget ends it"
+        told["stuck"] = f"{format_seconds(run.scene_s)} {where}: perhaps an endless loop; its budget ends it"
     kept = ("attempt", "kind", "number", "held", "submission", "person", "assignment", "worker")
     return {name: getattr(run, name) for name in kept} | told

@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse
 from service.api.history import list_own
 from service.api.submissions import find_assignment
 from service.auth.identity import COOKIE
-from service.auth.roles import Looking
+from service.auth.roles import CurrentUser
 from service.grading import charts
 from service.http.errors import Problem
 from service.http.templating import templates
@@ -30,11 +30,11 @@ async def chart(kind: Literal["work-precision", "stability"], number: int, reque
     known = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
     if not 0 <= number < known:
         raise Problem(404, "not-found", f"there is no chart {number}")
-    return Response(await request.app.state.draughtsman.chart(kind, number), media_type="image/svg+xml")
+    return Response(await request.app.state.renderer.chart(kind, number), media_type="image/svg+xml")
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
-async def attempts(slug: str, request: Request, person: Looking) -> Response:
+async def attempts(slug: str, request: Request, person: CurrentUser) -> Response:
     """What you have sent so far for an assignment, and what changed from one to the next."""
     assignment = find_assignment(slug)
     told = await list_own(slug, request)

@@ -17,14 +17,14 @@ from service.auth.forms import Form, field
 from service.auth.roles import Instructor, Staff
 from service.grading.result import MARKS, WORDS
 from service.http.errors import Problem
-from service.http.live import Watch
+from service.http.live import ChangeFeed
 from service.http.templating import templates
 from service.pages.queue import identifier
 from service.store import records, regrades
 from service.store.regrades import BEST, EVERY, Regrade
 
 router = APIRouter()
-_watched: weakref.WeakValueDictionary[UUID, Watch[Any]] = weakref.WeakValueDictionary()  # while somebody looks
+_watched: weakref.WeakValueDictionary[UUID, ChangeFeed[Any]] = weakref.WeakValueDictionary()  # while somebody looks
 
 
 async def _find(request: Request, id: str) -> Regrade:
@@ -51,7 +51,7 @@ async def begin(slug: str, request: Request, person: Staff, form: Form) -> Respo
     """Begin a regrade of what the form names; nothing shown changes."""
     which, check, told = await _meant(request, find_assignment(slug), field(form, "which"), field(form, "check"))
     try:
-        id = await regrades.begin(request.app.state.database, slug, which, person.name, check=check, told=told)
+        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, told=told)
     except regrades.NothingToGrade:
         raise Problem(409, "not-ready", f"nothing to grade again ({told}): there is none, or it is being graded") from None
     request.app.state.queue.changed()
@@ -62,7 +62,7 @@ async def begin(slug: str, request: Request, person: Staff, form: Form) -> Respo
 async def page(request: Request, person: Staff, regrade: Found) -> Response:
     """How far it is, and what it changes."""
     database = request.app.state.database
-    pairs, flips = await regrades.pairs(database, regrade.id), await regrades.flips(database, regrade.id)
+    pairs, flips = await regrades.score_changes(database, regrade.id), await regrades.check_changes(database, regrade.id)
     assignment = find_assignment(regrade.assignment)
     context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
     role = request.state.role
@@ -85,9 +85,9 @@ async def apply(request: Request, person: Instructor, form: Form, regrade: Found
     """Let the new results count."""
     try:
         await regrades.apply(request.app.state.database, regrade.id, person.name)
-    except regrades.Unfinished as why:
+    except regrades.RegradeIncomplete as why:
         raise Problem(409, "not-ready", f"this cannot be applied yet: {why}") from None
-    except regrades.Decided as why:
+    except regrades.RegradeClosed as why:
         raise Problem(409, "changed-meanwhile", str(why)) from None
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
@@ -99,7 +99,7 @@ async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> R
         raise Problem(403, "not-allowed", "only instructors and who asked for a regrade may drop it")
     try:
         await regrades.drop(request.app.state.database, regrade.id, person.name)
-    except regrades.Decided as why:
+    except regrades.RegradeClosed as why:
         raise Problem(409, "changed-meanwhile", str(why)) from None
     request.app.state.queue.changed()
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
@@ -121,11 +121,11 @@ async def _meant(request: Request, assignment: Assignment, which: str, check: st
     return stored.id, None, f"one submission of {stored.person}"
 
 
-def _watch(request: Request, id: UUID) -> Watch[Regrade | None]:
+def _watch(request: Request, id: UUID) -> ChangeFeed[Regrade | None]:
     """One for all who look at that regrade on this server."""
     state, watch = request.app.state, _watched.get(id)
     if watch is None:
-        watch = _watched[id] = Watch(state.listener, lambda: regrades.find(state.database, id), lambda regrade: regrade)
+        watch = _watched[id] = ChangeFeed(state.listener, lambda: regrades.find(state.database, id), lambda regrade: regrade)
     return watch
 
 

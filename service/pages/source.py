@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ecp.outcome import SceneEnding
-from service.grading.submission import BREAK, Place, Submission, places
+from ecp.outcome import SceneEnd
+from service.grading.submission import BREAK, SourceLocation, Submission, source_locations
 from service.sandbox.wire import text
 
 MOST_LINES = 2000
@@ -14,9 +14,9 @@ MOST_LINES = 2000
 
 @dataclass(frozen=True)
 class Mark:
-    """What a line has to do with the ``ending`` at that place in the report: it stopped the code (``raised``), or led there."""
+    """What a line has to do with the scene end at that place in the report: it stopped the code (``raised``), or led there."""
 
-    ending: int
+    scene_end: int
     raised: bool
     sentence: str
 
@@ -40,14 +40,14 @@ class ShownCell:
     left_out: int
 
 
-def cells(submission: Submission, endings: Sequence[SceneEnding]) -> list[ShownCell]:
-    """The cells with their lines, marked by what the tracebacks of ``endings`` say; at most MOST_LINES lines in all."""
-    marks = _marks(endings)
+def cells(submission: Submission, scene_ends: Sequence[SceneEnd]) -> list[ShownCell]:
+    """The cells with their lines, marked by what the tracebacks of ``scene_ends`` say; at most MOST_LINES lines in all."""
+    marks = _marks(scene_ends)
     shown, room = [], MOST_LINES
     for place, cell in enumerate(submission.cells(), start=1):
         lines = split(cell.source)
         many = min(len(lines), max(room, _last(marks, cell.name)))
-        numbered = [Line(n, line, marks.get(Place(cell.name, n), [])) for n, line in enumerate(lines[:many], start=1)]
+        numbered = [Line(n, line, marks.get(SourceLocation(cell.name, n), [])) for n, line in enumerate(lines[:many], start=1)]
         shown.append(ShownCell(place, cell.name, numbered, len(lines) - many))
         room = max(0, room - many)
     return shown
@@ -59,17 +59,17 @@ def split(source: str) -> list[str]:
     return text(plain, len(plain)).removesuffix("\n").split("\n")
 
 
-def _marks(endings: Iterable[SceneEnding]) -> dict[Place, list[Mark]]:
-    marks: dict[Place, list[Mark]] = {}
-    for number, ending in enumerate(endings):
-        for depth, place in enumerate(reversed(places(ending))):
+def _marks(scene_ends: Iterable[SceneEnd]) -> dict[SourceLocation, list[Mark]]:
+    marks: dict[SourceLocation, list[Mark]] = {}
+    for number, scene_end in enumerate(scene_ends):
+        for depth, place in enumerate(reversed(source_locations(scene_end))):
             known = marks.setdefault(place, [])
-            if all((mark.sentence, mark.raised) != (ending.sentence, depth == 0) for mark in known):
-                known.append(Mark(number, depth == 0, ending.sentence))
+            if all((mark.sentence, mark.raised) != (scene_end.sentence, depth == 0) for mark in known):
+                known.append(Mark(number, depth == 0, scene_end.sentence))
     return marks
 
 
-def _last(marks: Iterable[Place], cell: str) -> int:
+def _last(marks: Iterable[SourceLocation], cell: str) -> int:
     return max((place.line for place in marks if place.cell == cell), default=0)
 
 

@@ -21,12 +21,12 @@ from service.sandbox.guest_files import (
     site_packages,
     standard_library,
 )
-from service.sandbox.isolation import ENVIRONMENT, LAYERS, Guest, Walls
+from service.sandbox.isolation import ENVIRONMENT, LAYERS, Guest, Isolation
 
 GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
 
 
-def tier_a(program: str, layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Walls:
+def namespace_isolation(program: str, layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Isolation:
     """Walls by ``program``, a bwrap, with ``more`` packages to import.
 
     As root its zygote keeps just enough to step down to an unprivileged user id by itself.
@@ -37,7 +37,7 @@ def tier_a(program: str, layers: Collection[str] = LAYERS, more: Collection[str]
     path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages()), str(standard_library())]
     guest = Guest(path, user, standing, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
     around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
-    return Walls("A", ("namespaces", *standing), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
+    return Isolation("A", ("namespaces", *standing), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
 
 
 def _namespaces() -> list[str]:

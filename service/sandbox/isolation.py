@@ -30,7 +30,7 @@ ENVIRONMENT = {
 
 
 @dataclass(frozen=True)
-class Walls:
+class Isolation:
     """How a guest is shut in: its ``tier``, what stands (``layers``), and the command and environment that start it.
 
     ``around`` comes before the interpreter's own command; the guest's control socket number is appended to both.
@@ -69,7 +69,7 @@ class Guest:
         return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(asdict(self)))
 
 
-def tier_b(layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Walls:
+def process_isolation(layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Isolation:
     """Walls without namespaces, with ``more`` packages to import. Fewer ``layers`` are for tests of what each of them stops."""
     import matplotlib
 
@@ -78,7 +78,7 @@ def tier_b(layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Wall
     standing = [x for x in LAYERS if x in layers]
     user = GUEST_UID if os.geteuid() == 0 and all(map(_open_to_all, [*readable, *path])) else None
     environment = ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir(), "HOME": "/"}
-    return Walls(
+    return Isolation(
         "B",
         tuple(standing),
         (),

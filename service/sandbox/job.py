@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.assignment import Ask, Blank
+from exercises.assignment import ArraySpec, RightHandSide
 from service.sandbox.guest.wire import LENGTH
 
 LOAD_BUDGET_S = 10.0
@@ -22,7 +22,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Played:
+class SceneRequest:
     """A scene with its inputs drawn, and the blanks that may come back for it.
 
     With ``drive`` there is no play: the host calls the function as often as it likes, and keeps what ``drive(ask)`` returns.
@@ -32,10 +32,10 @@ class Played:
     play: str
     function: str
     inputs: Mapping[str, Any]
-    returns: Mapping[str, Blank]
+    returns: Mapping[str, ArraySpec]
     budget_s: float
     after: str | None
-    drive: Callable[[Ask], Any] | None = None
+    drive: Callable[[RightHandSide], Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Job:
     plays: str
     cells: tuple[Cell, ...]
     functions: tuple[str, ...]
-    scenes: tuple[Played, ...]
+    scenes: tuple[SceneRequest, ...]
     load_budget_s: float = LOAD_BUDGET_S
 
     def without(self, done: set[str]) -> "Job":

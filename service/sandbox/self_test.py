@@ -3,7 +3,7 @@
 Where the walls have a hole the attempts succeed, on the server's own machine: none of them does harm.
 """
 
-from service.sandbox.job import Cell, Job, Played
+from service.sandbox.job import Cell, Job, SceneRequest
 
 ATTEMPTS = {
     "read a file": "open('/etc/passwd').read()",
@@ -39,5 +39,5 @@ for label, attempt in {ATTEMPTS!r}.items():
 
 def probe() -> Job:
     """Prints a line for each attempt that worked; its only scene asks for a function that is not there."""
-    scene = Played("probe", "nothing", "nothing", {}, {}, 5.0, None)
+    scene = SceneRequest("probe", "nothing", "nothing", {}, {}, 5.0, None)
     return Job("", "", (Cell("probe", SOURCE),), ("nothing",), (scene,))

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.outcome import Ending, SceneEnding
+from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest.run_scenes import WALL
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
-from service.sandbox.result import KEPT_OUTPUT, SENTENCES, Fault, Seen
+from service.sandbox.result import KEPT_OUTPUT, SENTENCES, PlayResult, SystemFault
 from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
@@ -28,7 +28,7 @@ MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
 LOOK_S = 0.2  # so often it is seen whether the play is wanted any more
-CODES = {Ending.TIMED_OUT: "timeout", Ending.MEMORY: "memory"}
+CODES = {Ended.TIMED_OUT: "timeout", Ended.MEMORY: "memory"}
 
 
 @dataclass
@@ -41,13 +41,13 @@ class Pipes:
     output: int
 
 
-class Ended(NamedTuple):
+class ExitStatus(NamedTuple):
     """How the child ended: a wait status."""
 
     status: int
 
     @classmethod
-    def unpack(cls, data: bytes) -> "Ended":
+    def unpack(cls, data: bytes) -> "ExitStatus":
         """From the zygote's message; OSError if it is none: the zygote is gone."""
         if len(data) != REAPED.size:
             raise OSError("the guest ended")
@@ -64,7 +64,7 @@ class NoAnswer(Exception):
 
 
 @dataclass
-class Conversation:
+class PlaySession:
     """``stopped`` says why the host ended it, if it did; ``ended`` how the child did, once it is known.
 
     Another thread may set ``unwanted``: then it ends at once.
@@ -75,17 +75,17 @@ class Conversation:
     pipes: Pipes
     unwanted: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
-    stopped: Ending | None = None
-    ended: Ended | None = None
+    stopped: Ended | None = None
+    ended: ExitStatus | None = None
     _received: int = 0
     _printed: int = 0
     _job_open: bool = True
 
-    def hold(self) -> None:
+    def run(self) -> None:
         """Talk until the child is reaped and both pipes are empty, or patience ends; closes the pipes. OSError: no guest."""
         self._unsent = memoryview(self.job.encode())
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
-        self._patience = _Patience(self.job)
+        self._patience = _Deadline(self.job)
         os.set_blocking(self.pipes.job, False)
         with selectors.DefaultSelector() as self._selector:
             self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
@@ -110,7 +110,7 @@ class Conversation:
         """Wait for the next that is ready, and take it."""
         ready = self._selector.select(min(LOOK_S, self._patience.left(self.reader.started)))
         if not ready and self._patience.left(self.reader.started) == 0:
-            self.stopped = Ending.TIMED_OUT
+            self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
             if key.fd == self.pipes.job:
                 self._unsent = _write_some(key.fd, self._unsent)
@@ -148,7 +148,7 @@ class Conversation:
         except BlockingIOError:
             sent = 0
         if sent != len(data):  # it answers without reading the questions
-            self.stopped = Ending.PROTOCOL
+            self.stopped = Ended.PROTOCOL
             raise NoAnswer
 
     def _close_job_unless_needed(self) -> None:
@@ -156,30 +156,34 @@ class Conversation:
             os.close(self.pipes.job)
             self._job_open = False
 
-    def conclude(self, seen: Seen) -> None:
+    def record_end(self, seen: PlayResult) -> None:
         """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
         assert self.ended is not None
         if not self.reader.inside:  # nothing of the submission had run yet
             words = text(self.output.decode(errors="replace")[-500:])
-            raise Fault(f"a child ended before it read the submission, its walls or our own code failed: {words or self.ended}")
-        ending = self.stopped or self._by_status()
-        if ending is None:
+            raise SystemFault(
+                f"a child ended before it read the submission, its walls or our own code failed: {words or self.ended}"
+            )
+        scene_end = self.stopped or self._by_status()
+        if scene_end is None:
             return
-        if ending is Ending.PROTOCOL:  # nothing that this child sent is believed
+        if scene_end is Ended.PROTOCOL:  # nothing that this child sent is believed
             lost = [s.name for s in self.job.scenes]
             seen.claims.clear()
         elif self.reader.started:
             lost = [self.reader.started]
         else:
-            lost = [s.name for s in self.job.scenes if s.name not in seen.endings]
+            lost = [s.name for s in self.job.scenes if s.name not in seen.scene_ends]
         for scene in lost:
             seen.arrays.pop(scene, None)
-            seen.endings[scene] = SceneEnding(scene=scene, ending=ending, sentence=SENTENCES[ending], code=CODES.get(ending))
+            seen.scene_ends[scene] = SceneEnd(
+                scene=scene, ended=scene_end, sentence=SENTENCES[scene_end], code=CODES.get(scene_end)
+            )
 
     def _listen(self, fd: int) -> bool:
         """Take what one end has to say; False when it has said its last."""
         if fd == self.pipes.control.fileno():
-            self.ended = Ended.unpack(self.pipes.control.recv(REAPED.size))
+            self.ended = ExitStatus.unpack(self.pipes.control.recv(REAPED.size))
             return False
         data = os.read(fd, CHUNK)
         if fd == self.pipes.output:
@@ -190,27 +194,27 @@ class Conversation:
             try:
                 self.reader.feed(data)
             except ProtocolError:
-                self.stopped = Ending.PROTOCOL
+                self.stopped = Ended.PROTOCOL
         if self._printed > MOST_OUTPUT or self._received > MOST_RESULT:
-            self.stopped = Ending.OUTPUT
+            self.stopped = Ended.OUTPUT
         return bool(data)
 
     @property
     def odd(self) -> bool:
         """Whether it ended in a way no ordinary mistake does."""
         crashed = self.stopped is None and self.ended is not None and self.ended.signal not in (0, signal.SIGXCPU)
-        return crashed or self.stopped is Ending.PROTOCOL
+        return crashed or self.stopped is Ended.PROTOCOL
 
-    def _by_status(self) -> Ending | None:
+    def _by_status(self) -> Ended | None:
         assert self.ended is not None
         if self.ended.signal == signal.SIGXCPU:
-            return Ending.TIMED_OUT
+            return Ended.TIMED_OUT
         if self.ended.signal:
-            return Ending.KILLED
-        return None if self.reader.done else Ending.EXITED
+            return Ended.KILLED
+        return None if self.reader.done else Ended.EXITED
 
 
-class _Patience:
+class _Deadline:
     """How long to wait for the next word: as long as the guest's own limits by the clock, and never past the sum of them all."""
 
     def __init__(self, job: Job) -> None:

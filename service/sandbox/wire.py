@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.outcome import Ending, SceneEnding
-from exercises.assignment import Blank
+from ecp.outcome import Ended, SceneEnd
+from exercises.assignment import ArraySpec
 from service.sandbox import claims
 from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import ANSWER
 from service.sandbox.job import Job
-from service.sandbox.result import GUEST_CODES, Seen
+from service.sandbox.result import GUEST_CODES, PlayResult
 
 MOST_JSON = 64 * 1024
 MOST_TEXT = 8 * 1024
@@ -44,7 +44,7 @@ class Reader:
     ``done`` that it said its last word.
     """
 
-    def __init__(self, job: Job, seen: Seen, tell: Callable[[str], None] = lambda scene: None) -> None:
+    def __init__(self, job: Job, seen: PlayResult, tell: Callable[[str], None] = lambda scene: None) -> None:
         self._tell = tell
         self.seen, self.inside, self.done, self.started = seen, False, False, None
         self._scenes = {s.name: s for s in job.scenes}
@@ -98,17 +98,17 @@ class Reader:
             case "scene":
                 begun = self.started
                 name = begun or self._known(event, self._scenes)
-                if event.get("scene") != name or name in self.seen.endings:
+                if event.get("scene") != name or name in self.seen.scene_ends:
                     raise ProtocolError("another scene ended than was started")
-                ending = _ending(name, event)
-                if ending.ending is Ending.FINISHED and begun is None:
+                scene_end = _ending(name, event)
+                if scene_end.ended is Ended.FINISHED and begun is None:
                     raise ProtocolError("a scene that was not started is finished")
                 whole = set(self.seen.arrays.get(name, {})) == set(self._scenes[name].returns)
-                if ending.ending is Ending.FINISHED and not whole:
+                if scene_end.ended is Ended.FINISHED and not whole:
                     raise ProtocolError("a scene ended without its arrays")
-                if ending.ending is not Ending.FINISHED:
+                if scene_end.ended is not Ended.FINISHED:
                     self.seen.arrays.pop(name, None)
-                self.seen.endings[name], self.started = ending, None
+                self.seen.scene_ends[name], self.started = scene_end, None
             case "cell":
                 name = self._known(event, self._cells)
                 if len(self.seen.cells) < MOST_CELLS_TOLD:
@@ -123,7 +123,7 @@ class Reader:
         name = self._known(event, self._scenes)
         after = self._scenes[name].after
         early = after in self._scenes and not self.seen.finished(str(after))
-        if self.started is not None or name in self.seen.endings or early:
+        if self.started is not None or name in self.seen.scene_ends or early:
             raise ProtocolError("a scene out of turn")
         return name
 
@@ -181,22 +181,22 @@ def text(value: Any, most: int = MOST_TEXT) -> str:
 _BIDI = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
-def _ending(name: str, event: Mapping[str, Any]) -> SceneEnding:
+def _ending(name: str, event: Mapping[str, Any]) -> SceneEnd:
     try:
-        ending = Ending(str(event.get("ending")))
+        scene_end = Ended(str(event.get("ended")))
     except ValueError:
-        raise ProtocolError("unknown ending") from None
+        raise ProtocolError("unknown scene end") from None
     trace, code = event.get("traceback"), event.get("code")
-    return SceneEnding(
+    return SceneEnd(
         scene=name,
-        ending=ending,
+        ended=scene_end,
         sentence=" ".join(text(event.get("sentence", ""), 600).split()),
         code=code if isinstance(code, str) and code in GUEST_CODES else None,
         traceback=text(trace) if trace else None,
     )
 
 
-def _shape(shape: Any, blank: Blank) -> tuple[int, ...]:
+def _shape(shape: Any, blank: ArraySpec) -> tuple[int, ...]:
     if not isinstance(shape, list) or len(shape) != len(blank.shape) or not all(type(n) is int and n >= 0 for n in shape):
         raise ProtocolError("not a shape")
     within = (
@@ -207,7 +207,7 @@ def _shape(shape: Any, blank: Blank) -> tuple[int, ...]:
     return tuple(shape)
 
 
-def _size(blank: Blank) -> int:
+def _size(blank: ArraySpec) -> int:
     return math.prod(blank.shape) * DTYPES[blank.dtype].itemsize
 
 

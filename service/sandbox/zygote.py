@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
-from service.sandbox.result import KEPT_OUTPUT, Fault, Seen, Stopped
-from service.sandbox.session import Conversation, Ended, Pipes
+from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
+from service.sandbox.session import ExitStatus, Pipes, PlaySession
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0
@@ -56,9 +56,9 @@ class Zygote:
             self._log.seek(0)
             words = self._log.read(2000).decode(errors="replace").strip()
             self.kill()
-            raise Fault(f"the guest did not start: {words or 'it said nothing'}")
+            raise SystemFault(f"the guest did not start: {words or 'it said nothing'}")
 
-    def play(self, job: Job, seen: Seen, tell: Callable[[str], None] = lambda scene: None) -> bool:
+    def play(self, job: Job, seen: PlayResult, tell: Callable[[str], None] = lambda scene: None) -> bool:
         """Play the job once into ``seen`` and ``tell`` which scene begins.
 
         False when the play ended so oddly that this zygote should be replaced.
@@ -77,9 +77,9 @@ class Zygote:
         except BaseException:
             _close(*ours)
             raise
-        talk = Conversation(job, Reader(job, seen, tell), Pipes(self._control, *ours), self._unwanted)
+        talk = PlaySession(job, Reader(job, seen, tell), Pipes(self._control, *ours), self._unwanted)
         try:
-            talk.hold()
+            talk.run()
         except OSError as error:
             raise ZygoteLost(f"the guest went away: {error}") from error
         finally:
@@ -87,11 +87,11 @@ class Zygote:
                 signal.pidfd_send_signal(child, signal.SIGKILL)  # whatever happened, no child of this job is alive after it
             os.close(child)
         if talk.ended is None:
-            talk.ended = self._buried()
+            talk.ended = self._wait_for_exit()
         if self._unwanted.is_set():
-            raise Stopped
+            raise Cancelled
         seen.stdout = text(talk.output.decode(errors="replace"), KEPT_OUTPUT)
-        talk.conclude(seen)
+        talk.record_end(seen)
         return not talk.odd
 
     def _fork(self, fds: tuple[int, int, int]) -> int:
@@ -106,10 +106,10 @@ class Zygote:
             raise ZygoteLost("the guest ended")
         return handles[0]
 
-    def _buried(self) -> Ended:
+    def _wait_for_exit(self) -> ExitStatus:
         """How the child ended, from a zygote that was told by its death."""
         try:
-            return Ended.unpack(self._control.recv(REAPED.size))
+            return ExitStatus.unpack(self._control.recv(REAPED.size))
         except OSError as error:
             raise ZygoteLost(f"a child was killed and the guest does not say so: {error}") from error
 
@@ -122,7 +122,7 @@ class Zygote:
         try:
             self._process.wait(timeout=10)
         except subprocess.TimeoutExpired as error:
-            raise Fault("a guest could not be killed") from error
+            raise SystemFault("a guest could not be killed") from error
 
 
 def _close(*fds: int) -> None:

@@ -8,13 +8,13 @@ from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.store import runs
-from service.store.course.people import note
+from service.store.course.people import record_audit
 from service.store.database import Database
-from service.store.queue import send_next, take_turn
+from service.store.queue import lock_person, send_next
 from service.store.tables import result
 
 
-class Over(Exception):
+class AlreadyFinished(Exception):
     """There is nothing to cancel: the attempt has its result."""
 
 
@@ -28,13 +28,13 @@ async def cancel(database: Database, attempt: UUID, who: str) -> UUID | None:
         if found is None:
             return None
         if not await _stop(connection, [attempt], who):
-            raise Over
-        await take_turn(connection, found.submission)
+            raise AlreadyFinished
+        await lock_person(connection, found.submission)
         await connection.execute(_FORGET_JOBS, {"attempts": [str(attempt)]})
         await send_next(connection, attempt, found.submission)
         detail = {"person": found.person, "attempt": found.number, "held": found.held}
-        await note(connection, who, "cancel", str(found.submission), detail)
-        await runs.tell_in(connection, found.submission)
+        await record_audit(connection, who, "cancel", str(found.submission), detail)
+        await runs.notify_in(connection, found.submission)
     submission: UUID = found.submission
     return submission
 

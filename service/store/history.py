@@ -12,7 +12,7 @@ MOST = 100
 
 
 @dataclass(frozen=True)
-class Past:
+class PastSubmission:
     """A submission of theirs; ``verdicts`` by check are those of the report shown for it, empty without one."""
 
     id: UUID
@@ -30,7 +30,7 @@ class Past:
 
 
 @dataclass(frozen=True)
-class Step:
+class TimelineEntry:
     """A submission as a timeline shows it; ``points`` are None where there is no report, ``before`` is the one before it."""
 
     id: UUID
@@ -45,7 +45,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Grading:
+class GradingRecord:
     """An attempt: why it was made, when it was asked for, when the run that counts was started, where and with what result.
 
     ``runs`` is how many were begun. A ``held`` one belongs to a regrade that has not been applied.
@@ -66,26 +66,26 @@ class Grading:
     cancelled_by: str | None
 
 
-async def timeline(database: Database, person: str, slug: str) -> Sequence[Step]:
+async def timeline(database: Database, person: str, slug: str) -> Sequence[TimelineEntry]:
     """The latest MOST of a person's submissions, newest first, without their sources."""
-    return [Step(**row._mapping) for row in await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})]
+    return [TimelineEntry(**row._mapping) for row in await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})]
 
 
-async def before(database: Database, submission: UUID) -> UUID | None:
+async def previous(database: Database, submission: UUID) -> UUID | None:
     """The same person's submission before that one, to the same assignment."""
     rows = await database.rows(_BEFORE, {"submission": submission})
     return rows[0].id if rows else None
 
 
-async def gradings(database: Database, submission: UUID) -> Sequence[Grading]:
+async def gradings(database: Database, submission: UUID) -> Sequence[GradingRecord]:
     """All attempts at a submission, the first one first."""
-    return [Grading(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
+    return [GradingRecord(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
 
 
-async def past(database: Database, person: str, slug: str) -> Sequence[Past]:
+async def past_submissions(database: Database, person: str, slug: str) -> Sequence[PastSubmission]:
     """The latest MOST of them, newest first."""
     rows = await database.rows(_PAST, {"person": person, "slug": slug, "most": MOST})
-    return [Past(**{**row._mapping, "verdicts": row.verdicts or {}}) for row in rows]
+    return [PastSubmission(**{**row._mapping, "verdicts": row.verdicts or {}}) for row in rows]
 
 
 _PAST = f"""

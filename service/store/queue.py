@@ -41,7 +41,7 @@ async def send(connection: AsyncConnection, attempt: UUID, *, task: str = "grade
     await job.defer_async(attempt=str(attempt))
 
 
-def rank(kind: str, open_before: int) -> int:
+def priority_of(kind: str, open_before: int) -> int:
     """The priority of an attempt whose person has so many open ones of that kind before it."""
     return STEP * KINDS[kind] - min(STEP - 1, open_before)
 
@@ -52,14 +52,14 @@ async def send_attempt(connection: AsyncConnection, attempt: UUID, *, begun: boo
     One that had ``begun`` and lost its worker has waited already: it goes before all others of its kind.
     """
     found = (await connection.execute(_OPEN_BEFORE, {"attempts": [attempt]})).one()
-    await send(connection, attempt, priority=rank(found.kind, 0) + 1 if begun else rank(found.kind, found.open))
+    await send(connection, attempt, priority=priority_of(found.kind, 0) + 1 if begun else priority_of(found.kind, found.open))
 
 
 async def send_attempts(connection: AsyncConnection, attempts: Sequence[UUID]) -> None:
     """The same for many, none of which was begun."""
     by_rank: defaultdict[int, list[UUID]] = defaultdict(list)
     for row in (await connection.execute(_OPEN_BEFORE, {"attempts": list(attempts)})).all():
-        by_rank[rank(row.kind, row.open)].append(row.id)
+        by_rank[priority_of(row.kind, row.open)].append(row.id)
     raw = (await connection.get_raw_connection()).driver_connection
     for priority, those in by_rank.items():
         job = _sender.configure_task("grade", queue=QUEUE, priority=priority, connection=raw)
@@ -72,19 +72,19 @@ async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -
 
     So persons take turns however many each has sent, and whoever sends again early need not wait for everybody who comes later.
     """
-    await take_turn(connection, submission)
+    await lock_person(connection, submission)
     row = (await connection.execute(_NEXT, {"attempt": done})).first()
     if row is not None:
         await connection.execute(text("DELETE FROM procrastinate_jobs WHERE id = :id"), {"id": row.job})
         await send_attempt(connection, row.attempt)
 
 
-async def take_turn(connection: AsyncConnection, submission: UUID) -> None:
+async def lock_person(connection: AsyncConnection, submission: UUID) -> None:
     """Wait until nobody else ranks this person's attempts, to the end of the transaction: a rank counts what others may change."""
     await connection.execute(_TURN, {"submission": submission})
 
 
-async def take_turns(connection: AsyncConnection, submissions: Sequence[UUID]) -> None:
+async def lock_persons(connection: AsyncConnection, submissions: Sequence[UUID]) -> None:
     """The same for the persons of many, always in the same order, so that two who do this do not wait for each other."""
     await connection.execute(_TURNS, {"submissions": list(submissions)})
 

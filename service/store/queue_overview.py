@@ -8,15 +8,15 @@ from uuid import UUID
 from sqlalchemy import Row, text, update
 
 from service.store import runs
-from service.store.course.people import note
+from service.store.course.people import record_audit
 from service.store.database import Database
-from service.store.queue import take_turn
-from service.store.submissions import add_attempt
+from service.store.queue import lock_person
+from service.store.submissions import add_grading
 from service.store.tables import assignment
 
 
 @dataclass(frozen=True)
-class Queue:
+class QueueSnapshot:
     """Waiting jobs by kind, the first of them one by one, runs under way, workers, and attempts that ended in a fault."""
 
     waiting: Sequence[Row[tuple[object, ...]]]
@@ -35,12 +35,12 @@ class Rules:
     most_submissions: int | None
 
 
-async def look(database: Database) -> Queue:
+async def snapshot(database: Database) -> QueueSnapshot:
     """The queue as it is now."""
-    return Queue(*[await database.rows(query) for query in (_WAITING, _PLACES, _GOING, _WORKERS, _FAULTS)])
+    return QueueSnapshot(*[await database.rows(query) for query in (_WAITING, _PLACES, _GOING, _WORKERS, _FAULTS)])
 
 
-async def grade_again(database: Database, which: Sequence[UUID] | str, who: str, *, faults: bool = False) -> int:
+async def regrade(database: Database, which: Sequence[UUID] | str, who: str, *, faults: bool = False) -> int:
     """A new attempt with the same seed for these submissions, for "faults" (those without a report) or for "all"; how many.
 
     With ``faults``, of these submissions only those without a report. What is being graded is left alone. What was shown stays
@@ -51,13 +51,13 @@ async def grade_again(database: Database, which: Sequence[UUID] | str, who: str,
     count = 0
     for one in await database.rows(_AGAIN, values):
         async with database.begin() as connection:  # each by itself: who submits meanwhile waits for none but their own
-            await take_turn(connection, one.id)
+            await lock_person(connection, one.id)
             row = (await connection.execute(_AGAIN, {"ids": [one.id], "faults": faults})).first()
             if row is None:
                 continue
-            await add_attempt(connection, row.id, "regrade", row.seed)
-            await note(connection, who, "regrade", str(row.id), {"fault": row.fault})
-            await runs.tell_in(connection, row.id)
+            await add_grading(connection, row.id, "regrade", row.seed)
+            await record_audit(connection, who, "regrade", str(row.id), {"fault": row.fault})
+            await runs.notify_in(connection, row.id)
             count += 1
     return count
 
@@ -69,7 +69,7 @@ async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bo
         if not changed:
             return False
         told = {name: str(value) for name, value in asdict(rules).items()}
-        await note(connection, who, "rules", slug, told)
+        await record_audit(connection, who, "rules", slug, told)
     return True
 
 

@@ -19,7 +19,7 @@ from service.store.tables import artefact, kept
 
 
 @dataclass(frozen=True)
-class New:
+class NewSubmission:
     """A submission about to be stored; ``arrived`` is when its request did, by this process's monotonic clock."""
 
     id: UUID
@@ -38,7 +38,7 @@ class New:
 
 
 @dataclass(frozen=True)
-class Stored:
+class SubmissionRecord:
     """A submission as accepted, with the result shown for it, if there is one: a report, or the fault that kept us from making it.
 
     ``attempt`` is the one shown: the last with a report, else the last one. ``status`` is queued, running, graded or faulted.
@@ -69,7 +69,7 @@ class Stored:
 
 
 @dataclass(frozen=True)
-class Listed:
+class SubmissionRow:
     """A submission as a list shows it; ``score``, ``max_score``, ``points`` and ``total`` are None where there is no report.
 
     ``total`` is that of the report, or of the checks made where the report was stored without one.
@@ -147,16 +147,16 @@ FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 """
 
 
-async def read(database: Database, id: UUID) -> Stored | None:
+async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     """The submission of that id, or None."""
     rows = await database.rows(_ONE, {"id": id})
     return _stored(rows[0]) if rows else None
 
 
-async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Listed]:
+async def recent(database: Database, most: int, person: str | None = None) -> Sequence[SubmissionRow]:
     """The latest submissions, of all or of one person, newest first, without their source and report."""
     return [
-        Listed(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
+        SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
         for r in await database.rows(_LIST, {"most": most, "person": person})
     ]
 
@@ -179,14 +179,14 @@ async def find_artefact(database: Database, attempt: UUID, name: str) -> tuple[b
     return (rows[0].content, rows[0].sha256) if rows else None
 
 
-async def keep(database: Database, attempt: UUID, artefacts: Mapping[str, bytes]) -> None:
+async def store_artefacts(database: Database, attempt: UUID, artefacts: Mapping[str, bytes]) -> None:
     """Keep artefacts made later, such as a figure drawn when somebody looked."""
     async with database.begin() as connection:
-        for statement in keeping(attempt, artefacts):
+        for statement in artefact_statements(attempt, artefacts):
             await connection.execute(statement)
 
 
-def keeping(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
+def artefact_statements(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
     """The statements that keep them, each content once however many attempts share it."""
     marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
     contents = {marks[name]: content for name, content in artefacts.items()}
@@ -196,8 +196,8 @@ def keeping(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
     ]
 
 
-def _stored(row: Row[tuple[object, ...]]) -> Stored:
-    return Stored(
+def _stored(row: Row[tuple[object, ...]]) -> SubmissionRecord:
+    return SubmissionRecord(
         id=row.id,
         assignment=row.assignment,
         person=row.person,

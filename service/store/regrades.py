@@ -10,10 +10,10 @@ from sqlalchemy import Row, delete, text
 
 from service.store import runs
 from service.store.course import grades
-from service.store.course.people import note
+from service.store.course.people import record_audit
 from service.store.database import Database
 from service.store.gradings import cancel_all_of
-from service.store.queue import send_attempts, take_turns
+from service.store.queue import lock_persons, send_attempts
 from service.store.records import LATE, SHOWN, points
 from service.store.submissions import MOST_RUNS
 from service.store.tables import regrade
@@ -27,11 +27,11 @@ class NothingToGrade(Exception):
     """No submission that was meant has a result to compare with, or all of them are being graded."""
 
 
-class Decided(Exception):
+class RegradeClosed(Exception):
     """The regrade was applied or dropped before; the message says by whom."""
 
 
-class Unfinished(Exception):
+class RegradeIncomplete(Exception):
     """It cannot be applied yet; the message says how many attempts have no result."""
 
 
@@ -53,7 +53,7 @@ class Regrade:
     total: int
 
 
-async def begin(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, told: str) -> UUID:
+async def create(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, told: str) -> UUID:
     """Grade again, held: one submission by its id, the best or every one of everybody; with ``check``, those without ✓ at it.
 
     Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``told`` says to people what is
@@ -71,7 +71,9 @@ async def begin(database: Database, slug: str, which: UUID | str, who: str, *, c
         count += await _add(database, made, ids[start : start + AT_ONCE])
     async with database.begin() as connection:
         if count:
-            await note(connection, who, "regrade begun", str(made), {"assignment": slug, "what": told, "submissions": count})
+            await record_audit(
+                connection, who, "regrade begun", str(made), {"assignment": slug, "what": told, "submissions": count}
+            )
             return UUID(str(made))
         await connection.execute(delete(regrade).where(regrade.c.id == made))
     raise NothingToGrade
@@ -80,7 +82,7 @@ async def begin(database: Database, slug: str, which: UUID | str, who: str, *, c
 async def _add(database: Database, made: UUID, submissions: Sequence[UUID]) -> int:
     """Held attempts of those that are not being graded, unless the regrade has been decided meanwhile; how many."""
     async with database.begin() as connection:
-        await take_turns(connection, submissions)
+        await lock_persons(connection, submissions)
         if (await connection.execute(_UNDECIDED, {"id": made})).first() is None:
             return 0
         values = {"regrade": made, "submissions": list(submissions), "most_runs": MOST_RUNS}
@@ -107,13 +109,13 @@ async def apply(database: Database, id: UUID, who: str) -> int:
     """
     async with database.begin() as connection:
         if not (await connection.execute(_DECIDE, {"id": id, "how": "applied", "who": who})).rowcount:
-            raise Decided(await _by_whom(database, id))
+            raise RegradeClosed(await _by_whom(database, id))
         if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():
-            raise Unfinished(f"{open} of its submissions have not been graded yet")
+            raise RegradeIncomplete(f"{open} of its submissions have not been graded yet")
         changed = (await connection.execute(_RELEASE, {"id": id})).all()
-        await note(connection, who, "regrade applied", str(id), {"submissions": len(changed)})
+        await record_audit(connection, who, "regrade applied", str(id), {"submissions": len(changed)})
         for row in changed:
-            await runs.tell_in(connection, row.submission_id)
+            await runs.notify_in(connection, row.submission_id)
     return len(changed)
 
 
@@ -121,9 +123,9 @@ async def drop(database: Database, id: UUID, who: str) -> int:
     """Leave everything as it is for good, and grade no more for it; how many attempts were cancelled. Raises Decided."""
     async with database.begin() as connection:
         if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "who": who})).rowcount:
-            raise Decided(await _by_whom(database, id))
+            raise RegradeClosed(await _by_whom(database, id))
         cancelled = await cancel_all_of(connection, id, who)
-        await note(connection, who, "regrade dropped", str(id), {"cancelled": cancelled})
+        await record_audit(connection, who, "regrade dropped", str(id), {"cancelled": cancelled})
     return cancelled
 
 
@@ -193,7 +195,7 @@ RETURNING a.submission_id
 """)
 
 
-async def pairs(database: Database, id: UUID) -> Sequence[Row[Any]]:
+async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
     """By submission, what counts without this regrade (``was``) and what with it, points given by an instructor included.
 
     Rows also have ``overridden``, and ``overtaken`` where a later attempt is shown already.
@@ -201,7 +203,7 @@ async def pairs(database: Database, id: UUID) -> Sequence[Row[Any]]:
     return await database.rows(_PAIRS, {"id": id})
 
 
-async def flips(database: Database, id: UUID) -> Sequence[Row[Any]]:
+async def check_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
     """Every check whose state is another than before: ``attempt``, ``check_id``, ``was`` and ``now``, None where there was none."""
     return await database.rows(_FLIPS, {"id": id})
 

@@ -18,14 +18,14 @@ from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.database import Database
 from service.store.queue import send_attempt, send_next
-from service.store.records import keeping
+from service.store.records import artefact_statements
 from service.store.tables import outcome, result, run
 
 CHANNEL = "polhode"
 
 
 @dataclass(frozen=True)
-class Question:
+class GradingJob:
     """What an attempt asks: everything that grading it needs, so that no more is read while it runs."""
 
     attempt: UUID
@@ -37,7 +37,7 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Claim(Question):
+class Claim(GradingJob):
     """An attempt that this worker grades, as its run ``run``."""
 
     run: UUID
@@ -58,21 +58,21 @@ async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -
             fault = f"grading was begun {len(lost)} times and never ended ({known})"
             await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
             await send_next(connection, attempt, found.submission_id)
-            await tell_in(connection, found.submission_id)
+            await notify_in(connection, found.submission_id)
             return None
         values = {"id": new_run, "attempt_id": attempt, "worker": worker, "phase": "starting"}
         await connection.execute(insert(run).values(values).on_conflict_do_nothing())
-        await tell_in(connection, found.submission_id)
+        await notify_in(connection, found.submission_id)
     return Claim(**_asked(attempt, found), run=new_run)
 
 
-async def question(database: Database, attempt: UUID) -> Question:
+async def read_grading(database: Database, attempt: UUID) -> GradingJob:
     """What an attempt asks, without claiming it."""
     async with database.begin() as connection:
-        return Question(**_asked(attempt, (await connection.execute(_CLAIM, {"attempt": attempt})).one()))
+        return GradingJob(**_asked(attempt, (await connection.execute(_CLAIM, {"attempt": attempt})).one()))
 
 
-async def beat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
+async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
     """Tell that the run is alive and how far it is. If it was thought to be lost, it is not.
 
     False where it is wanted no more: it was cancelled, or another run was first.
@@ -81,7 +81,7 @@ async def beat(database: Database, claimed: Claim, phase: str, scene: int, scene
     async with database.begin() as connection:
         row = (await connection.execute(_BEAT, values)).first()
         if row is not None and row.moved:
-            await tell_in(connection, claimed.submission_id)
+            await notify_in(connection, claimed.submission_id)
     return row is not None
 
 
@@ -102,17 +102,17 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         written = insert(result).values(values).on_conflict_do_nothing().returning(result.c.run_id)
         owner = (await connection.execute(written)).scalar() or (await connection.execute(_OWNER, of)).scalar()
         first = owner == claimed.run
-        kept = [*keeping(claimed.attempt, artefacts), *_by_check(claimed.attempt, report)]
+        kept = [*artefact_statements(claimed.attempt, artefacts), *_by_check(claimed.attempt, report)]
         for statement in kept if first else []:
             await connection.execute(statement)
         await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
         if first:
             await send_next(connection, claimed.attempt, claimed.submission_id)
-            await tell_in(connection, claimed.submission_id)
+            await notify_in(connection, claimed.submission_id)
         return first
 
 
-async def give_back(database: Database, claimed: Claim, ending: str, note: str) -> None:
+async def release(database: Database, claimed: Claim, ending: str, note: str) -> None:
     """End a run without result: "released" when the worker stops, "failed" by a failure of ours; the attempt is queued again."""
     async with database.begin() as connection:
         values = {"run": claimed.run, "ending": ending, "note": note[:600]}
@@ -120,19 +120,19 @@ async def give_back(database: Database, claimed: Claim, ending: str, note: str) 
         if open and (await connection.execute(_OWNER, {"attempt": claimed.attempt})).first() is None:
             await connection.execute(_DROP_JOBS, {"attempt": str(claimed.attempt)})
             await send_attempt(connection, claimed.attempt, begun=ending == "released")
-            await tell_in(connection, claimed.submission_id)
+            await notify_in(connection, claimed.submission_id)
 
 
-async def concede(database: Database, claimed: Claim) -> None:
+async def supersede(database: Database, claimed: Claim) -> None:
     """End a run whose attempt has its result from elsewhere."""
     async with database.begin() as connection:
         await connection.execute(_END, {"run": claimed.run, "ending": "superseded"})
 
 
-async def tell(database: Database, submission_id: UUID) -> None:
+async def notify(database: Database, submission_id: UUID) -> None:
     """Wake whoever follows that submission, on any server."""
     async with database.begin() as connection:
-        await tell_in(connection, submission_id)
+        await notify_in(connection, submission_id)
 
 
 def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
@@ -151,7 +151,7 @@ def _by_check(attempt: UUID, report: Report) -> list[Executable]:
     return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
 
 
-async def tell_in(connection: AsyncConnection, submission_id: UUID) -> None:
+async def notify_in(connection: AsyncConnection, submission_id: UUID) -> None:
     """The same when this transaction is committed."""
     await connection.execute(text("SELECT pg_notify(:channel, :id)"), {"channel": CHANNEL, "id": str(submission_id)})
 
@@ -198,7 +198,7 @@ def outcome_rows(attempt: UUID, report: Report) -> list[dict[str, Any]]:
         {
             "attempt_id": attempt,
             "check_id": outcome.id,
-            "state": state(outcome, report.endings),
+            "state": state(outcome, report.scene_ends),
             "counted": outcome.counted,
             "margin": outcome.margin,
             "codes": [cause.code for cause in outcome.diagnosis],

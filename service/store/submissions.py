@@ -14,10 +14,10 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
-from service.store.course.people import COURSE, enter
+from service.store.course.people import COURSE, add_person
 from service.store.database import Database
-from service.store.queue import PERSON_LOCK, rank, send, send_attempt, take_turn
-from service.store.records import LATE, New
+from service.store.queue import PERSON_LOCK, lock_person, priority_of, send, send_attempt
+from service.store.records import LATE, NewSubmission
 from service.store.tables import assignment, assignment_version, attempt, course
 
 MOST_RUNS = 3  # of one attempt that end without result, before it is a fault
@@ -27,7 +27,7 @@ class KeyReused(Exception):
     """An idempotency key came with another body than the first time."""
 
 
-class Refused(Exception):
+class SubmissionRejected(Exception):
     """The submission is not taken; the message tells the student why, ``kind`` is "deadline-over" or "none-left"."""
 
     def __init__(self, kind: str, sentence: str) -> None:
@@ -57,11 +57,11 @@ class Accepted:
     fresh: bool
 
 
-async def accept(database: Database, new: New, key: str | None = None, kind: str = "interactive") -> Accepted:
+async def accept(database: Database, new: NewSubmission, key: str | None = None, kind: str = "interactive") -> Accepted:
     """Store a submission and send its job, ranked by ``kind``; under a known key, find the one stored before.
 
-    Raises KeyReused if that one was different, Refused if the deadline is over or no submission is left. A request with the
-    same key that is in flight is waited for.
+    Raises KeyReused if that one was different, SubmissionRejected if the deadline has passed or no submission is left. Waits for a
+    request with the same key that is under way.
     """
     try:
         return await _accept(database, new, key, kind)
@@ -71,7 +71,7 @@ async def accept(database: Database, new: New, key: str | None = None, kind: str
         return await _accept(database, new, key, kind)
 
 
-async def _accept(database: Database, new: New, key: str | None, kind: str) -> Accepted:
+async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str) -> Accepted:
     async with database.begin() as connection:
         who = await _person(connection, database, new.person)
         asked = {"slug": new.assignment, "course": COURSE, "person": str(who), "age": time.monotonic() - new.arrived}
@@ -97,14 +97,14 @@ async def _accept(database: Database, new: New, key: str | None, kind: str) -> A
         if stored is None:
             return await _known(connection, new, who, key)
         await _check(connection, rules, who)
-        await send(connection, values["attempt"], priority=rank(kind, stored.open))
+        await send(connection, values["attempt"], priority=priority_of(kind, stored.open))
     database.persons[new.person] = who  # only now is it certain that the person is entered
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
-async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
+async def add_grading(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
     """The next attempt of a submission, with its job."""
-    await take_turn(connection, of)
+    await lock_person(connection, of)
     id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
     values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
@@ -115,7 +115,7 @@ async def add_attempt(connection: AsyncConnection, of: UUID, kind: str, seed: in
 
 async def _person(connection: AsyncConnection, database: Database, name: str) -> UUID:
     """The person of that name; a person's id never changes, so it is asked for once."""
-    return database.persons.get(name) or await enter(connection, name)
+    return database.persons.get(name) or await add_person(connection, name)
 
 
 # A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two
@@ -160,17 +160,17 @@ WHERE s.person_id = :person AND s.assignment_id = :assignment
 
 
 async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], who: UUID) -> None:
-    """Refused, and nothing stored, where the deadline is over or this is one submission too many; faults do not count."""
+    """Raise SubmissionRejected if the deadline has passed or no submission is left; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
-        raise Refused("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
+        raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
     if rules.most_submissions is not None:
         used = (await connection.execute(_USED, {"person": who, "assignment": rules.id})).scalar_one()
         if used > rules.most_submissions:
-            raise Refused("none-left", f"all {rules.most_submissions} submissions allowed have been used")
+            raise SubmissionRejected("none-left", f"all {rules.most_submissions} submissions allowed have been used")
 
 
-async def _known(connection: AsyncConnection, new: New, who: UUID, key: str | None) -> Accepted:
+async def _known(connection: AsyncConnection, new: NewSubmission, who: UUID, key: str | None) -> Accepted:
     found = (await connection.execute(_KNOWN, {"person": who, "key": key})).one()
     if found.fingerprint != new.fingerprint:
         raise KeyReused

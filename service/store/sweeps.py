@@ -8,20 +8,20 @@ from uuid import UUID
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from service.store.course.gradebook import Standing
+from service.store.course.gradebook import StudentRow
 from service.store.database import Database
 from service.store.queue import KINDS, STEP, send
 
 SWEPT = "sweep.json"
 
 
-async def ask(database: Database, attempt: UUID) -> None:
+async def request(database: Database, attempt: UUID) -> None:
     """A job to sweep the function of this attempt, unless there is one: a person waits, so it goes before regrades."""
     async with database.begin() as connection:
         await _ask(connection, attempt, "interactive")
 
 
-async def ask_class(database: Database, class_: Iterable[Standing]) -> int:
+async def request_class(database: Database, class_: Iterable[StudentRow]) -> int:
     """The same for every submission that counts and has not been swept, behind everybody who waits for a grade; how many."""
     attempts = _attempts(class_)
     done = {row.attempt_id for row in await database.rows(_DONE, {"attempts": attempts})}
@@ -29,20 +29,20 @@ async def ask_class(database: Database, class_: Iterable[Standing]) -> int:
         return sum([await _ask(connection, attempt, "bulk") for attempt in attempts if attempt not in done])
 
 
-async def count(database: Database, class_: Iterable[Standing]) -> tuple[int, int]:
+async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, int]:
     """How many of the submissions that count have been swept, and how many that could be have not."""
     attempts = _attempts(class_)
     rows = await database.rows(_DONE, {"attempts": attempts})
     return sum(row.name == SWEPT for row in rows), len(attempts) - len(rows)
 
 
-async def documents(database: Database, class_: Iterable[Standing]) -> list[dict[str, Any]]:
+async def documents(database: Database, class_: Iterable[StudentRow]) -> list[dict[str, Any]]:
     """The sweeps there are of the submissions that count, as JSON."""
     rows = await database.rows(_CONTENTS, {"attempts": _attempts(class_), "name": SWEPT})
     return [json.loads(row.content) for row in rows]
 
 
-def _attempts(class_: Iterable[Standing]) -> list[UUID]:
+def _attempts(class_: Iterable[StudentRow]) -> list[UUID]:
     return [s.attempt for s in class_ if s.attempt is not None and s.status == "graded"]
 
 

@@ -10,14 +10,14 @@ from service.store.database import Database
 from service.store.queue import send_attempt
 
 
-async def enrol(database: Database, worker: str, walls: str | None, refusal: str | None, zygotes: int = 0) -> None:
+async def register_worker(database: Database, worker: str, walls: str | None, refusal: str | None, zygotes: int = 0) -> None:
     """Tell that a worker is there and what it grades behind, or why it cannot grade."""
     values = {"name": worker, "walls": walls, "refusal": refusal, "zygotes": zygotes}
     async with database.begin() as connection:
         await connection.execute(_ENROL, values)
 
 
-async def leave(database: Database, worker: str) -> None:
+async def unregister_worker(database: Database, worker: str) -> None:
     """Tell that a worker is not there any more."""
     async with database.begin() as connection:
         await connection.execute(text("DELETE FROM worker WHERE name = :name"), {"name": worker})
@@ -32,7 +32,7 @@ ON CONFLICT (name) DO UPDATE SET walls = :walls, refusal = :refusal, zygotes = :
 SWEPT_AFTER_S = 5.0  # an open attempt older than this has a job, or gets one
 
 
-async def rescue(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
+async def recover(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
     """Queue attempts again whose runs are lost, and forget jobs of attempts that have their result; return those queued again.
 
     A run that has given no sign of life for ``lease_s`` is lost: its worker is dead, frozen or cut off.

@@ -24,7 +24,7 @@ STOPS = (signal.SIGTERM, signal.SIGINT)
 SETTLE_S = 5.0  # on top of the time to drain
 
 
-class Crew:
+class WorkerPool:
     """``settings.workers`` processes that take jobs from ``settings.database_url``."""
 
     def __init__(self, settings: Settings) -> None:
@@ -38,7 +38,7 @@ class Crew:
             signal.signal(how, self._stop)
         assignments()
         gc.freeze()  # what is imported stays shared
-        slots = [_Place(number) for number in range(self._settings.workers)]
+        slots = [_WorkerSlot(number) for number in range(self._settings.workers)]
         while not self._stopping:
             for slot in slots:
                 slot.fill(self._start)
@@ -66,7 +66,7 @@ class Crew:
         return process
 
 
-class _Place:
+class _WorkerSlot:
     """Where one worker stands; a pause before the next one grows while they die young."""
 
     def __init__(self, number: int) -> None:

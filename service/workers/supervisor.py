@@ -15,7 +15,7 @@ log = logging.getLogger(__name__)
 LOOK_S, LONGEST_PAUSE_S = 0.2, 5.0
 
 
-class Keeper(threading.Thread):
+class Supervisor(threading.Thread):
     """One thread starts, watches and stops them, as a child may be told by the kernel to end with the thread that started it."""
 
     def __init__(self, settings: Settings) -> None:

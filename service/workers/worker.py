@@ -19,15 +19,15 @@ from psycopg.errors import UndefinedTable
 
 from service import logs
 from service.grading import grader
-from service.grading.grader import NotSwept
-from service.sandbox.result import Fault, Stopped
-from service.sandbox.select import WallsMissing, choose
+from service.grading.grader import SweepFailed
+from service.sandbox.result import Cancelled, SystemFault
+from service.sandbox.select import IsolationUnavailable, choose
 from service.sandbox.wire import text
 from service.settings import Settings
 from service.store import runs, workers
 from service.store.database import Database, is_outage, patiently
 from service.store.queue import QUEUE, new_app
-from service.store.records import keep
+from service.store.records import store_artefacts
 
 log = logging.getLogger(__name__)
 BEATS, LOOKS, LONGEST_LOOK_S = 4, 2, 1.0  # in a lease
@@ -37,7 +37,7 @@ PATIENCE_S = 3600.0  # a result in hand outlives an hour without database
 MOST_S = 900.0  # far beyond every budget of a submission: a worker that has not come back by then ends itself
 
 
-class Slot:
+class Worker:
     """``name`` tells the host and the process; ``settings.database_url`` is set."""
 
     def __init__(self, settings: Settings, name: str) -> None:
@@ -90,7 +90,7 @@ class Slot:
                 await self._call(grader.ready)
                 self._walls = walls.name
                 return True
-            except (WallsMissing, Fault) as reason:
+            except (IsolationUnavailable, SystemFault) as reason:
                 log.error("nothing is graded here: %s", reason)
                 await self._enrol(None, str(reason))
                 await self._pause(RETRY_WALLS_S)
@@ -132,13 +132,13 @@ class Slot:
             )
             first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
             log.info("graded" if first else "came second")
-        except Stopped:
+        except Cancelled:
             log.info("stopped, as the attempt has its result")
-            await patiently(partial(runs.concede, self._database, claimed), PATIENCE_S)
+            await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
-            words = text(str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}", 400)
-            await patiently(partial(runs.give_back, self._database, claimed, "failed", words), PATIENCE_S)
+            words = text(str(error) if isinstance(error, SystemFault) else f"{type(error).__name__}: {error}", 400)
+            await patiently(partial(runs.release, self._database, claimed, "failed", words), PATIENCE_S)
         finally:
             beats.cancel()
             grader.stop_playing(False)
@@ -146,14 +146,14 @@ class Slot:
 
     async def _sweep(self, attempt: str) -> None:
         """The job of a sweep that somebody looks for."""
-        asked = await patiently(partial(runs.question, self._database, uuid.UUID(attempt)), PATIENCE_S)
+        asked = await patiently(partial(runs.read_grading, self._database, uuid.UUID(attempt)), PATIENCE_S)
         try:
             document, chart = await self._call(grader.sweep_one, asked.submission, asked.assignment)
             artefacts = {"sweep.json": document.encode(), "sweep.svg": chart}
-        except NotSwept as reason:
+        except SweepFailed as reason:
             artefacts = {"sweep.refused": str(reason).encode()}
-        await patiently(partial(keep, self._database, asked.attempt, artefacts), PATIENCE_S)
-        await patiently(partial(runs.tell, self._database, asked.submission_id), PATIENCE_S)
+        await patiently(partial(store_artefacts, self._database, asked.attempt, artefacts), PATIENCE_S)
+        await patiently(partial(runs.notify, self._database, asked.submission_id), PATIENCE_S)
 
     def _tell(self, phase: str, scene: int, scenes: int) -> None:
         """Called in the grading thread."""
@@ -162,39 +162,39 @@ class Slot:
     async def _beat(self, claimed: runs.Claim) -> None:
         while True:
             await asyncio.sleep(self._beat_s)
-            with _bearing_outages():
-                if not await runs.beat(self._database, claimed, *self._progress):
+            with _suppress_outages():
+                if not await runs.heartbeat(self._database, claimed, *self._progress):
                     grader.stop_playing()
 
     async def _look_after(self) -> None:
         """Tell that this worker is there, and rescue what others lost."""
         lease, enrol_every, sweep_every = self._settings.lease, round(ENROL_S / self._look_s), round(SWEEP_S / self._look_s)
         for look in range(1 << 62):
-            with _bearing_outages():
+            with _suppress_outages():
                 if look % enrol_every == 0:
                     await self._enrol(self._walls, None)
-                if again := await workers.rescue(self._database, lease):
+                if again := await workers.recover(self._database, lease):
                     log.warning("queued again: %s", ", ".join(map(str, again)))
                 if look % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
                     log.warning("without a job: %s", ", ".join(map(str, found)))
             await asyncio.sleep(self._look_s)
 
     async def _enrol(self, walls: str | None, refusal: str | None) -> None:
-        with _bearing_outages():
-            await workers.enrol(self._database, self.name, walls, refusal, grader.zygotes())
+        with _suppress_outages():
+            await workers.register_worker(self._database, self.name, walls, refusal, grader.zygotes())
 
     async def _drain(self, taking: "asyncio.Task[None]") -> None:
         """Take no more, wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""
         taking.cancel()
-        with _bearing_outages():
-            await workers.leave(self._database, self.name)
+        with _suppress_outages():
+            await workers.unregister_worker(self._database, self.name)
         await asyncio.wait([taking], timeout=self._settings.drain)  # it ends after the job that it has
         if taking.done():
             return
         if self._claimed is not None:
-            with _bearing_outages():
+            with _suppress_outages():
                 await asyncio.wait_for(
-                    runs.give_back(self._database, self._claimed, "released", "the worker was stopped"), GIVE_BACK_S
+                    runs.release(self._database, self._claimed, "released", "the worker was stopped"), GIVE_BACK_S
                 )
         os._exit(0)  # at once: Procrastinate would write down that the job is over
 
@@ -209,7 +209,7 @@ class Slot:
 
 
 @contextlib.contextmanager
-def _bearing_outages():  # type: ignore[no-untyped-def]
+def _suppress_outages():  # type: ignore[no-untyped-def]
     """What is done again soon anyway may fail while the database is out."""
     try:
         yield
@@ -220,5 +220,5 @@ def _bearing_outages():  # type: ignore[no-untyped-def]
 
 def work(settings: Settings, name: str) -> None:
     """The life of a worker process."""
-    asyncio.run(Slot(settings, name).run())
+    asyncio.run(Worker(settings, name).run())
     os._exit(0)  # a grading thread that is still at it would be waited for

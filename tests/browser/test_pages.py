@@ -6,7 +6,7 @@ import uuid
 import pytest
 
 from service.grading.submission import Submission
-from service.store.records import New
+from service.store.records import NewSubmission
 from service.store.submissions import accept
 from tests.support.app import App
 from tests.support.axe import wrong
@@ -25,7 +25,7 @@ def paths(url, sandbox):
     """Addresses of pages by what they show, ``moving`` among them: a motion of cleo, the equations of which are reversed."""
 
     async def moving(database):
-        one = New(uuid.uuid4(), "rigid-body", "cleo", Submission(REVERSED, "cleo.py"), ["2"], 7)
+        one = NewSubmission(uuid.uuid4(), "rigid-body", "cleo", Submission(REVERSED, "cleo.py"), ["2"], 7)
         await accept(database, one)
         await grade_really(database, one.id, sandbox, {"grade": 1000.0})
         return f"/submissions/{one.id}"

@@ -4,7 +4,7 @@ import sys
 from ecp.checks import close
 from exercises import validation
 from exercises.assignment import Exercise
-from exercises.catalogue import assignments, found
+from exercises.catalogue import assignments, load_catalogue
 
 
 def test_rigid_body_is_found_by_its_folder(rigid_body):
@@ -24,12 +24,12 @@ def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch, rigid_body):
     )
     before = set(assignments())
     monkeypatch.setattr(exercises, "__path__", [*exercises.__path__, str(tmp_path)])
-    found.cache_clear()
+    load_catalogue.cache_clear()
     try:
         assert set(assignments()) == before | {"second"}
     finally:
         sys.modules.pop("exercises.second", None)
-        found.cache_clear()
+        load_catalogue.cache_clear()
 
 
 def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):

@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.assignment import InvalidAssignment, NoAssignment
-from exercises.catalogue import add, assignments, find, folders, taken
+from exercises.catalogue import assignments, find, folders, is_taken, register_folder
 from tests.support.assignments import change, copied, known
 
 
@@ -11,7 +11,7 @@ from tests.support.assignments import change, copied, known
 def test_an_assignment_outside_is_found(tmp_path, named):
     folder = copied(tmp_path / "my course")
     with known(folder if named == "the folder itself" else folder.parent) as found:
-        assert list(found.sound) == ["rigid-body", "damped-oscillator"] and not found.broken
+        assert list(found.valid) == ["rigid-body", "damped-oscillator"] and not found.invalid
         assert find("damped_oscillator").folder == folder
     assert "damped-oscillator" not in assignments()
 
@@ -19,8 +19,8 @@ def test_an_assignment_outside_is_found(tmp_path, named):
 def test_an_assignment_named_alone_brings_no_neighbour(tmp_path):
     one, two = copied(tmp_path), copied(tmp_path, "neighbour")
     with known(one) as found:
-        assert list(found.sound) == ["rigid-body", "damped-oscillator"] and not taken("neighbour")
-        add(two)
+        assert list(found.valid) == ["rigid-body", "damped-oscillator"] and not is_taken("neighbour")
+        register_folder(two)
         assert two in folders() and "neighbour" not in assignments()  # these are asked once
 
 
@@ -70,7 +70,7 @@ def test_a_broken_one_tells_everything_and_costs_no_other(tmp_path, spoil, told)
     spoil(copied(tmp_path))
     copied(tmp_path, "sound")
     with known(tmp_path) as found:
-        assert list(found.sound) == ["rigid-body", "sound"] and list(found.broken) == ["damped-oscillator"]
+        assert list(found.valid) == ["rigid-body", "sound"] and list(found.invalid) == ["damped-oscillator"]
         with pytest.raises(InvalidAssignment) as caught:
             find("damped-oscillator")
     for part in told:
@@ -81,15 +81,15 @@ def test_a_name_that_is_taken(tmp_path):
     for name in ("rigid_body", "wheel"):
         copied(tmp_path, name)
     with known(tmp_path) as found:
-        assert list(found.sound) == ["rigid-body"] and find("rigid-body").folder != tmp_path / "rigid_body"
-        assert "the name rigid_body is taken" in str(found.broken["rigid-body"])
-        assert "the name wheel is taken" in str(found.broken["wheel"])
+        assert list(found.valid) == ["rigid-body"] and find("rigid-body").folder != tmp_path / "rigid_body"
+        assert "the name rigid_body is taken" in str(found.invalid["rigid-body"])
+        assert "the name wheel is taken" in str(found.invalid["wheel"])
 
 
 def test_a_folder_that_is_not_there_or_no_package(tmp_path):
     copied(tmp_path, "Two-Words")
     with known(tmp_path / "nowhere", tmp_path) as found:
-        assert "there is no folder" in str(found.broken["nowhere"])
-        assert "Two-Words is no name of a package" in str(found.broken["Two-Words"])
+        assert "there is no folder" in str(found.invalid["nowhere"])
+        assert "Two-Words is no name of a package" in str(found.invalid["Two-Words"])
     with known(), pytest.raises(NoAssignment, match="there is no assignment knitting; known: rigid-body"):
         find("knitting")

@@ -32,7 +32,9 @@ def test_every_route_is_documented():
 
 
 def test_every_problem_is_documented():
-    raised = set(re.findall(r"(?:Problem\(\s*\d+, |Refused\()\"([a-z-]+)\"", sources("service"))) | set(errors.BY_STATUS.values())
+    raised = set(re.findall(r"(?:Problem\(\s*\d+, |SubmissionRejected\()\"([a-z-]+)\"", sources("service"))) | set(
+        errors.BY_STATUS.values()
+    )
     for kind in raised | set(errors.TITLES):
         assert f"`{kind}`" in doc("docs/http.md"), kind
     assert parse_submission.MOST_BYTES == 256 * 1024 and "256 KiB" in doc("docs/http.md")

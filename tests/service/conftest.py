@@ -46,7 +46,7 @@ def server(url):
 @pytest.fixture
 def cheap_hashes(monkeypatch):
     """Passwords are hashed by the same algorithm with the least of memory and time; test_passwords has the real parameters."""
-    passwords.nobodys.cache_clear()
+    passwords.dummy_hash.cache_clear()
     monkeypatch.setattr(passwords, "_HASHER", PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
     yield
-    passwords.nobodys.cache_clear()
+    passwords.dummy_hash.cache_clear()

@@ -18,7 +18,7 @@ class App:
 
     def __init__(self, **settings):
         self.settings = Settings(**{"identity": "token", "port": 0} | settings)
-        self._socket = serve.open_door(self.settings)
+        self._socket = serve.open_socket(self.settings)
         self.port = self._socket.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}"
         self._server = serve.http_server(self.settings)

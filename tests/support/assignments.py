@@ -6,7 +6,7 @@ import shutil
 import sys
 
 from exercises import catalogue, wheel
-from exercises.catalogue import found
+from exercises.catalogue import load_catalogue
 from service.cli.scaffolding import TEMPLATE
 
 
@@ -31,7 +31,7 @@ def known(*paths):
     os.environ[catalogue.SETTING] = os.pathsep.join(map(str, paths))
     _forget_what_depends_on_it()
     try:
-        yield found()
+        yield load_catalogue()
     finally:
         os.environ.pop(catalogue.SETTING)
         if before is not None:
@@ -44,5 +44,5 @@ def known(*paths):
 
 
 def _forget_what_depends_on_it():
-    for cached in (found, wheel.build, wheel.wheel, wheel._content):
+    for cached in (load_catalogue, wheel.build, wheel.wheel, wheel._content):
         cached.cache_clear()

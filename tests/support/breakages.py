@@ -261,8 +261,8 @@ SANDBOX = [
     Breakage(
         "the guest stays root",
         "service/sandbox/guest/zygote.py",
-        "step_down(user)",
-        "step_down(None)",
+        "drop_privileges(user)",
+        "drop_privileges(None)",
         ("tests/service/sandbox/test_sandbox.py::test_no_privilege_is_left",),
     ),
     Breakage(
@@ -297,7 +297,7 @@ SANDBOX = [
         "a hole that the probe finds is ignored before the first submission",
         "service/sandbox/sandbox.py",
         "if seen.stdout:",
-        "if seen.stdout and self.rehearsed:",
+        "if seen.stdout and self.self_tested:",
         ("tests/service/sandbox/test_select.py::test_the_probe_finds_the_hole_that_a_missing_layer_leaves",),
     ),
     Breakage(
@@ -346,7 +346,7 @@ SANDBOX = [
         "what a guest sent before it broke the protocol is believed",
         "service/sandbox/session.py",
         "lost = [s.name for s in self.job.scenes]\n",
-        "lost = [s.name for s in self.job.scenes if s.name not in seen.endings]\n",
+        "lost = [s.name for s in self.job.scenes if s.name not in seen.scene_ends]\n",
         ("tests/service/sandbox/test_session.py::test_nothing_is_believed_of_a_child_that_broke_the_protocol",),
     ),
     Breakage(
@@ -376,7 +376,7 @@ GRADING = [
     Breakage(
         "a motion without its probes is believed",
         "service/grading/crosscheck.py",
-        '_forget(seen, scene.name, Ending.NOT_PLAYED, f"it comes after {proof}")',
+        '_forget(seen, scene.name, Ended.NOT_PLAYED, f"it comes after {proof}")',
         "continue",
         ("tests/service/grading/test_crosscheck.py::test_a_motion_is_not_believed_if_its_function_was_not_asked_again",),
     ),
@@ -781,8 +781,8 @@ WEB = [
     Breakage(
         "a read-only token may send forms",
         "service/auth/forms.py",
-        'await who(request, "login")',
-        "await who(request)",
+        'await authenticate(request, "login")',
+        "await authenticate(request)",
         ("tests/service/auth/test_forms.py::test_a_token_that_may_only_read_or_submit_changes_nothing",),
     ),
     Breakage(
@@ -865,7 +865,7 @@ WEB = [
     Breakage(
         "a password is changed without the present one",
         "service/pages/account.py",
-        'await _check_present(request, person.name, secret(form, "present"))',
+        'await _check_present(request, person.name, raw_field(form, "present"))',
         "pass",
         ("tests/service/pages/test_account.py::test_a_token_logs_in_once_and_then_there_is_a_password",),
     ),
@@ -875,29 +875,29 @@ WORKERS = [
     Breakage(
         "a failed grading is not given back",
         "service/workers/worker.py",
-        'await patiently(partial(runs.give_back, self._database, claimed, "failed", words), PATIENCE_S)',
+        'await patiently(partial(runs.release, self._database, claimed, "failed", words), PATIENCE_S)',
         "pass",
         ("tests/service/workers/test_worker.py",),
     ),
     Breakage(
         "a stopped worker counts the run as failed",
         "service/workers/worker.py",
-        'runs.give_back(self._database, self._claimed, "released", "the worker was stopped")',
-        'runs.give_back(self._database, self._claimed, "failed", "the worker was stopped")',
+        'runs.release(self._database, self._claimed, "released", "the worker was stopped")',
+        'runs.release(self._database, self._claimed, "failed", "the worker was stopped")',
         ("tests/service/workers/test_worker.py",),
     ),
     Breakage(
         "a worker does not tell that it is alive",
         "service/workers/worker.py",
-        "if not await runs.beat(self._database, claimed, *self._progress):",
+        "if not await runs.heartbeat(self._database, claimed, *self._progress):",
         "if not claimed:",
         ("tests/service/workers/test_worker.py",),
     ),
     Breakage(
         "a worker takes submissions before its probe was played",
         "service/grading/grader.py",
-        "if not _sandbox.rehearsed:",
-        "if _sandbox.rehearsed:",
+        "if not _sandbox.self_tested:",
+        "if _sandbox.self_tested:",
         ("tests/service/grading/test_grader.py",),
     ),
 ]

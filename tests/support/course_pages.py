@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 from service.grading.submission import Submission
 from service.store import gradings, queue_overview, regrades, runs, workers
 from service.store.course import deadlines, overrides, people
-from service.store.records import New
+from service.store.records import NewSubmission
 from service.store.submissions import accept
 from tests.support import submissions
 from tests.support.database import run, sql
@@ -36,7 +36,7 @@ async def _fill(database, url, sandbox, source, texts):
     staff = [("prof", "instructor"), ("tutor", "assistant"), ("ben", "student", texts["full_name"])]
     async with database.begin() as connection:
         await people.enroll(connection, [*staff, (name, "student", texts["full_name"], "ann@example.org", "0042")])
-        await people.note(connection, "prof", "roster", words, {"people": 4, words: words})
+        await people.record_audit(connection, "prof", "roster", words, {"people": 4, words: words})
     first = await hand_in(database, name, {"2-energy": "✓", "2-momentum": ("✓", 1.5)}, days_ago=2.0)
     real = await _played(database, name, source, texts["filename"], sandbox)
     bad = await hand_in(database, "ben", {"2-energy": ("✗", 1e-3), "2-momentum": "⏱", "2-motion": "!"}, filename=texts["filename"])
@@ -45,9 +45,9 @@ async def _fill(database, url, sandbox, source, texts):
     await deadlines.extend(database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof")
     await overrides.give(database, first, "prof", check="2-energy", points=0, reason=words, seen=0)
     await overrides.give(database, bad, "prof", check=None, points=3, reason=words, seen=0)
-    decided = await regrades.begin(database, ASSIGNMENT.slug, bad, "tutor", told=words)
+    decided = await regrades.create(database, ASSIGNMENT.slug, bad, "tutor", told=words)
     await submissions.grade(database, bad, {"2-energy": "✓", "2-momentum": ("✗", 0.1)}, version="2")
-    regrade = await regrades.begin(database, ASSIGNMENT.slug, first, "prof", told="one submission")
+    regrade = await regrades.create(database, ASSIGNMENT.slug, first, "prof", told="one submission")
     await submissions.grade(database, first, {"2-energy": ("✗", 0.1), "2-momentum": "✓"}, version="2")
     await regrades.apply(database, decided, "prof")
     going = await _queue(database, url, name)
@@ -61,7 +61,7 @@ async def _fill(database, url, sandbox, source, texts):
 
 async def _played(database, name, source, filename, sandbox):
     """A submission that was played behind walls, with figures, motions and whatever its code says."""
-    new = New(uuid.uuid4(), ASSIGNMENT.slug, name, Submission(source, filename), ["2", "4"], 7)
+    new = NewSubmission(uuid.uuid4(), ASSIGNMENT.slug, name, Submission(source, filename), ["2", "4"], 7)
     await accept(database, new)
     await submissions.grade_really(database, new.id, sandbox, {"grade": 1000.0, "pack": 10.0})
     return new.id
@@ -73,13 +73,13 @@ async def _queue(database, url, name):
     attempts = [(await database.rows(_LATEST, {"id": id}))[0].id for id in ids]
     await gradings.cancel(database, attempts[0], "tutor")
     claimed = [await runs.claim(database, attempts[k], uuid.uuid4(), "test worker") for k in (1, 2)]
-    await runs.beat(database, claimed[0], "playing", 2, 5)
+    await runs.heartbeat(database, claimed[0], "playing", 2, 5)
     ended = "INSERT INTO result (attempt_id, run_id, fault) VALUES (%s, %s, %s)"
     sql(url, ended, attempts[2], claimed[1].run, f"the worker of {name} was lost")
-    sql(url, "UPDATE run SET ended_at = now(), ending = 'failed' WHERE id = %s", claimed[1].run)
+    sql(url, "UPDATE run SET ended_at = now(), scene_end = 'failed' WHERE id = %s", claimed[1].run)
     sql(url, "UPDATE run SET scene_at = now() - interval '8 s', beat_at = now() + interval '1 h' WHERE id = %s", claimed[0].run)
     sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)", [str(attempts[k]) for k in (0, 1, 2)])
     for worker, refusal in (("test worker", None), ("another worker", "no user namespaces")):
-        await workers.enrol(database, worker, None if refusal else "tier A: namespaces", refusal)
+        await workers.register_worker(database, worker, None if refusal else "tier A: namespaces", refusal)
     sql(url, "UPDATE worker SET seen_at = now() + interval '1 h'")
     return ids[3]

@@ -11,12 +11,12 @@ from service.auth import passwords
 from service.grading.submission import Submission
 from service.store.course import people, tokens
 from service.store.database import Database
-from service.store.records import New
+from service.store.records import NewSubmission
 from service.store.submissions import register
 
 
 def new(person="ann", source="def euler_eqs(t, w, I): return w", seed=7, **more):
-    return New(uuid.uuid4(), "rigid-body", person, Submission(source), more.get("exercises"), seed)
+    return NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source), more.get("exercises"), seed)
 
 
 def run(url, action):
@@ -54,9 +54,9 @@ def entered(url, name, role="student", password=None):
     async def enter(database):
         async with database.begin() as connection:
             await people.enroll(connection, [(name, role)])
-            return await tokens.give(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)
+            return await tokens.create(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)
 
     token = run(url, enter)
     if password:
-        sql(url, "UPDATE person SET password = %s WHERE name = %s", passwords.hashed(password), name)
+        sql(url, "UPDATE person SET password = %s WHERE name = %s", passwords.hash_password(password), name)
     return token

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime
 
-from service.formats.grade_row import Row
+from service.formats.grade_row import GradeRow
 
 TITLE, CHECKS = "2.6 Rigid-Body Rotation", ("2-energy", "2-motion")
 
@@ -21,7 +21,7 @@ def row(student, points=None, **more):
         "grader": "polhode 0.1.0, assignment version 1",
         "checks": {"2-energy": "pass" if points else "fail", "2-motion": "pass" if points == 2 else "timeout"},
     }
-    return Row(**about, student=student, points=points, **((sent if points is not None else {}) | more))
+    return GradeRow(**about, student=student, points=points, **((sent if points is not None else {}) | more))
 
 
 def known(student, full_name, number):

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 
 from ecp.claims import NotebookCheck
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
+from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd
 from ecp.report import Picture
 from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
@@ -50,15 +50,15 @@ def reports(draw):
     cut = draw(st.integers(0, len(made)))
     causes = st.sampled_from([one.cause for one in made if one.cause is not None] or ["nothing"])
     traces = st.none() | st.just(TRACEBACK) | TEXTS
-    endings = st.builds(SceneEnding, TEXTS, st.sampled_from(Ending), causes, st.none(), traces)
+    scene_ends = st.builds(SceneEnd, TEXTS, st.sampled_from(Ended), causes, st.none(), traces)
     figures = draw(st.lists(st.builds(Picture, st.sampled_from(["omega", "cone"]), st.just("1"), TEXTS, TEXTS), max_size=2))
     marks = st.sampled_from(Verdict)
     claims = st.builds(NotebookCheck, cell=TEXTS, kind=st.just("check"), label=TEXTS, verdict=marks, detail=TEXTS)
-    more = {"endings": draw(st.lists(endings, max_size=3)), "notebook_checks": draw(st.lists(claims, max_size=2))}
+    more = {"scene_ends": draw(st.lists(scene_ends, max_size=3)), "notebook_checks": draw(st.lists(claims, max_size=2))}
     drawn = report(made[:cut], made[cut:], stdout=draw(TEXTS), figures=figures, **more)
     if draw(st.booleans()):
         drawn.not_attempted = draw(st.lists(st.sampled_from(["5", "6"]), unique=True)) if drawn.max_score else []
-        drawn.total = drawn.max_score + ASSIGNMENT.most_points(drawn.not_attempted)
+        drawn.total = drawn.max_score + ASSIGNMENT.max_points(drawn.not_attempted)
     return drawn
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding, Tolerance
+from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd, Tolerance
 from ecp.report import ExerciseReport, Picture, Provenance, Report
 from exercises.catalogue import assignments
 from service.grading.result import GradedFile
@@ -14,7 +14,7 @@ PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"
 TOLERANCE = Tolerance(rtol=1e-6, atol=1e-9, reason="the notebook's own tolerance")
 TRACEBACK = '  File "submission.py", line 3, in euler_eqs\n    return w / 0\nZeroDivisionError: division by zero\n'
 SLIP = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check (I₃ − I₁)", 1.0)
-SLOW = SceneEnding("motion", Ending.TIMED_OUT, "your code did not finish within 2 s", "timeout")
+SLOW = SceneEnd("motion", Ended.TIMED_OUT, "your code did not finish within 2 s", "timeout")
 UNMEASURED = {"⏱": SLOW.sentence, "!": "ValueError: no", "–": "your code stopped before this was played"}
 VERDICTS = {"+": Verdict.PASS, "-": Verdict.FAIL, "?": Verdict.UNMEASURED, ".": Verdict.UNMEASURED}
 
@@ -40,9 +40,9 @@ def report_of_marks(marks, seed=7, **more):
         ExerciseReport(e.number, e.title, [_marked(c, *_each(marks[c.id])) for c in e.checks if c.id in marks])
         for e in ASSIGNMENT.exercises
     ]
-    endings = [SLOW, SceneEnding("cell 1", Ending.RAISED, "ValueError: no", "raises", "Traceback …")]
+    scene_ends = [SLOW, SceneEnd("cell 1", Ended.RAISED, "ValueError: no", "raises", "Traceback …")]
     provenance = replace(PROVENANCE, seed=seed)
-    return report(exercises=[e for e in exercises if e.outcomes], endings=endings, provenance=provenance, **more)
+    return report(exercises=[e for e in exercises if e.outcomes], scene_ends=scene_ends, provenance=provenance, **more)
 
 
 def _each(marked):
@@ -74,9 +74,9 @@ def example():
         outcome("2-energy", Verdict.UNMEASURED, "rotational energy conserved (torque-free)", cause=raised, diagnosis=[stopped]),
         outcome("2-drawn", Verdict.UNMEASURED, "what is drawn moves", cause="nothing to follow", counted=False),
     ]
-    endings = [SceneEnding("motion", Ending.RAISED, raised, "raises", TRACEBACK)]
+    scene_ends = [SceneEnd("motion", Ended.RAISED, raised, "raises", TRACEBACK)]
     figures = [Picture("omega", "2", "Angular velocity", "ω₁, ω₂ and ω₃ over time")]
-    return report(first, second, endings=endings, figures=figures, total=3)
+    return report(first, second, scene_ends=scene_ends, figures=figures, total=3)
 
 
 def graded_file(report, file="samples/ann.py", **more):

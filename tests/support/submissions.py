@@ -11,7 +11,7 @@ from service.grading import grade as grading
 from service.grading import rendering
 from service.grading.submission import Submission
 from service.store import runs
-from service.store.records import New
+from service.store.records import NewSubmission
 from service.store.submissions import accept
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_marks, report_of_verdicts
@@ -22,7 +22,7 @@ async def hand_in(
 ):
     """Store a submission of exercise 2, graded if ``marks`` is not None; return its id."""
     arrived = time.monotonic() - 86400.0 * days_ago
-    new = New(uuid.uuid4(), "rigid-body", person, Submission(source, filename), ["2"], 7, arrived)
+    new = NewSubmission(uuid.uuid4(), "rigid-body", person, Submission(source, filename), ["2"], 7, arrived)
     await accept(database, new)
     if marks is not None:
         await grade(database, new.id, marks, **about)

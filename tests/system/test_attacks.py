@@ -26,12 +26,12 @@ import pytest
 
 from ecp.document import document
 from ecp.judge import Verdict
-from exercises.assignment import Blank
+from exercises.assignment import ArraySpec
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import job, session
-from service.sandbox.bubblewrap import find_bubblewrap, tier_a
-from service.sandbox.isolation import LAYERS, tier_b
+from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
+from service.sandbox.isolation import LAYERS, process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 
@@ -127,12 +127,12 @@ def sandboxes(traps):
 
     def at(level):
         if level not in started:
-            started[level] = Sandbox(choose("A") if level == "A" else tier_b())
-            started[level].rehearse()
+            started[level] = Sandbox(choose("A") if level == "A" else process_isolation())
+            started[level].self_test()
         return started[level]
 
-    neighbour = Sandbox(tier_b())  # nothing but the attacker's own sandbox protects it
-    neighbour.rehearse()
+    neighbour = Sandbox(process_isolation())  # nothing but the attacker's own sandbox protects it
+    neighbour.self_test()
     before = _resident_mib()
     yield at, neighbour
     assert _resident_mib() - before < 64, "the host's memory grew"
@@ -247,7 +247,7 @@ SLOW = pytest.mark.slow  # the family's test at that level is red without the la
 def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body, traces_alone):
     """Without it, an attack that the others let through succeeds."""
     layers = [x for x in LAYERS if x != missing]
-    walls = tier_a(find_bubblewrap(), layers) if tier == "A" and missing != "namespaces" else tier_b(layers)
+    walls = namespace_isolation(find_bubblewrap(), layers) if tier == "A" and missing != "namespaces" else process_isolation(layers)
     if missing == "namespaces":  # the guest as the server's own user, as an ordinary user's server has it
         walls = replace(walls, inside=(*walls.inside[:-1], walls.inside[-1].replace('"user": 64001', '"user": null')))
     holed = Sandbox(walls)
@@ -270,7 +270,7 @@ GOOD = job.Job(
     "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](3.0))}",
     (job.Cell("submission.py", "import builtins\ndef f(x):\n    return [x, np.pi, hasattr(builtins, 'poisoned')]"),),
     ("f",),
-    (job.Played("one", "ask", "f", {}, {"x": Blank((3,))}, 2.0, None),),
+    (job.SceneRequest("one", "ask", "f", {}, {"x": ArraySpec((3,))}, 2.0, None),),
 )
 
 

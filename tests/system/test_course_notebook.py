@@ -18,7 +18,7 @@ def graded(data, name, rigid_body, sandbox, numbers=("2",)):
 
 
 def failed_cells(report):
-    return [ending.scene for ending in report.endings if ending.traceback]
+    return [scene_end.scene for scene_end in report.scene_ends if scene_end.traceback]
 
 
 PERCENT = pytest.param("mine.py", as_percent(code().values()), marks=pytest.mark.slow)

@@ -12,7 +12,7 @@ from markdown_it import MarkdownIt
 from ecp.judge import MARKS, Verdict
 from exercises.catalogue import assignments
 from service.formats import canvas, classroom50, github, grades_csv, gradescope, junit, moodle, nbgrader
-from service.formats.check_text import shown
+from service.formats.check_text import sanitize
 from service.formats.grade_row import row
 from tests.service.formats.test_classroom50 import ABOUT, Result
 from tests.support.random_reports import graded_files
@@ -82,12 +82,12 @@ def agrees_in_classroom50(file):
 def agrees_in_csv(file):
     told, report = row(file, RIGID), file.report
     ids = [outcome.id for outcome in report.outcomes()]
-    (mine,) = read(grades_csv.assignment([told], ids).removeprefix("\ufeff"))
+    (mine,) = read(grades_csv.assignment_csv([told], ids).removeprefix("\ufeff"))
     assert {id: OF_STATE.get(mine[id], mine[id]) for id in ids} == {o.id: o.verdict.value for o in report.outcomes()}
     assert (int(mine["points"]), int(mine["score"]), int(mine["counted"])) == (report.score, report.score, report.max_score)
     (nb,) = read(nbgrader.text([told]))
     assert float(nb["score"]) == float(nb["raw_score"]) == report.score
-    points, student = read(canvas.text([told], RIGID.title, RIGID.most_points()))
+    points, student = read(canvas.text([told], RIGID.title, RIGID.max_points()))
     assert points["Student"].strip() == "Points Possible" and int(student[RIGID.title]) == report.score
     (moved,) = read(moodle.text([told], RIGID.title))
     assert int(moved[RIGID.title]) == report.score
@@ -106,9 +106,9 @@ def agrees_in_github(file):
     cells = [token.content for token in tokens if token.type == "inline" and token.level == 4][-4:]
     assert cells[1:3] == ["✓" if file.passed else "✗", f"{report.score} of {report.most}"]
     (fence,) = [token.content for token in tokens if token.type == "fence"]
-    assert fence.rstrip("\n") == shown(report.text()).rstrip("\n")
+    assert fence.rstrip("\n") == sanitize(report.text()).rstrip("\n")
     found = commands("\n".join(github.annotations([file], RIGID)))
-    assert {name for name, _, _ in found} <= {"error"} and all(about["file"] == shown(str(file.file)) for _, about, _ in found)
+    assert {name for name, _, _ in found} <= {"error"} and all(about["file"] == sanitize(str(file.file)) for _, about, _ in found)
     failed = [o for o in report.outcomes() if o.counted and o.verdict is not Verdict.PASS]
     assert sum(int(many[1]) if (many := re.search(r"\((\d+) checks\)$", about["title"])) else 1 for _, about, _ in found) == (
         len(failed) or not report.max_score

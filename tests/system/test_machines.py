@@ -165,5 +165,5 @@ def test_a_host_that_dies(site):
     wait_for(lambda: len(of(url, id)) == 2)
     assert time.monotonic() - began < TAKEOVER_S
     assert wait_for(lambda: (d := get(server.url, id))["status"] == "graded" and d)["report"]["passed"]
-    assert [ending for _, ending in of(url, id)] == ["lost", "finished"]
+    assert [scene_end for _, scene_end in of(url, id)] == ["lost", "finished"]
     machine.start(postgres.url.format(machine.ours))

@@ -120,11 +120,11 @@ def test_the_whole_notebook_goes_and_its_own_calls_do_nothing_there(server, play
         "1 / 0",
         EULER,
         'ecp.check("2")',
-        "report = ecp.submit()\n[(e.scene, e.sentence) for e in report.endings if e.traceback]",
+        "report = ecp.submit()\n[(e.scene, e.sentence) for e in report.scene_ends if e.traceback]",
         "report.passed, report.score",
     ]
-    *_, endings, verdict = play(*cells, allow_errors=True)
-    assert shown(endings) == "[('cell 2', 'ZeroDivisionError: division by zero')]"
+    *_, scene_ends, verdict = play(*cells, allow_errors=True)
+    assert shown(scene_ends) == "[('cell 2', 'ZeroDivisionError: division by zero')]"
     assert shown(verdict).startswith("(True, ")
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(SETUP), nbformat.v4.new_code_cell(EULER)])
     notebook.cells[0].outputs = [nbformat.v4.new_output("stream", text="x" * 400_000)]
@@ -207,7 +207,7 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
 
     async def give(database):
         async with database.begin() as connection:
-            return await tokens.give(connection, "ann", label="t", scopes=tokens.SCOPES, seconds=600.0)
+            return await tokens.create(connection, "ann", label="t", scopes=tokens.SCOPES, seconds=600.0)
 
     course = run(database_url, give)
 

@@ -101,7 +101,7 @@ def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
 @pytest.mark.parametrize("before", [2, pytest.param(0, marks=pytest.mark.slow)], ids=["two lost before", "none lost before"])
 def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(before, front, url, monkeypatch, capsys):
     id, seen = post(front.url, SLOW.format(1))["id"], []
-    lost = "INSERT INTO run (id, attempt_id, worker, started_at, ended_at, phase, ending, note) "
+    lost = "INSERT INTO run (id, attempt_id, worker, started_at, ended_at, phase, scene_end, note) "
     lost += "SELECT gen_random_uuid(), id, 'x/1', now(), now(), 'playing', 'lost', 'x' FROM attempt WHERE submission_id = %s"
     for _ in range(before):
         rows(url, lost, id)
@@ -211,7 +211,7 @@ def test_metrics(front, url):
     graded = rows(url, "SELECT count(*) FROM result WHERE report IS NOT NULL")[0][0]
     assert float(told['polhode_results_total{status="graded"}']) == graded > 0
     assert float(told["polhode_wait_seconds_count"]) >= graded and float(told['polhode_workers{state="ready"}']) >= 2
-    assert float(told['polhode_runs{ending="finished"}']) == graded
+    assert float(told['polhode_runs{ended="finished"}']) == graded
     assert 'polhode_http_requests_total{method="POST",route="/v1/assignments/{slug}/submissions",status="200"}' in told
     assert not any("/v1/submissions/" in name and "{id}" not in name for name in told)  # templates, not addresses
 

@@ -71,7 +71,7 @@ class NotebookCheck:
     verdict: Verdict
     detail: str
 
-    TOLD: ClassVar = ("line",)
+    COMPUTED_FIELDS: ClassVar = ("line",)
 
     @property
     def line(self) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ecp.checks import Arrays
-from ecp.errors import Explained
+from ecp.errors import NotebookError
 from ecp.exercise import Exercise
 from ecp.outcome import Diagnosis
 
@@ -21,7 +21,7 @@ Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
 FOLDER = Path(__file__).parent / "assignments"
 
 
-class NotKnown(Explained):
+class UnknownCourse(NotebookError):
     """The kit has no such assignment or exercise, or does not know the server; the message says what to do."""
 
 
@@ -79,7 +79,7 @@ def server(given: str | None = None) -> str:
     """The server meant, without a slash at its end: given, connected, in POLHODE_SERVER, or the one the kit came from."""
     found = given or _connected[0].server or os.environ.get("POLHODE_SERVER") or _made().get("server")
     if not found:
-        raise NotKnown('Say which server: ecp.connect("http://…").')
+        raise UnknownCourse('Say which server: ecp.connect("http://…").')
     return _address(found)
 
 
@@ -89,14 +89,14 @@ def assignment(given: str | None = None) -> str:
         return found
     if len(known := slugs()) == 1:
         return known[0]
-    raise NotKnown('Say which assignment this is: ecp.connect("http://…", assignment="…").')
+    raise UnknownCourse('Say which assignment this is: ecp.connect("http://…", assignment="…").')
 
 
 def public(slug: str) -> PublicAssignment:
     """The public side of an assignment; NotKnown if this kit was made without it."""
     if slug not in slugs():
         known = f"it knows {', '.join(slugs())}" if slugs() else "it carries none: was it installed from the course's server?"
-        raise NotKnown(f"this kit cannot check {slug} here, {known}")
+        raise UnknownCourse(f"this kit cannot check {slug} here, {known}")
     return _load(slug)
 
 
@@ -118,7 +118,7 @@ def build() -> str | None:
 def _address(told: str) -> str:
     address = told.strip().rstrip("/")
     if not address.startswith(("http://", "https://")):
-        raise NotKnown(f"{address} is no address of a server: it begins with http:// or https://")
+        raise UnknownCourse(f"{address} is no address of a server: it begins with http:// or https://")
     return address
 
 

@@ -1,4 +1,4 @@
-"""Dataclasses as JSON documents and back: what the server stores and tells, and the kit reads."""
+"""Dataclasses as JSON documents and back: what the server stores and sends, and the kit reads."""
 
 import math
 import types
@@ -11,17 +11,22 @@ T = TypeVar("T")
 
 
 class NotADocument(ValueError):
-    """A document lacks something, or holds something else than it should."""
+    """A member of the document is missing or has another type than expected."""
 
 
 def document(value: Any) -> Any:
-    """``value`` as what JSON can say: a dataclass as an object with its fields and its properties named in ``TOLD``.
+    """Return ``value`` as JSON values: a dataclass becomes an object with its fields and the properties in ``COMPUTED_FIELDS``.
 
-    A number that is not finite is told as null. Fields marked ``metadata={"here": True}`` stay out.
+    A number that is not finite becomes null. A field with ``metadata={"here": True}`` is left out. A renamed field has
+    ``metadata={"formerly": OLD_NAME}``: it is written under both names, so that older readers still find it.
     """
     if is_dataclass(value):
-        told = {f.name: document(getattr(value, f.name)) for f in fields(value) if not f.metadata.get("here")}
-        return told | {name: document(getattr(value, name)) for name in getattr(value, "TOLD", ())}
+        written: dict[str, Any] = {}
+        for field in fields(value):
+            if not field.metadata.get("here"):
+                names = [name for name in (field.name, field.metadata.get("formerly")) if name is not None]
+                written |= dict.fromkeys(names, document(getattr(value, field.name)))
+        return written | {name: document(getattr(value, name)) for name in getattr(value, "COMPUTED_FIELDS", ())}
     if isinstance(value, Mapping):
         return {str(key): document(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -33,48 +38,55 @@ def document(value: Any) -> Any:
     return value
 
 
-def read(kind: type[T], told: Any) -> T:
-    """The dataclass ``kind`` from its document; NotADocument if it is none. What the document holds beyond it is left aside."""
-    found = _read(kind, told, kind.__name__)
+def read(kind: type[T], written: Any) -> T:
+    """Return the dataclass ``kind`` that ``document`` wrote, ignoring unknown members.
+
+    A renamed field is also found under its former name. Raises NotADocument if a member is missing or of another type.
+    """
+    found = _read(kind, written, kind.__name__)
     assert isinstance(found, kind)
     return found
 
 
-def _read(kind: Any, told: Any, where: str) -> Any:
+def _read(kind: Any, written: Any, where: str) -> Any:
     origin = get_origin(kind)
     if origin is types.UnionType:
-        return None if told is None else _read(get_args(kind)[0], told, where)
+        return None if written is None else _read(get_args(kind)[0], written, where)
     if origin is list:
-        return [_read(get_args(kind)[0], item, f"{where}[{k}]") for k, item in enumerate(_of(list, told, where))]
+        return [_read(get_args(kind)[0], item, f"{where}[{k}]") for k, item in enumerate(_of(list, written, where))]
     if origin is dict:
-        return {key: _read(get_args(kind)[1], item, f"{where}.{key}") for key, item in _of(dict, told, where).items()}
+        return {key: _read(get_args(kind)[1], item, f"{where}.{key}") for key, item in _of(dict, written, where).items()}
     if is_dataclass(kind):
-        return _object(kind, told, where)
+        return _object(kind, written, where)
     if issubclass(kind, Enum):
-        return _member(kind, told, where)
-    return float(told) if kind is float and type(told) is int else _of(kind, told, where)
+        return _member(kind, written, where)
+    return float(written) if kind is float and type(written) is int else _of(kind, written, where)
 
 
-def _object(kind: Any, told: Any, where: str) -> Any:
-    hints, told = get_type_hints(kind), _of(dict, told, where)
-    if missing := [f.name for f in fields(kind) if f.name not in told and _needed(f)]:
+def _object(kind: Any, written: Any, where: str) -> Any:
+    hints, members = get_type_hints(kind), _of(dict, written, where)
+    given = {}
+    for field in fields(kind):
+        name = next((n for n in (field.name, field.metadata.get("formerly")) if n in members), None)
+        if name is not None and not field.metadata.get("here"):
+            given[field.name] = _read(hints[field.name], members[name], f"{where}.{name}")
+    if missing := [f.name for f in fields(kind) if f.name not in given and _needed(f)]:
         raise NotADocument(f"{where} lacks {', '.join(missing)}")
-    given = [f.name for f in fields(kind) if f.name in told and not f.metadata.get("here")]
-    return kind(**{name: _read(hints[name], told[name], f"{where}.{name}") for name in given})
+    return kind(**given)
 
 
-def _member(kind: type[Enum], told: Any, where: str) -> Enum:
+def _member(kind: type[Enum], written: Any, where: str) -> Enum:
     try:
-        return kind(told)
+        return kind(written)
     except ValueError:
-        raise NotADocument(f"{where} cannot be {str(told)[:40]!r}") from None
+        raise NotADocument(f"{where} cannot be {str(written)[:40]!r}") from None
 
 
 def _needed(field: Field[Any]) -> bool:
     return field.default is MISSING and field.default_factory is MISSING
 
 
-def _of(kind: type[T], told: Any, where: str) -> T:
-    if not isinstance(told, kind):
-        raise NotADocument(f"{where} is {type(told).__name__}, not {kind.__name__}")
-    return told
+def _of(kind: type[T], written: Any, where: str) -> T:
+    if not isinstance(written, kind):
+        raise NotADocument(f"{where} is {type(written).__name__}, not {kind.__name__}")
+    return written

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
 
-class Explained(Exception):
+class NotebookError(Exception):
     """Its text says what happened and what to do; IPython shows that sentence and no traceback."""
 
     def _render_traceback_(self) -> list[str]:
@@ -19,14 +19,14 @@ MOST_BYTES = 16 * 2**20
 DEFAULT_PORTS = {"http": 80, "https": 443}
 
 
-class Trouble(Explained):
+class RequestError(NotebookError):
     """``passing``: the same request may succeed later; ``wait_s``: how long the server asks to wait before that."""
 
     passing: bool
     wait_s: float | None = None
 
 
-class Unreachable(Trouble):
+class Unreachable(RequestError):
     """No answer: no network, refused, timed out, not trusted."""
 
     def __init__(self, sentence: str, *, passing: bool = True) -> None:
@@ -34,7 +34,7 @@ class Unreachable(Trouble):
         self.passing = passing
 
 
-class Refused(Trouble):
+class HTTPError(RequestError):
     """An answer that is an error. ``kind`` is the last part of the problem's type, "" where the server told none."""
 
     def __init__(self, status: int, kind: str, sentence: str, *, passing: bool = False) -> None:
@@ -50,12 +50,12 @@ class Answer(NamedTuple):
     body: bytes
 
     def json(self) -> Any:
-        """The body as JSON; Refused (not-polhode) if it is not."""
+        """The body as JSON; HTTPError (not-polhode) if it is not."""
         try:
             return json.loads(self.body)
         except ValueError:
             sentence = "The answer is not JSON, so it does not come from a polhode server: check the address."
-            raise Refused(self.status, "not-polhode", sentence) from None
+            raise HTTPError(self.status, "not-polhode", sentence) from None
 
 
 class Backend(Protocol):
@@ -98,15 +98,15 @@ def same_origin(one: str, other: str) -> bool:
     return (a.scheme, a.hostname) == (b.scheme, b.hostname) and ports[0] == ports[1]
 
 
-def moved(status: int, url: str, target: str) -> Refused:
+def moved(status: int, url: str, target: str) -> HTTPError:
     """The trouble that a server sends us on to somebody else."""
     sentence = f"The server at {place(url)} sends us on to {place(target)}. Use that address instead if it is your course's."
-    return Refused(status, "moved", sentence)
+    return HTTPError(status, "moved", sentence)
 
 
-def too_long(url: str) -> Refused:
+def too_long(url: str) -> HTTPError:
     """The trouble that an answer has more than MOST_BYTES."""
-    return Refused(200, "not-polhode", f"What {place(url)} answers is too long to come from a polhode server: check the address.")
+    return HTTPError(200, "not-polhode", f"What {place(url)} answers is too long to come from a polhode server: check the address.")
 
 
 PASSING = (429, 502, 503, 504)
@@ -124,20 +124,20 @@ SENTENCES = {
 WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(PASSING, "busy")
 
 
-def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> Refused:
+def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> HTTPError:
     """The exception for an error answer to a request with ``headers``, whose token is never repeated."""
     problem = _problem(answer)
     kind = str(problem.get("type", "")).rpartition(":")[2] if problem else WITHOUT_PROBLEM.get(answer.status, "")
     detail = _clean(str(problem.get("detail", "")), headers)
     passing = answer.status in PASSING
-    refused = Refused(answer.status, kind, _sentence(answer, url, kind, detail), passing=passing)
+    refused = HTTPError(answer.status, kind, _sentence(answer, url, kind, detail), passing=passing)
     refused.wait_s = retry_after(answer.headers.get("retry-after", ""), datetime.now(UTC)) if passing else None
     return refused
 
 
-def not_polhode(answer: Answer, url: str) -> Refused:
+def not_polhode(answer: Answer, url: str) -> HTTPError:
     """The exception for an answer that polhode does not give, whatever its status."""
-    return Refused(answer.status, "not-polhode", _sentence(answer, url, "not-polhode", ""))
+    return HTTPError(answer.status, "not-polhode", _sentence(answer, url, "not-polhode", ""))
 
 
 def retry_after(value: str, now: datetime) -> float | None:

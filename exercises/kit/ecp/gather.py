@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ecp.errors import Explained
+from ecp.errors import NotebookError
 from ecp.notebook.all_cells import whole
 from ecp.notebook.dependencies import Bundling
 from ecp.notebook.history import History
@@ -22,7 +22,7 @@ from ecp.notebook.sources import Sources
 from ecp.return_value import is_written
 
 
-class CannotSend(Explained):
+class CannotSend(NotebookError):
     """Something asked for cannot be sent; the message says why and what to do."""
 
 

@@ -11,8 +11,8 @@ from urllib.parse import urljoin
 from ecp.errors import (
     Answer,
     Backend,
-    Refused,
-    Trouble,
+    HTTPError,
+    RequestError,
     Unreachable,
     checked,
     is_page,
@@ -28,7 +28,7 @@ AGENT = f"polhode-kit/1 python/{sys.version_info.major}.{sys.version_info.minor}
 REDIRECTS, MOST_REDIRECTS = (301, 302, 303, 307, 308), 5
 
 
-class Asked(NamedTuple):
+class Request(NamedTuple):
     """A request. Header names are lower-case."""
 
     method: str
@@ -37,18 +37,18 @@ class Asked(NamedTuple):
     headers: dict[str, str]
 
 
-def asked(method: str, url: str, body: bytes | None, headers: Mapping[str, str] | None) -> Asked:
+def asked(method: str, url: str, body: bytes | None, headers: Mapping[str, str] | None) -> Request:
     """A request that can be sent. A header that cannot is named, but not shown: it may be the token."""
     own = {name.lower(): value.strip() for name, value in (headers or {}).items()}
     for name, value in own.items():
         if not (value.isascii() and value.isprintable()):
             what = "Your token" if name == "authorization" else f"The header {name}"
             raise Unreachable(f"{what} has a character that cannot be sent: copy it again, in one line.", passing=False)
-    return Asked(method, checked(url), body, {"user-agent": AGENT, "accept": "application/json"} | own)
+    return Request(method, checked(url), body, {"user-agent": AGENT, "accept": "application/json"} | own)
 
 
-def answered(request: Asked, timeout: float) -> Answer:
-    """The answer of a polhode server; Unreachable or Refused if there is none or it is an error."""
+def answered(request: Request, timeout: float) -> Answer:
+    """The answer of a polhode server; Unreachable or HTTPError if there is none or it is an error."""
     answer = _followed(request, timeout)
     if answer.status >= 400:
         raise refusal(answer, request.url, request.headers)
@@ -57,7 +57,7 @@ def answered(request: Asked, timeout: float) -> Answer:
     return answer
 
 
-def streamed(request: Asked, last: str, silence: float) -> Generator[Event, None, None]:
+def streamed(request: Request, last: str, silence: float) -> Generator[Event, None, None]:
     """What the stream tells after the event ``last`` until it ends or fails, or nothing: an ordinary request will tell why."""
     headers = request.headers | {"accept": "text/event-stream"} | ({"last-event-id": last} if last else {})
     try:
@@ -68,7 +68,7 @@ def streamed(request: Asked, last: str, silence: float) -> Generator[Event, None
         return
 
 
-def _followed(request: Asked, timeout: float) -> Answer:
+def _followed(request: Request, timeout: float) -> Answer:
     """The answer after redirects within one origin, to which the same request goes again (303: a GET)."""
     backend = _backend()
     for _ in range(MOST_REDIRECTS):
@@ -81,7 +81,9 @@ def _followed(request: Asked, timeout: float) -> Answer:
         request = request._replace(url=target)
         if answer.status == 303:
             request = request._replace(method="GET", body=None)
-    raise Refused(answer.status, "moved", f"The server at {place(request.url)} sends us round in circles: tell your course staff.")
+    raise HTTPError(
+        answer.status, "moved", f"The server at {place(request.url)} sends us round in circles: tell your course staff."
+    )
 
 
 def _backend() -> Backend:
@@ -94,7 +96,7 @@ def _backend() -> Backend:
     return Sockets()
 
 
-__all__ = ["Answer", "Event", "Refused", "Trouble", "Unreachable", "call", "events"]
+__all__ = ["Answer", "Event", "HTTPError", "RequestError", "Unreachable", "call", "events"]
 
 CONTACT_S = 15.0  # patience with a server that was not there yet
 FINAL = ("graded", "faulted")
@@ -111,7 +113,7 @@ def call(
     timeout: float = 30.0,
     patience: float = 60.0,
 ) -> Answer:
-    """The answer, if it is not an error; else Unreachable or Refused.
+    """The answer, if it is not an error; else Unreachable or HTTPError.
 
     A lost connection, 429, 502, 503 and 504 are tried again with the same headers until ``patience`` seconds are over, so give a
     POST an ``Idempotency-Key``. One attempt may take ``timeout`` seconds, also the last.
@@ -145,7 +147,7 @@ def events(
             wait = min(1.5 * wait, 3 * pause)
 
 
-def _status(following: Asked, patience: float, *, forgiving: bool) -> str:
+def _status(following: Request, patience: float, *, forgiving: bool) -> str:
     request = following._replace(url=following.url.removesuffix("/events"))
     answer = _patiently(request, 30.0, patience, forgiving=forgiving)
     document = answer.json()
@@ -155,13 +157,13 @@ def _status(following: Asked, patience: float, *, forgiving: bool) -> str:
     return status
 
 
-def _patiently(request: Asked, timeout: float, patience: float, *, forgiving: bool) -> Answer:
+def _patiently(request: Request, timeout: float, patience: float, *, forgiving: bool) -> Answer:
     """``forgiving``: the server was there before, so no trouble of the network is taken to last."""
     until, pause = time.monotonic() + patience, FIRST_PAUSE_S
     while True:
         try:
             return answered(request, timeout)
-        except Trouble as trouble:
+        except RequestError as trouble:
             told = pause if trouble.wait_s is None else max(trouble.wait_s, SHORTEST_WAIT_S)
             wait = told * chance.uniform(1.0, 1.25)
             lasting = not trouble.passing and not (forgiving and isinstance(trouble, Unreachable))

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from ecp import course
-from ecp.errors import Explained
-from ecp.http import CONTACT_S, Refused, call
+from ecp.errors import NotebookError
+from ecp.http import CONTACT_S, HTTPError, call
 from ecp.progress import Line
 
 JSON = {"Content-Type": "application/json"}
 
 
-class NotLoggedIn(Explained):
+class NotLoggedIn(NotebookError):
     """The login was not confirmed; the message says why."""
 
 
@@ -54,7 +54,7 @@ def logout(server: str | None = None) -> None:
     _keep(where, None)
     try:
         call("DELETE", f"{where}/v1/me/token", headers={"Authorization": f"Bearer {token}"}, patience=CONTACT_S)
-    except Refused as refused:
+    except HTTPError as refused:
         if refused.status != 401:  # it was not good any more
             raise
     print("Logged out.")
@@ -78,7 +78,7 @@ def authorization(server: str) -> Mapping[str, str]:
 def _whoami(server: str) -> dict[str, Any] | None:
     try:
         told: dict[str, Any] = call("GET", f"{server}/v1/me", headers=authorization(server), patience=CONTACT_S).json()
-    except Refused as refused:
+    except HTTPError as refused:
         if refused.status == 401:
             return None
         raise

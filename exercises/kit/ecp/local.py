@@ -15,12 +15,12 @@ import numpy as np
 
 from ecp import animate, course
 from ecp.checks import Arrays, Check
-from ecp.course import NotKnown, PublicAssignment, PublicScene
+from ecp.course import PublicAssignment, PublicScene, UnknownCourse
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ending, Outcome, SceneEnding
+from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd
 from ecp.report import ExerciseReport, Provenance, Report, pictures
-from ecp.return_value import is_written, stopped
+from ecp.return_value import describe_exception, is_written
 from ecp.time_limit import OutOfTime, limited
 
 OURS = Path(__file__).parent
@@ -50,7 +50,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     missed = [] if numbers else [e for e in known.exercises if e not in asked]
     report.not_attempted = [e.number for e in missed]
     report.total = report.max_score + sum(len(e.made(e.functions, function_of)) for e in missed)
-    report.endings = [ending for ending in played.endings.values() if ending.ending is not Ending.FINISHED]
+    report.scene_ends = [scene_end for scene_end in played.scene_ends.values() if scene_end.ended is not Ended.FINISHED]
     arrays = played.arrays
     report.figures, report.animations = pictures(asked, arrays)
     report.drawn = cache(lambda name: _draw(asked, known, arrays, name))
@@ -61,18 +61,18 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
 
 
 @dataclass
-class Played:
+class SceneRun:
     """What the scenes brought, how they ended, and sentences about those that took longer than the server allows."""
 
     arrays: dict[str, dict[str, Any]] = field(default_factory=dict)
-    endings: dict[str, SceneEnding] = field(default_factory=dict)
+    scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     slow: list[str] = field(default_factory=list)
 
 
 def _asked(known: PublicAssignment, numbers: list[str], written: set[str]) -> list[Exercise]:
     there = {e.number: e for e in known.exercises}
     if unknown := [number for number in numbers if number not in there]:
-        raise NotKnown(f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(there)}")
+        raise UnknownCourse(f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(there)}")
     return [e for e in known.exercises if e.number in numbers] or attempted(known.exercises, written)
 
 
@@ -84,21 +84,21 @@ def _needed(asked: list[Exercise], made: Mapping[str, list[Check]], known: Publi
     return [known.scenes[name] for name in dict.fromkeys(ordered)]
 
 
-def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str, Any]) -> Played:
-    played = Played()
+def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str, Any]) -> SceneRun:
+    played = SceneRun()
     for scene in scenes:
-        before = played.endings.get(scene.after or "")
-        if before is not None and before.ending is not Ending.FINISHED:
-            played.endings[scene.name] = SceneEnding(scene.name, Ending.NOT_PLAYED, before.sentence)
+        before = played.scene_ends.get(scene.after or "")
+        if before is not None and before.ended is not Ended.FINISHED:
+            played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.NOT_PLAYED, before.sentence)
         elif not callable(names.get(scene.function)):
             sentence = f"{scene.function} is not defined"
-            played.endings[scene.name] = SceneEnding(scene.name, Ending.MISSING, sentence, "missing-function")
+            played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.MISSING, sentence, "missing-function")
         else:
             _play_one(scene, known, names, played)
     return played
 
 
-def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: Played) -> None:
+def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any], played: SceneRun) -> None:
     began = time.monotonic()
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
@@ -107,17 +107,17 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
         raise
     except OutOfTime:
         sentence = f"your code did not finish within {scene.budget_s:g} s"
-        played.endings[scene.name] = SceneEnding(scene.name, Ending.TIMED_OUT, sentence, "timeout")
+        played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.TIMED_OUT, sentence, "timeout")
         return
     except BaseException as error:
-        told = stopped(error, _own)
-        ending, sentence = Ending(str(told["ending"])), " ".join(str(told["sentence"]).split())
-        played.endings[scene.name] = SceneEnding(scene.name, ending, sentence, told["code"], told.get("traceback"))
+        told = describe_exception(error, _own)
+        scene_end, sentence = Ended(str(told["ended"])), " ".join(str(told["sentence"]).split())
+        played.scene_ends[scene.name] = SceneEnd(scene.name, scene_end, sentence, told["code"], told.get("traceback"))
         return
     if (took := time.monotonic() - began) > scene.budget_s:
         played.slow.append(f"The server gives the scene {scene.name} {scene.budget_s:g} s; here it took {took:.0f} s.")
     played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {k: scene.truth[k] for k in scene.known}
-    played.endings[scene.name] = SceneEnding(scene.name, Ending.FINISHED, "finished")
+    played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.FINISHED, "finished")
 
 
 @contextmanager
@@ -133,9 +133,9 @@ def _own_figures() -> Iterator[None]:
                 pyplot.close(number)
 
 
-def _outcome(check: Check, known: PublicAssignment, played: Played) -> Outcome:
+def _outcome(check: Check, known: PublicAssignment, played: SceneRun) -> Outcome:
     if missing := next((name for name in check.scenes if name not in played.arrays), None):
-        outcome = check.unmeasured(played.endings[missing].sentence)
+        outcome = check.unmeasured(played.scene_ends[missing].sentence)
     else:
         truths = [known.scenes[name].truth for name in check.scenes]
         outcome = check.judge([played.arrays[name] for name in check.scenes], truths)
@@ -144,14 +144,14 @@ def _outcome(check: Check, known: PublicAssignment, played: Played) -> Outcome:
     return outcome
 
 
-def _likely(check: Check, known: PublicAssignment, played: Played) -> list[Diagnosis]:
+def _likely(check: Check, known: PublicAssignment, played: SceneRun) -> list[Diagnosis]:
     """What the numbers of a scene or of the one before it single out, else how the code stopped."""
     names = [name for scene in check.scenes for name in (known.scenes[scene].after, scene) if name is not None]
     for name in names:
         if name in played.arrays and (found := _diagnosed(known, name, played.arrays[name])):
             return found
-    endings = [played.endings[name] for name in names if name in played.endings]
-    return [Diagnosis(ending.code, ending.sentence, 1.0) for ending in endings if ending.code is not None][:1]
+    scene_ends = [played.scene_ends[name] for name in names if name in played.scene_ends]
+    return [Diagnosis(scene_end.code, scene_end.sentence, 1.0) for scene_end in scene_ends if scene_end.code is not None][:1]
 
 
 def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagnosis]:

@@ -11,7 +11,7 @@ NEARLY = 0.01  # a margin above this may be a matter of a few roundings,
 SMALL = 1e-6  # if the tolerance that would pass is not larger than this
 
 
-class Ending(StrEnum):
+class Ended(StrEnum):
     """How the execution of a scene, or of a cell, stopped. It says nothing about whether the answer is right."""
 
     FINISHED = "finished"
@@ -29,11 +29,11 @@ class Ending(StrEnum):
 
 
 @dataclass
-class SceneEnding:
-    """The ending of one scene or cell, with the public diagnosis code and the student's traceback where there is one."""
+class SceneEnd:
+    """How one scene or cell ended, with the public diagnosis code and the student's traceback where there is one."""
 
     scene: str
-    ending: Ending
+    ended: Ended = field(metadata={"formerly": "ending"})
     sentence: str
     code: str | None = None
     traceback: str | None = None
@@ -81,7 +81,7 @@ class Outcome:
     hidden: bool = False
     counted: bool = True
 
-    TOLD: ClassVar = ("line",)
+    COMPUTED_FIELDS: ClassVar = ("line",)
 
     @property
     def line(self) -> str:
@@ -141,7 +141,7 @@ class SweptPoint:
 
 
 @dataclass
-class Swept:
+class SweepResult:
     """Speed against accuracy of a submission: its points on ``scene`` of the reference chart, and in one line where it stands."""
 
     scene: str

@@ -12,7 +12,7 @@ from ecp.report_html import fragment
 
 
 @dataclass(frozen=True, repr=False)
-class Attempts:
+class Submissions:
     """Your submissions to an assignment, newest first, as the server tells them; the ids of the best and the last."""
 
     assignment: str
@@ -51,8 +51,8 @@ class Attempts:
         return when, score, note, one["changed"]["told"] if one["changed"] else ""
 
 
-def attempts(server: str | None = None, assignment: str | None = None) -> Attempts:
+def attempts(server: str | None = None, assignment: str | None = None) -> Submissions:
     """Your submissions so far: times, verdicts, the best and the last, and what changed."""
     where, slug = course.server(server), course.assignment(assignment)
     told = call("GET", f"{where}/v1/assignments/{slug}/submissions", headers=authorization(where), patience=CONTACT_S).json()
-    return Attempts(told["assignment"], told["submissions"], told["best"], told["last"], f"{where}/assignments/{slug}")
+    return Submissions(told["assignment"], told["submissions"], told["best"], told["last"], f"{where}/assignments/{slug}")

@@ -9,9 +9,9 @@ from typing import Any
 
 from ecp import course
 from ecp.document import NotADocument, read
-from ecp.errors import Explained
+from ecp.errors import NotebookError
 from ecp.gather import Bundle, CannotSend, gather, whole_notebook
-from ecp.http import CONTACT_S, Event, Trouble, call, events
+from ecp.http import CONTACT_S, Event, RequestError, call, events
 from ecp.identity import JSON, authorization
 from ecp.progress import Line
 from ecp.report import Report
@@ -20,7 +20,7 @@ from ecp.return_value import is_empty
 PATIENCE_S = 300.0  # with a server that has taken it: it may be started again meanwhile
 
 
-class NotGraded(Explained):
+class NotGraded(NotebookError):
     """What was submitted has no report: the message says why, and where it will be."""
 
 
@@ -34,7 +34,7 @@ def submit(
     """Submit functions with all they need, or a ``.py`` or ``.ipynb`` file, or without either all of this notebook's code.
 
     Waits for the report and returns it. ``exercises`` says which are to be graded; else those attempted. Functions that are still
-    empty are not sent; None where all are. Raises CannotSend, Unreachable or Refused where nothing was submitted, NotGraded where
+    empty are not sent; None where all are. Raises CannotSend, Unreachable or HTTPError where nothing was submitted, NotGraded where
     it was and there is no report.
     """
     where, slug = course.server(server), course.assignment(assignment)
@@ -111,7 +111,7 @@ def _wait(url: str, who: Mapping[str, str], line: Line, page: str) -> dict[str, 
         for event in events(f"{url}/events", headers=who, patience=PATIENCE_S):
             line.tell(_told(event))
         document: dict[str, Any] = call("GET", url, headers=who, patience=PATIENCE_S).json()
-    except Trouble as trouble:
+    except RequestError as trouble:
         raise NotGraded(f"{trouble} What you sent is stored; its report will be at {page}") from None
     except KeyboardInterrupt:
         raise NotGraded(f"You stopped waiting. What you sent is stored; its report will be at {page}") from None
@@ -138,7 +138,7 @@ def _pictures(report: Report, url: str, who: Mapping[str, str], line: Line) -> d
     found: dict[str, bytes] = {}
     for number, name in enumerate(names, start=1):
         line.tell(f"graded, fetching picture {number} of {len(names)}")
-        with contextlib.suppress(Trouble):  # a report without a picture is better than none
+        with contextlib.suppress(RequestError):  # a report without a picture is better than none
             found[name.partition("/")[2]] = call("GET", f"{url}/{name}.png", headers=who, patience=5.0).body
     return found
 
@@ -149,7 +149,7 @@ def _outdated(server: str, slug: str | None) -> str:
         return ""
     try:
         told = call("GET", f"{server}/v1/assignments/{slug}", patience=5.0).json()
-    except Trouble:
+    except RequestError:
         return ""
     if told.get("kit_build") == own:
         return ""

@@ -9,7 +9,7 @@ from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
 from ecp.grouped import Cause
 from ecp.judge import Verdict
-from ecp.outcome import Ending, Outcome, SceneEnding, Swept
+from ecp.outcome import Ended, Outcome, SceneEnd, SweepResult
 
 OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
@@ -77,9 +77,9 @@ class Report:
     provenance: Provenance
     figures: list[Picture] = field(default_factory=list)
     animations: list[Picture] = field(default_factory=list)
-    endings: list[SceneEnding] = field(default_factory=list)
+    scene_ends: list[SceneEnd] = field(default_factory=list, metadata={"formerly": "endings"})
     stdout: str = ""
-    sweep: Swept | None = None
+    sweep: SweepResult | None = None
     notebook_checks: list[NotebookCheck] = field(default_factory=list)
     total: int | None = None
     not_attempted: list[str] = field(default_factory=list)
@@ -89,7 +89,7 @@ class Report:
     address: str | None = field(default=None, metadata={"here": True}, compare=False)
     remark: str = field(default="", metadata={"here": True}, compare=False)
 
-    TOLD: ClassVar = ("score", "max_score", "passed")
+    COMPUTED_FIELDS: ClassVar = ("score", "max_score", "passed")
 
     @property
     def score(self) -> int:
@@ -130,7 +130,7 @@ class Report:
         blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
         if self.notebook_checks:
             blocks.append("\n".join([OWN_CHECKS, *(check.line for check in self.notebook_checks)]))
-        if notes := [note for e in self.endings if (note := _note(e))]:
+        if notes := [note for e in self.scene_ends if (note := _note(e))]:
             blocks.append("\n".join(notes))
         if self.sweep:
             blocks.append(f"speed against accuracy: {self.sweep.line}")
@@ -160,8 +160,8 @@ class Report:
         return html(self)
 
 
-def _note(ending: SceneEnding) -> str | None:
-    if ending.traceback is None or ending.ending in (Ending.FINISHED, Ending.NOT_PLAYED):
+def _note(scene_end: SceneEnd) -> str | None:
+    if scene_end.traceback is None or scene_end.ended in (Ended.FINISHED, Ended.NOT_PLAYED):
         return None
-    shown = "\n".join(f"     {line}" for line in ending.traceback.rstrip().split("\n"))
-    return f"{ending.scene}: {ending.sentence}\n{shown}"
+    shown = "\n".join(f"     {line}" for line in scene_end.traceback.rstrip().split("\n"))
+    return f"{scene_end.scene}: {scene_end.sentence}\n{shown}"

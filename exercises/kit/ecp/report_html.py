@@ -49,7 +49,7 @@ def html(report: Report) -> str:
         parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
         f"<details open><summary>{escape(e.scene)}: {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
-        for e in report.endings
+        for e in report.scene_ends
         if e.traceback
     ]
     parts.append(f"<small>{escape(report.summary())}. {escape(report.remark)}{_link(report)}</small>")

@@ -78,17 +78,17 @@ def _kind(value: Any, array: NDArray[Any]) -> str:
     return f"dtype {array.dtype}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
 
 
-def stopped(error: BaseException, own: Callable[[str], bool]) -> dict[str, str | None]:
+def describe_exception(error: BaseException, own: Callable[[str], bool]) -> dict[str, str | None]:
     """The fields ``ending``, ``code``, ``sentence`` and ``traceback`` of a scene's ending; ``own(filename)``: theirs."""
     match error:
         case WrongAnswer():
-            return {"ending": "wrong-answer", "code": error.code, "sentence": str(error)}
+            return {"ended": "wrong-answer", "code": error.code, "sentence": str(error)}
         case MemoryError():
             sentence = "your code asked for more memory than is allowed"
-            return {"ending": "memory", "code": "memory", "sentence": sentence, "traceback": _trace(error, own)}
+            return {"ended": "memory", "code": "memory", "sentence": sentence, "traceback": _trace(error, own)}
         case SyntaxError():
-            return {"ending": "syntax-error", "code": "syntax-error", "sentence": _said(error), "traceback": _trace(error, own)}
-    return {"ending": "raised", "code": "raises", "sentence": _said(error), "traceback": _trace(error, own)}
+            return {"ended": "syntax-error", "code": "syntax-error", "sentence": _said(error), "traceback": _trace(error, own)}
+    return {"ended": "raised", "code": "raises", "sentence": _said(error), "traceback": _trace(error, own)}
 
 
 def _said(error: BaseException) -> str:

@@ -22,7 +22,7 @@ def stand_ins() -> dict[str, types.ModuleType]:
     return dict(modules)
 
 
-def settle(names: dict[str, Any]) -> None:
+def install_stubs(names: dict[str, Any]) -> None:
     """Give a notebook's namespace what IPython would; what the kit does in a notebook only, it does not do here."""
     names |= {"display": _nothing, "get_ipython": _nothing}
     for name in NOTEBOOK_ONLY:

@@ -33,7 +33,7 @@ LIMITS = {
 KEEP_IGNORED = {signal.SIGPIPE, signal.SIGXFSZ}  # Python turns these into exceptions; their defaults would kill
 
 
-class Walls:
+class Layers:
     """The layers a child puts up, prepared once in the zygote: ``layers`` of "landlock", "seccomp" and "limits"."""
 
     def __init__(self, layers: list[str], readable: list[str], listable: list[str]) -> None:
@@ -46,7 +46,7 @@ class Walls:
                 raise OSError(f"no table of system calls for {platform.machine()}: submissions cannot be shut in here")
             self._filter = seccomp.program(self._machine)
 
-    def put_up(self, places: Mapping[int, int]) -> None:
+    def apply(self, places: Mapping[int, int]) -> None:
         """Shut this process in for good, with no open file but ``places`` (number: what is put there)."""
         os.setsid()
         self._close_all_but(places)
@@ -88,7 +88,7 @@ def die_with_parent(parent: int | None = None) -> None:
         os._exit(1)
 
 
-def step_down(user: int | None) -> None:
+def drop_privileges(user: int | None) -> None:
     """Become ``user``, if one is given, and keep no capability."""
     if user is not None:
         os.setgroups([])

@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.return_value import is_written, real_array, stopped
+from ecp.return_value import describe_exception, is_written, real_array
 
 from .claims import Recorder
-from .ipython_stubs import settle, stand_ins
+from .ipython_stubs import install_stubs, stand_ins
 from .magics import last_name, pieces, runnable
 from .wire import Questions, Writer
 
@@ -70,7 +70,7 @@ def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
-            write.event("scene", scene=scene["name"], ending="not-played", sentence=f"it comes after {scene['after']}")
+            write.event("scene", scene=scene["name"], ended="not-played", sentence=f"it comes after {scene['after']}")
         elif _play(scene, plays, student, questions, write):
             finished.add(scene["name"])
     write.event("done")
@@ -81,7 +81,7 @@ def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questi
     write.event("start", scene=name)
     if not callable(student.get(scene["function"])):
         sentence = f"{scene['function']} is not defined"
-        write.event("scene", scene=name, ending="missing-function", code="missing-function", sentence=sentence)
+        write.event("scene", scene=name, ended="missing-function", code="missing-function", sentence=sentence)
         return False
 
     def answer() -> None:
@@ -95,7 +95,7 @@ def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questi
 
     ended = _attempt(answer, Budget(scene["budget_s"]))
     write.event("scene", scene=name, **ended)
-    return ended["ending"] == "finished"
+    return ended["ended"] == "finished"
 
 
 def _load_plays(source: str) -> Names:
@@ -124,7 +124,7 @@ def _prepare(setup: str) -> Names:
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
     exec(compile(setup, "setup.py", "exec"), module.__dict__)
-    settle(module.__dict__)
+    install_stubs(module.__dict__)
     sys.modules["__main__"] = module
     return module.__dict__
 
@@ -159,7 +159,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
             if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
                 animate.shown[:] = [last]
             shows = shows if animate.shown == before else piece
-            if ended["ending"] != "finished":
+            if ended["ended"] != "finished":
                 write.event("cell", scene=name, **ended)
             if not budget.left():
                 return shows
@@ -182,10 +182,10 @@ def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
     except OutOfTime:
-        return {"ending": "timed-out", "code": "timeout", "sentence": budget.sentence()}
+        return {"ended": "timed-out", "code": "timeout", "sentence": budget.sentence()}
     except BaseException as error:
-        return stopped(error, _own)
-    return {"ending": "finished", "sentence": "finished"}
+        return describe_exception(error, _own)
+    return {"ended": "finished", "sentence": "finished"}
 
 
 def _own(filename: str) -> bool:

@@ -33,12 +33,12 @@ WARM = (
 def main(control_fd: int, user: int | None, layers: list[str], readable: list[str], listable: list[str]) -> None:
     """Serve plays from the control socket until the host closes it."""
     control = socket.socket(fileno=control_fd)
-    from .lockdown import Walls, die_with_parent, step_down
+    from .lockdown import Layers, die_with_parent, drop_privileges
 
     die_with_parent()
     _warm_up()
-    walls = Walls(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
-    step_down(user)
+    walls = Layers(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
+    drop_privileges(user)
     die_with_parent()  # again: another user's process has lost it
     gc.collect()
     gc.freeze()
@@ -69,7 +69,7 @@ def _child(walls: Any, job: int, result: int, output: int) -> None:
     code = LOCKDOWN_FAILED
     try:
         quiet = os.open(os.devnull, os.O_RDONLY)
-        walls.put_up({0: quiet, 1: output, 2: output, 3: job, 4: result})
+        walls.apply({0: quiet, 1: output, 2: output, 3: job, 4: result})
         from . import run_scenes
 
         code = 1

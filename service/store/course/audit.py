@@ -10,7 +10,7 @@ from service.store.database import Database
 MOST = 200
 
 
-async def trail(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:
+async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:
     """The latest MOST entries, of all or about one subject or person, and with ``before`` those older than the entry of that id."""
     return await database.rows(_TRAIL, {"subject": subject, "before": before})
 

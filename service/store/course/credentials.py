@@ -32,7 +32,7 @@ async def set_password(connection: AsyncConnection, name: str, kept: str, *, by:
     if not (await connection.execute(_SET, {"name": name, "kept": kept})).all():
         return False
     await tokens.end_sessions(connection, name, but=but)
-    await people.note(connection, by, "set password", name, {})
+    await people.record_audit(connection, by, "set password", name, {})
     return True
 
 
@@ -48,7 +48,7 @@ async def signed_in(connection: AsyncConnection, account: tuple[str, str], name:
     row = (await connection.execute(_OF_SUBJECT, {"issuer": issuer, "subject": subject})).first()
     if row is not None:
         return str(row.name)
-    person = await people.enter(connection, name)
+    person = await people.add_person(connection, name)
     has_password = (await connection.execute(_LOCK, {"person": person})).scalar_one()
     others: Sequence[Row[Any]] = (await connection.execute(_OF_PERSON, {"person": person})).all()
     if [tuple(other) for other in others] == [(issuer, subject)]:  # two first sign-ins at once
@@ -58,7 +58,7 @@ async def signed_in(connection: AsyncConnection, account: tuple[str, str], name:
     if has_password and present != name:
         raise NameTaken(f"{name} has a password here: log in with it once, then connect this account on the page of your account")
     await connection.execute(_LINK, {"issuer": issuer, "subject": subject, "person": person})
-    await people.note(connection, name, "connect sign-in", name, {"issuer": issuer, "subject": subject})
+    await people.record_audit(connection, name, "connect sign-in", name, {"issuer": issuer, "subject": subject})
     return name
 
 
@@ -67,7 +67,7 @@ async def unlink(connection: AsyncConnection, name: str, *, by: str) -> bool:
     if not (await connection.execute(_UNLINK, {"name": name})).all():
         return False
     await tokens.end_sessions(connection, name)
-    await people.note(connection, by, "disconnect sign-in", name, {})
+    await people.record_audit(connection, by, "disconnect sign-in", name, {})
     return True
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy import Row, text
 
-from service.store.course.people import COURSE, note
+from service.store.course.people import COURSE, record_audit
 from service.store.database import Database
 
 
@@ -17,16 +17,16 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
         if (await connection.execute(_EXTEND, values)).first() is None:
             return False
         detail = {"assignment": slug, "due": due_at.isoformat(), "reason": reason}
-        await note(connection, by, "extension", name, detail)
+        await record_audit(connection, by, "extension", name, detail)
     return True
 
 
-async def take_back(database: Database, slug: str, name: str, by: str) -> bool:
+async def remove_extension(database: Database, slug: str, name: str, by: str) -> bool:
     """Take a person's extension back. False where there is none."""
     async with database.begin() as connection:
         taken = (await connection.execute(_TAKE_BACK, {"slug": slug, "name": name, "course": COURSE})).first() is not None
         if taken:
-            await note(connection, by, "extension taken back", name, {"assignment": slug})
+            await record_audit(connection, by, "extension taken back", name, {"assignment": slug})
     return taken
 
 

@@ -34,7 +34,7 @@ class Cell(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Standing:
+class StudentRow:
     """A student with the submission that counts, if there is one, and its cells by check."""
 
     name: str
@@ -71,7 +71,7 @@ class Standing:
         return [(id, c, c.causes[0][1] if c.causes and c.shown != "pass" else "") for id, c in found.items()]
 
 
-async def standings(database: Database, slug: str) -> list[Standing]:
+async def student_rows(database: Database, slug: str) -> list[StudentRow]:
     """Every student of the course, by name, also those who sent nothing."""
     found = await students(database, slug)
     values = {"attempts": [s.attempt for s in found if s.score is not None]}  # others may get their outcomes between two queries
@@ -87,10 +87,10 @@ def _cells(row: Row[Any]) -> dict[str, Cell]:
     return dict(zip(row.checks, itertools.starmap(Cell, told), strict=True))
 
 
-async def students(database: Database, slug: str) -> list[Standing]:
+async def students(database: Database, slug: str) -> list[StudentRow]:
     """The same without cells."""
     rows = await database.rows(_STANDINGS, {"slug": slug, "course": COURSE})
-    return [Standing(**row._mapping) for row in rows]
+    return [StudentRow(**row._mapping) for row in rows]
 
 
 async def overview(database: Database) -> Sequence[Row[Any]]:

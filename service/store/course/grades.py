@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import Row as Found
 
 from exercises.catalogue import assignments
-from service.formats.grade_row import Row
+from service.formats.grade_row import GradeRow
 from service.store.course.people import COURSE
 from service.store.database import Database
 from service.store.records import LATE, SHOWN, STATUS
@@ -65,7 +65,7 @@ WHERE c.slug = :course AND {SOMEBODY} ORDER BY p.name
 """
 
 
-async def grades(database: Database, slug: str | None = None) -> list[Row]:
+async def grades(database: Database, slug: str | None = None) -> list[GradeRow]:
     """A row for every student: of one assignment with the states of its checks, without ``slug`` of all of them without these."""
     asked = {"slug": slug, "course": COURSE, "detailed": slug is not None}
     return [_row(found) for found in await database.rows(_GRADES, asked)]
@@ -97,17 +97,17 @@ async def roster(database: Database) -> Sequence[Found[Any]]:
     return await database.rows(_ROSTER, {"course": COURSE})
 
 
-def _row(found: Found[Any]) -> Row:
+def _row(found: Found[Any]) -> GradeRow:
     known = assignments().get(found.slug)
     of_row = {
         name: getattr(found, name) for name in ("full_name", "email", "student_id", "submitted_at", "late", "score", "points")
     }
     given = {check: points for check, points in (found.given or {}).items() if check in (found.checks or {})}
     grader = f"polhode {found.polhode}, assignment version {found.version}" if found.polhode else ""
-    return Row(
+    return GradeRow(
         assignment=found.slug,
         title=known.title if known else found.slug,
-        max_points=known.most_points() if known else found.max_score or 0,
+        max_points=known.max_points() if known else found.max_score or 0,
         student=found.name,
         due_at=found.due_at,
         status=found.status or "none",

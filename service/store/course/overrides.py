@@ -11,7 +11,7 @@ from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.store import runs
-from service.store.course.people import note
+from service.store.course.people import record_audit
 from service.store.database import Database
 from service.store.records import SHOWN
 from service.store.tables import override
@@ -38,7 +38,7 @@ class Override:
         return self.withdrawn_at is None
 
 
-class NotGiven(Exception):
+class OverrideRejected(Exception):
     """These points cannot be given; ``kind`` is "invalid-request", "not-ready" or "changed-meanwhile"."""
 
     def __init__(self, kind: str, sentence: str) -> None:
@@ -51,7 +51,7 @@ async def of_submission(database: Database, submission: UUID) -> Sequence[Overri
     return [Override(**row._mapping) for row in await database.rows(_ALL, {"id": submission})]
 
 
-def stamp(known: Sequence[Override]) -> int:
+def revision(known: Sequence[Override]) -> int:
     """A number that grows with every change, so that a form tells what its sender had seen."""
     return len(known) + sum(not one.in_force for one in known)
 
@@ -66,8 +66,10 @@ async def give(
     async with database.begin() as connection:
         before = await _locked(connection, submission)
         known = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
-        if seen is not None and seen != stamp(known):
-            raise NotGiven("changed-meanwhile", "somebody else changed these points meanwhile: load the page again, then decide")
+        if seen is not None and seen != revision(known):
+            raise OverrideRejected(
+                "changed-meanwhile", "somebody else changed these points meanwhile: load the page again, then decide"
+            )
         outcome = (await connection.execute(_OUTCOME, {"attempt": before.attempt, "check": check})).first()
         _judge(before, outcome, check, points, reason)
         old = next((one for one in known if one.in_force and one.check == check), None)
@@ -95,7 +97,7 @@ async def withdraw(database: Database, submission: UUID, id: UUID, who: str) -> 
         if one is None:
             return False
         if not one.in_force:
-            raise NotGiven("changed-meanwhile", f"it was withdrawn or replaced by {one.withdrawn_by} already")
+            raise OverrideRejected("changed-meanwhile", f"it was withdrawn or replaced by {one.withdrawn_by} already")
         await connection.execute(_WITHDRAW, {"submission": submission, "id": id, "who": who})
         told = {"action": "override withdrawn", "check": one.check, "before": one.points, "after": None, "reason": one.reason}
         await _tell(connection, submission, before, who, told)
@@ -104,14 +106,14 @@ async def withdraw(database: Database, submission: UUID, id: UUID, who: str) -> 
 
 def _judge(before: Row[Any], outcome: Row[Any] | None, check: str | None, points: int, reason: str) -> None:
     if before.max_score is None:
-        raise NotGiven("not-ready", "there is no report yet: points can be given once it is graded")
+        raise OverrideRejected("not-ready", "there is no report yet: points can be given once it is graded")
     if check is not None and outcome is None:
-        raise NotGiven("invalid-request", f"the report has no check {check[:80]} that counts")
+        raise OverrideRejected("invalid-request", f"the report has no check {check[:80]} that counts")
     most = before.max_score if check is None else 1
     if not 0 <= points <= most:
-        raise NotGiven("invalid-request", f"points are 0 to {most}")
+        raise OverrideRejected("invalid-request", f"points are 0 to {most}")
     if not 0 < len(reason) <= LONGEST_REASON:
-        raise NotGiven("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
+        raise OverrideRejected("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
 
 
 async def _locked(connection: AsyncConnection, submission: UUID) -> Row[Any]:
@@ -124,8 +126,8 @@ async def _tell(connection: AsyncConnection, submission: UUID, before: Row[Any],
     after = (await connection.execute(_SHOWN, {"id": submission})).one()
     action = told.pop("action")
     detail = {"person": before.person, **told, "points": [before.points, after.points]}
-    await note(connection, who, action, str(submission), detail)
-    await runs.tell_in(connection, submission)
+    await record_audit(connection, who, action, str(submission), detail)
+    await runs.notify_in(connection, submission)
 
 
 _ALL = """

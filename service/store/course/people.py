@@ -20,19 +20,19 @@ ROSTER = ("name", "role", "full_name", "email", "student_id")
 LONGEST_NAME = 200
 
 
-class NoName(ValueError):
+class InvalidName(ValueError):
     """Not a name of a person; the message says what one is."""
 
 
-def tidy(name: str) -> str:
+def normalize_name(name: str) -> str:
     """The name as it is kept: composed (NFC), without space around it; NoName for anything else than one printable line."""
     name = unicodedata.normalize("NFC", name).strip()
     if not name or len(name) > LONGEST_NAME or not name.isprintable():
-        raise NoName(f"a name has 1 to {LONGEST_NAME} printable characters")
+        raise InvalidName(f"a name has 1 to {LONGEST_NAME} printable characters")
     return name
 
 
-async def enter(connection: AsyncConnection, name: str) -> UUID:
+async def add_person(connection: AsyncConnection, name: str) -> UUID:
     """The id of the person of that name, entered as a student when first seen."""
     await connection.execute(insert(person).values(name=name).on_conflict_do_nothing())
     id: UUID = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar_one()
@@ -53,7 +53,7 @@ async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | No
         await connection.execute(statement, values)
 
 
-async def note(connection: AsyncConnection, who: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
+async def record_audit(connection: AsyncConnection, who: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
     """Enter into the audit trail who did what to whom."""
     await connection.execute(insert(audit).values(who=who, action=action, subject=subject, detail=dict(detail)))
 
@@ -164,4 +164,4 @@ def _entry(row: dict[str, str]) -> Entry:
     for name, told in about.items():
         if len(told) > LONGEST or not told.isprintable():
             raise ValueError(f"{name} has at most {LONGEST} printable characters")
-    return Entry(tidy(row.get("name", "")), role, **about)
+    return Entry(normalize_name(row.get("name", "")), role, **about)

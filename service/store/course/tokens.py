@@ -10,20 +10,20 @@ from uuid import UUID
 from sqlalchemy import Row, text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from service.store.course.people import enter
+from service.store.course.people import add_person
 from service.store.database import Database
 
 PREFIX, SESSION = "polhode_", "session_"
 SCOPES = ("submit", "read", "login")
 NOTEBOOK, BROWSER = ("submit", "read"), ("read", "login")
-TOLD = len(PREFIX) + 4  # characters of a token that a list tells
+SHOWN_CHARACTERS = len(PREFIX) + 4  # characters of a token that a list tells
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"  # no vowels, nothing that looks like a number: RFC 8628, 6.1
 LOGIN_S, MOST_OPEN = 900.0, 5000
 DAY_S = 86400.0
 
 
 @dataclass(frozen=True)
-class Known:
+class TokenInfo:
     """A token that was found: whose it is, what it may, and why it is not good any more, if so."""
 
     id: UUID
@@ -40,27 +40,31 @@ class TooManyLogins(Exception):
     """More logins wait to be confirmed than a course can have people."""
 
 
-async def give(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
+async def create(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
     """A new token for that person, who is entered if need be: told now and never again."""
     return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
 
 
-async def give_all(
+async def create_all(
     connection: AsyncConnection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float
 ) -> list[tuple[str, str]]:
     """A new token for each of these persons, who are entered already, with their names."""
     given = [(name, PREFIX + secrets.token_urlsafe(32)) for name in names]
-    values = {"names": list(names), "digests": [_digest(token) for _, token in given], "starts": [t[:TOLD] for _, t in given]}
+    values = {
+        "names": list(names),
+        "digests": [_digest(token) for _, token in given],
+        "starts": [t[:SHOWN_CHARACTERS] for _, t in given],
+    }
     await connection.execute(_GIVE_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
     return given
 
 
-async def begin_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
+async def create_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
     """The secret of a new session of that person in a browser; it is no token that a program could bring."""
     return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
 
 
-async def find(database: Database, token: str) -> Known | None:
+async def find(database: Database, token: str) -> TokenInfo | None:
     """What the token is, or None if it was never given; that it was used is noted, to the hour."""
     rows = await database.rows(_FIND, {"digest": _digest(token)})
     if not rows:
@@ -71,7 +75,7 @@ async def find(database: Database, token: str) -> Known | None:
             await connection.execute(text("UPDATE token SET used_at = now() WHERE id = :id"), {"id": row.id})
     over = f"was revoked on {row.revoked_at:%Y-%m-%d}" if row.revoked_at else None
     over = over or (f"expired on {row.expires_at:%Y-%m-%d}" if row.expired else None)
-    return Known(row.id, row.name, frozenset(row.scopes), over)
+    return TokenInfo(row.id, row.name, frozenset(row.scopes), over)
 
 
 async def revoke(connection: AsyncConnection, *, id: UUID | None = None, person: str | None = None) -> int:
@@ -96,7 +100,7 @@ async def all_of(database: Database, person: str | None = None) -> Sequence[Row[
     return await database.rows(_LIST, {"person": person})
 
 
-async def begin_login(database: Database, label: str) -> tuple[str, str]:
+async def create_login(database: Database, label: str) -> tuple[str, str]:
     """A login that waits to be confirmed: the device's secret, and the code to show to the person."""
     device, letters = secrets.token_urlsafe(32), [secrets.choice(LETTERS) for _ in range(8)]
     code = "".join(letters[:4]) + "-" + "".join(letters[4:])
@@ -109,7 +113,7 @@ async def begin_login(database: Database, label: str) -> tuple[str, str]:
     return device, code
 
 
-async def open_login(database: Database, code: str) -> str | None:
+async def find_login(database: Database, code: str) -> str | None:
     """The label of the login that waits under that code; None if there is none."""
     rows = await database.rows(_OPEN, {"code": _tidy(code)})
     return str(rows[0].label) if rows else None
@@ -118,7 +122,7 @@ async def open_login(database: Database, code: str) -> str | None:
 async def confirm_login(database: Database, code: str, name: str | None) -> bool:
     """Confirm the login under that code for a person, or refuse it for None; False if none waits there."""
     async with database.begin() as connection:
-        who = None if name is None else await enter(connection, name)
+        who = None if name is None else await add_person(connection, name)
         values = {"code": _tidy(code), "person": who, "refused": who is None}
         return bool((await connection.execute(_CONFIRM, values)).all())
 
@@ -128,7 +132,7 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
     async with database.begin() as connection:
         row = (await connection.execute(_COLLECT, {"digest": _digest(device)})).first()
         if row is not None:
-            return await give(connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S), str(row.name)
+            return await create(connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S), str(row.name)
     if not await database.rows(_WAITS, {"digest": _digest(device)}):
         raise LoginOver
     return None
@@ -136,7 +140,7 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
 
 async def _new(connection: AsyncConnection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
     token = prefix + secrets.token_urlsafe(32)
-    values = {"person": await enter(connection, name), "digest": _digest(token), "start": token[:TOLD]}
+    values = {"person": await add_person(connection, name), "digest": _digest(token), "start": token[:SHOWN_CHARACTERS]}
     await connection.execute(_GIVE, {**terms, **values})
     return token
 

@@ -9,7 +9,6 @@ import psycopg
 from psycopg.conninfo import conninfo_to_dict
 
 from service.store.database import migrate
-from service.store.postgres.os_user import DatabaseUnavailable
 
 VARIABLES = {
     "host": "PGHOST", "port": "PGPORT", "user": "PGUSER", "password": "PGPASSWORD", "dbname": "PGDATABASE", "options": "PGOPTIONS",
@@ -18,13 +17,17 @@ VARIABLES = {
 }  # fmt: skip
 
 
+class BackupError(Exception):
+    """The backup or the restore failed; the message says why."""
+
+
 def backup(url: str, programs: Path, file: Path) -> None:
     """Write everything into ``file``, as it was at one moment, while work goes on. The file appears when it is whole.
 
     Nobody else can read it: it holds what students sent.
     """
     if file.is_dir():
-        raise DatabaseUnavailable(f"{file} is a folder")
+        raise BackupError(f"{file} is a folder")
     unfinished = file.with_name(file.name + ".part")
     try:
         unfinished.touch(mode=0o600)
@@ -37,15 +40,15 @@ def backup(url: str, programs: Path, file: Path) -> None:
 def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> None:
     """Read ``file`` into an empty database, all of it or nothing, and bring it to this version's tables.
 
-    ``replace`` drops what there is. Raises DatabaseUnavailable where the database is not empty.
+    ``replace`` drops what there is. Raises BackupError where the database is not empty.
     """
     if not file.is_file():
-        raise DatabaseUnavailable(f"there is no file {file}")
+        raise BackupError(f"there is no file {file}")
     name = conninfo_to_dict(url).get("dbname") or "polhode"
     with psycopg.connect(url) as connection:
         count = connection.execute("SELECT count(*) FROM pg_tables WHERE schemaname = 'public'").fetchone()
         if count and count[0] and not replace:
-            raise DatabaseUnavailable("the database is not empty: restore into a new one, or give --replace to lose what is in it")
+            raise BackupError("the database is not empty: restore into a new one, or give --replace to lose what is in it")
         connection.execute("DROP SCHEMA IF EXISTS replaced CASCADE")
         connection.execute("ALTER SCHEMA public RENAME TO replaced")  # put back if anything goes wrong
         connection.execute("CREATE SCHEMA public")
@@ -75,9 +78,9 @@ def _run(url: str, program: Path, *arguments: str) -> None:
             [program, *arguments], env=os.environ | given, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False
         )
     except OSError as error:
-        raise DatabaseUnavailable(f"{program.name} cannot be run: {error}") from error
+        raise BackupError(f"{program.name} cannot be run: {error}") from error
     if told.returncode != 0:
-        raise DatabaseUnavailable(f"{program.name} failed: {told.stderr.strip()[-800:]}")
+        raise BackupError(f"{program.name} failed: {told.stderr.strip()[-800:]}")
 
 
 _BROKEN = {

@@ -13,7 +13,7 @@ from dataclasses import replace
 import pytest
 
 from ecp.judge import Verdict
-from ecp.outcome import Ending, Outcome, SceneEnding, Tolerance
+from ecp.outcome import Ended, Outcome, SceneEnd, Tolerance
 from ecp.report import ExerciseReport, Provenance, Report
 from service.grading.submission import Submission
 from service.store import runs
@@ -28,7 +28,7 @@ PATHS = (
     *(f"{SLUG}/{name}" for name in ("grades.csv", "grades.json", "all.zip", *(f"grades/{f}.csv" for f in FORMS))),
 )
 STATES = {"pass": Verdict.PASS, "fail": Verdict.FAIL, "timeout": Verdict.UNMEASURED, "error": Verdict.UNMEASURED}
-ENDINGS = {"timeout": Ending.TIMED_OUT, "error": Ending.RAISED}
+ENDINGS = {"timeout": Ended.TIMED_OUT, "error": Ended.RAISED}
 EVIL, TWIN = "=HYPERLINK(1)/../x", "=HYPERLINK(1)_.._x"
 
 
@@ -46,9 +46,9 @@ def report(**states):
         )
         for k, s in states.items()
     ]
-    endings = [SceneEnding(s, ending, s) for s, ending in ENDINGS.items() if s in states.values()]
+    endings = [SceneEnd(s, ending, s) for s, ending in ENDINGS.items() if s in states.values()]
     made = Provenance(seed=7, versions={"polhode": "0.1.0"}, walls="tier B")
-    return Report("rigid-body", "1", [ExerciseReport("2", "Two", outcomes)], made, endings=endings)
+    return Report("rigid-body", "1", [ExerciseReport("2", "Two", outcomes)], made, scene_ends=endings)
 
 
 async def graded(database, who, made, source="x", filename="submission.py"):
@@ -120,7 +120,7 @@ def asked(server, url, sent):
 
 async def token(database, who):
     async with database.begin() as connection:
-        return await tokens.give(connection, who, label="test", scopes=tokens.SCOPES, seconds=1000.0)
+        return await tokens.create(connection, who, label="test", scopes=tokens.SCOPES, seconds=1000.0)
 
 
 def lines(body):
@@ -161,7 +161,7 @@ def test_grades_of_the_best_submission_of_each_student(asked, sent, rigid_body):
     assert list(found) == ["'-ann", "'=HYPERLINK(1)/../x", "'=HYPERLINK(1)_.._x", "ada", "ben", "cho", "dora"]
     ada = found["ada"]
     assert (ada["points"], ada["counted"], ada["attempts"], ada["submission"]) == ("3", "3", "4", str(sent["equal"]))
-    assert (ada["max_points"], ada["grader"]) == (str(rigid_body.most_points()), "polhode 0.1.0, assignment version 1")
+    assert (ada["max_points"], ada["grader"]) == (str(rigid_body.max_points()), "polhode 0.1.0, assignment version 1")
     assert (ada["2-energy"], ada["2-motion"], ada["9-old"], ada["6-secret"]) == ("pass", "pass", "pass", "")
     assert (ada["full_name"], ada["student_id"], ada["late"], ada["overridden"]) == ("Ada Lovelace", "00815", "no", "no")
     ben = found["ben"]
@@ -175,7 +175,7 @@ def test_grades_of_the_best_submission_of_each_student(asked, sent, rigid_body):
 
 def test_the_same_as_json_with_texts_as_they_are(asked, sent, rigid_body):
     told = json.loads(asked(f"{SLUG}/grades.json")[2])
-    assert (told["assignment"], told["version"], told["max_points"]) == ("rigid-body", "1", rigid_body.most_points())
+    assert (told["assignment"], told["version"], told["max_points"]) == ("rigid-body", "1", rigid_body.max_points())
     assert [c["id"] for c in told["checks"]] == [c.id for e in rigid_body.exercises for c in e.checks]
     students = {one["student"]: one for one in told["students"]}
     assert students[EVIL]["full_name"] == '@SUM(1+1),=1\n"x' and students[EVIL]["points"] == 1
@@ -196,7 +196,7 @@ def test_points_given_for_the_whole_submission_decide_which_is_best(asked, url, 
 def test_the_whole_course(asked, rigid_body):
     found = {line["student"]: line for line in lines(asked("/grades.csv")[2])}
     assert found["ada"]["rigid-body points"] == "3" and found["dora"]["rigid-body points"] == ""
-    assert {line["rigid-body max_points"] for line in found.values()} == {str(rigid_body.most_points())}
+    assert {line["rigid-body max_points"] for line in found.values()} == {str(rigid_body.max_points())}
 
 
 def test_what_other_gradebooks_import(asked, rigid_body):
@@ -205,7 +205,7 @@ def test_what_other_gradebooks_import(asked, rigid_body):
     nbgrader, canvas, moodle = (lines(forms[form]) for form in FORMS)
     assert len(nbgrader) == 7 and {line["student_id"]: line["score"] for line in nbgrader}["dora"] == "0.0"
     title = "2.6 Rigid-Body Rotation and the Spinning Top"
-    assert (canvas[0]["Student"], canvas[0][title]) == ("Points Possible", str(rigid_body.most_points()))
+    assert (canvas[0]["Student"], canvas[0][title]) == ("Points Possible", str(rigid_body.max_points()))
     assert {line["SIS Login ID"]: line[title] for line in canvas[1:]} == {line["Username"]: line[title] for line in moodle}
     assert len(moodle) == 5 and "dora" not in {line["Username"] for line in moodle}
 

@@ -11,7 +11,7 @@ REFUSAL = "POLHODE_MIN_TIER is A, and there are no namespaces here"
 
 def test_where_no_worker_has_walls_no_submission_is_taken_and_everything_says_why(new_app, database_url):
     app = new_app(database_url=database_url, identity="local")
-    run(database_url, lambda database: workers.enrol(database, "w1", None, REFUSAL))
+    run(database_url, lambda database: workers.register_worker(database, "w1", None, REFUSAL))
     status, _, body = call(app, "/readyz")
     assert (status, json.loads(body)["checks"]) == (503, {"walls": REFUSAL, "database": "ok"})
     status, _, body = post(app, {"source": "x = 1"})

@@ -54,9 +54,9 @@ def test_the_token_of_a_form_is_of_one_session_person_or_visit():
         asked = Request({"type": "http", "headers": [(b"cookie", cookie)], "app": app})
         for name, value in state.items():
             setattr(asked.state, name, value)
-        return forms.token(asked)
+        return forms.csrf_token(asked)
 
-    sessions = [tokens.Known(uuid.UUID(int=k), "ann", frozenset(tokens.BROWSER), None) for k in range(2)]
+    sessions = [tokens.TokenInfo(uuid.UUID(int=k), "ann", frozenset(tokens.BROWSER), None) for k in range(2)]
     people = [{"session": session} for session in sessions] + [{"person": Person(name, frozenset())} for name in ("ann", "ben")]
     visits = [{"cookie": b"polhode_visit=" + letter * 43} for letter in (b"a", b"b")]
     assert len({token(**one) for one in [*people, *visits]}) == 6 and all(token(**one) == token(**one) for one in people)
@@ -66,7 +66,7 @@ def test_the_token_of_a_form_is_of_one_session_person_or_visit():
 def test_a_token_that_may_only_read_or_submit_changes_nothing(server, url, boss, scopes):
     async def given(database):
         async with database.begin() as connection:
-            return await tokens.give(connection, "boss", label="a script", scopes=scopes, seconds=1000.0)
+            return await tokens.create(connection, "boss", label="a script", scopes=scopes, seconds=1000.0)
 
     token = run(url, given)
     assert ask(server, token, "/people")[0] == 200

@@ -51,7 +51,7 @@ def call(server, path, body=None, token=None, method=None, scheme="Bearer", **he
 
 
 def given(url, name, scopes=tokens.SCOPES, seconds=1000.0):
-    return run(url, inside(lambda connection: tokens.give(connection, name, label="test", scopes=scopes, seconds=seconds)))
+    return run(url, inside(lambda connection: tokens.create(connection, name, label="test", scopes=scopes, seconds=seconds)))
 
 
 def inside(action):

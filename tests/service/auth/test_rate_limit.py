@@ -4,7 +4,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from service.auth.rate_limit import BY_ADDRESS, BY_NAME, Throttle, network
+from service.auth.rate_limit import BY_ADDRESS, BY_NAME, LoginRateLimiter, network
 from service.http.errors import Problem
 
 ANN, BEN, HERE = (BY_NAME, "name", "ann"), (BY_NAME, "name", "ben"), (BY_ADDRESS, "address", "10.0.0.1")
@@ -17,7 +17,7 @@ def fail(throttle, *keys, status=401):
 
 
 def test_an_address_may_fail_at_many_names_but_not_at_all_of_them():
-    throttle = Throttle()
+    throttle = LoginRateLimiter()
     assert {fail(throttle, (BY_NAME, "name", str(n)), HERE).status for n in range(100)} == {401}
     refused = fail(throttle, ANN, HERE)
     assert refused.status == 429 and 590 < refused.retry_after <= 600
@@ -25,7 +25,7 @@ def test_an_address_may_fail_at_many_names_but_not_at_all_of_them():
 
 
 def test_only_what_was_wrong_counts_and_a_refusal_does_not():
-    throttle = Throttle()
+    throttle = LoginRateLimiter()
     for _ in range(20):
         fail(throttle, ANN, status=503)
         with throttle.attempt(ANN):
@@ -36,7 +36,7 @@ def test_only_what_was_wrong_counts_and_a_refusal_does_not():
 
 
 def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
-    throttle = Throttle()
+    throttle = LoginRateLimiter()
     with ExitStack() as stack:
         for _ in range(10):
             stack.enter_context(throttle.attempt(ANN))

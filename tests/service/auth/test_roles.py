@@ -17,7 +17,7 @@ ROLES = ("student", "assistant", "instructor")
 RANK = {role: rank for rank, role in enumerate(ROLES)}
 # Pages that nobody has to be known for. Whatever else has no role declared fails below.
 OPEN = {"/login", "/logout", "/oidc/login", "/oidc/callback", "/reference", "/reference/{kind}/{number}.svg"}
-LEAST = {roles.looking: "student", roles.staff: "assistant", roles.instructor: "instructor"}
+LEAST = {roles.current_user: "student", roles.staff: "assistant", roles.instructor: "instructor"}
 
 
 def routes():
@@ -103,7 +103,7 @@ def test_every_form_is_checked():
     for router in app.PAGES:
         for route in router.routes:
             if "POST" in route.methods and route.path != "/logout":  # which looks at its form where there is a session to end
-                assert {forms.checked, forms.checked_of_anybody} & set(calls(route.dependant)), route.path
+                assert {forms.checked_form, forms.checked_public_form} & set(calls(route.dependant)), route.path
 
 
 @pytest.mark.parametrize(("method", "path", "least"), GUARDED)

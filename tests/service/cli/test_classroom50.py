@@ -6,10 +6,10 @@ from datetime import UTC, datetime
 
 import pytest
 
-from service.cli.classroom50 import NotTold, about
+from service.cli.classroom50 import MissingEnvironment, read_environment
 
 NOW = datetime(2026, 3, 2, 8, tzinfo=UTC)
-TOLD = {
+VARIABLES = {
     "CLASSROOM": "physics-26", "ASSIGNMENT": "rigid-body", "ASSIGNMENT_TYPE": "group", "USERNAME": "ann", "OWNER": "ann",
     "SUBMISSION_TAG": "submit/2026-02-28T23-59-58Z-a1b2c3d", "COMMIT_URL": "https://git.example/c", "RELEASE_URL": "https://git.example/r",
     "REVIEW_URL": "https://git.example/d",
@@ -29,7 +29,7 @@ def commit(tmp_path):
 
 
 def test_a_submission_was_made_when_it_was_committed(tmp_path, commit):
-    told = about(TOLD | {"GITHUB_SHA": commit}, tmp_path, NOW)
+    told = read_environment(VARIABLES | {"GITHUB_SHA": commit}, tmp_path, NOW)
     assert told.submitted_at == datetime(2026, 3, 1, 0, 2, 3, tzinfo=UTC) and told.graded_at == NOW
     assert (told.classroom, told.assignment_type, told.owner, told.review) == (
         "physics-26",
@@ -41,7 +41,9 @@ def test_a_submission_was_made_when_it_was_committed(tmp_path, commit):
 
 @pytest.mark.parametrize("commit_told", ["", "0" * 40, "--help", "HEAD"])
 def test_without_the_commit_the_tag_tells(tmp_path, commit_told):
-    assert about(TOLD | {"GITHUB_SHA": commit_told}, tmp_path, NOW).submitted_at == datetime(2026, 2, 28, 23, 59, 58, tzinfo=UTC)
+    assert read_environment(VARIABLES | {"GITHUB_SHA": commit_told}, tmp_path, NOW).submitted_at == datetime(
+        2026, 2, 28, 23, 59, 58, tzinfo=UTC
+    )
 
 
 def test_a_submission_that_is_made_like_a_repository_runs_nothing(tmp_path, commit):
@@ -52,21 +54,27 @@ def test_a_submission_that_is_made_like_a_repository_runs_nothing(tmp_path, comm
         "[core]\nrepositoryformatversion = 1\nbare = true\n[extensions]\npartialClone = x\n"
         f'[remote "x"]\nurl = .\npromisor = true\nuploadpack = "touch {tmp_path}/ran; false"\n'
     )
-    about(TOLD | {"GITHUB_SHA": commit}, inside, NOW)
+    read_environment(VARIABLES | {"GITHUB_SHA": commit}, inside, NOW)
     assert not (tmp_path / "ran").exists()
 
 
 def test_without_either_there_is_no_time_and_none_is_made_up(tmp_path):
     for tag in ("submit/first", "submit/2026-02-31T23-59-58Z-a"):
-        with pytest.raises(NotTold, match="neither git nor the tag submit/"):
-            about(TOLD | {"SUBMISSION_TAG": tag}, tmp_path, NOW)
+        with pytest.raises(MissingEnvironment, match="neither git nor the tag submit/"):
+            read_environment(VARIABLES | {"SUBMISSION_TAG": tag}, tmp_path, NOW)
 
 
 def test_what_older_runners_leave_out(tmp_path):
-    told = about({key: TOLD[key] for key in TOLD if key not in ("OWNER", "ASSIGNMENT_TYPE", "REVIEW_URL")}, tmp_path, NOW)
-    assert (told.owner, told.assignment_type, told.review) == ("ann", "individual", TOLD["COMMIT_URL"])
+    told = read_environment(
+        {key: VARIABLES[key] for key in VARIABLES if key not in ("OWNER", "ASSIGNMENT_TYPE", "REVIEW_URL")}, tmp_path, NOW
+    )
+    assert (told.owner, told.assignment_type, told.review) == ("ann", "individual", VARIABLES["COMMIT_URL"])
 
 
 def test_everything_that_is_missing_is_named(tmp_path):
-    with pytest.raises(NotTold, match="sets CLASSROOM, OWNER or USERNAME, RELEASE_URL: not set here"):
-        about({key: TOLD[key] for key in TOLD if key not in ("CLASSROOM", "OWNER", "USERNAME", "RELEASE_URL")}, tmp_path, NOW)
+    with pytest.raises(MissingEnvironment, match="sets CLASSROOM, OWNER or USERNAME, RELEASE_URL: not set here"):
+        read_environment(
+            {key: VARIABLES[key] for key in VARIABLES if key not in ("CLASSROOM", "OWNER", "USERNAME", "RELEASE_URL")},
+            tmp_path,
+            NOW,
+        )

@@ -4,7 +4,7 @@ import pytest
 
 from exercises.assignment import InvalidAssignment, NoAssignment
 from service.cli.__main__ import main
-from service.cli.files import NothingFound, find_files, meant
+from service.cli.files import NoSubmissionFound, find_files, resolve_assignment
 from tests.support.assignments import change, copied, known
 
 
@@ -48,7 +48,7 @@ def test_files_folders_and_patterns(tree, named, found):
 
 @pytest.mark.parametrize("name", ["nowhere.py", "empty", "*.rs", "b.py/x"])
 def test_a_name_that_leads_nowhere(tree, name):
-    with pytest.raises(NothingFound, match=r"no such file|no \.py or \.ipynb"):
+    with pytest.raises(NoSubmissionFound, match=r"no such file|no \.py or \.ipynb"):
         find_files(["b.py", name])
 
 
@@ -100,19 +100,20 @@ def file(tmp_path):
 
 def test_the_only_one_there_is(file):
     with known():
-        assert meant(None, [file("x = 1")]).slug == "rigid-body"
+        assert resolve_assignment(None, [file("x = 1")]).slug == "rigid-body"
 
 
 def test_one_of_several_is_told_by_the_functions_or_by_the_folder(file, tmp_path):
     folder = copied(tmp_path / "course")
     with known(folder):
-        assert meant(None, [file("def euler_eqs(t, w, I): ...")]).slug == "rigid-body"
+        assert resolve_assignment(None, [file("def euler_eqs(t, w, I): ...")]).slug == "rigid-body"
         assert (
-            meant(None, [file('{"source": ["oscillator = lambda t, y, omega, gamma: y"]}', "a.ipynb")]).slug == "damped-oscillator"
+            resolve_assignment(None, [file('{"source": ["oscillator = lambda t, y, omega, gamma: y"]}', "a.ipynb")]).slug
+            == "damped-oscillator"
         )
-        assert meant(None, [file("euler_eqs = 1"), file("x = 1", "b.py")]).slug == "rigid-body"
-        assert meant(None, [folder / "samples" / "right_terms.py"]).slug == "damped-oscillator"
-        assert meant("rigid_body", [folder / "samples" / "right_terms.py"]).slug == "rigid-body"
+        assert resolve_assignment(None, [file("euler_eqs = 1"), file("x = 1", "b.py")]).slug == "rigid-body"
+        assert resolve_assignment(None, [folder / "samples" / "right_terms.py"]).slug == "damped-oscillator"
+        assert resolve_assignment("rigid_body", [folder / "samples" / "right_terms.py"]).slug == "rigid-body"
 
 
 def test_nothing_is_guessed(file, tmp_path):
@@ -121,10 +122,10 @@ def test_nothing_is_guessed(file, tmp_path):
     with known(course):
         for source in ("x = 1", "oscillator = euler_eqs = None"):
             with pytest.raises(NoAssignment, match="Say --assignment damped-oscillator or rigid-body"):
-                meant(None, [file(source)])
+                resolve_assignment(None, [file(source)])
     copied(course, "same_functions")
     with known(course), pytest.raises(NoAssignment, match="damped-oscillator or rigid-body or same-functions"):
-        meant(None, [file("def oscillator(): ...")])
+        resolve_assignment(None, [file("def oscillator(): ...")])
 
 
 def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, capsys):
@@ -135,9 +136,9 @@ def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, ca
     change(folder / "hidden_checks.py", "limit=1e-13", 'limit=1e-13, hidden="yes"')
     with known(course):
         with pytest.raises(InvalidAssignment, match=r"hidden_checks\.py line 9: TypeError"):
-            meant(None, [folder / "samples" / "right_terms.py"])
+            resolve_assignment(None, [folder / "samples" / "right_terms.py"])
         with pytest.raises(NoAssignment, match="assignment broken-one"):
-            meant(None, [file("def oscillator(): ...")])
+            resolve_assignment(None, [file("def oscillator(): ...")])
         assert main(["grade", "--assignment", "broken-one", str(file("def oscillator(): ..."))]) == 2
         assert "polhode: assignment broken-one: hidden_checks.py line 9" in capsys.readouterr().err
         assert main(["assignments"]) == 2

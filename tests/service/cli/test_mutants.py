@@ -6,13 +6,13 @@ import pytest
 
 from exercises.mutation import Mutant, mutants_of
 from service.cli.__main__ import main
-from service.cli.mutants import OURS, Fate, fates, table
+from service.cli.mutants import OURS, MutantResult, grade_mutants, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
 def test_a_few_through_the_walls(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    found = list(fates(rigid_body, most=6))
+    found = list(grade_mutants(rigid_body, most=6))
     assert len(found) == 6 and all(f.wrong and OURS not in f.accepted for f in found)
 
 
@@ -23,7 +23,11 @@ def test_the_command_tells_what_is_missing(capsys):
 
 def test_table():
     one, two = Mutant("kind a", "x", ""), Mutant("kind b", "y", "")
-    found = [Fate(one, True, frozenset(["some"])), Fate(one, False, frozenset([OURS])), Fate(two, True, frozenset())]
+    found = [
+        MutantResult(one, True, frozenset(["some"])),
+        MutantResult(one, False, frozenset([OURS])),
+        MutantResult(two, True, frozenset()),
+    ]
     assert table(found).split("\n") == [
         "| changed functions | made | right after all | wrong, accepted by some | wrong, accepted by ours |",
         "|---|---|---|---|---|",

@@ -226,7 +226,7 @@ def submit(server, slug, source):
 
 def test_the_templates_codes_are_documented_and_it_imports_only_itself():
     with known(TEMPLATE.parent) as found:
-        assert set(found.sound["damped-oscillator"].codes) <= documented_codes()
+        assert set(found.valid["damped-oscillator"].codes) <= documented_codes()
     for file in TEMPLATE.glob("*.py"):
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.ImportFrom) and not node.level:
@@ -250,7 +250,7 @@ def test_the_templates_notebook_asks_for_just_what_is_graded():
     assert ast.get_docstring(function) and ast.unparse(function.body[1]) == "..."
     assert f"ecp.submit({function.name})" == cells["submit"] and cells["ex1-check"] == 'ecp.check("1")'
     with known(TEMPLATE) as found:
-        assert found.sound["damped-oscillator"].functions() == {function.name}
+        assert found.valid["damped-oscillator"].functions() == {function.name}
     setup = (TEMPLATE / "setup.py").read_text().split('"""\n\n', 1)[1].split("\n\n__all__")[0]
     assert cells["setup"].startswith(setup)
     right = (TEMPLATE / "samples" / "right_terms.py").read_text().splitlines()[-1].strip()
@@ -272,7 +272,7 @@ def test_the_guide_for_authors_names_every_file_and_its_commands_are_there():
 def test_any_title_stands_as_it_is(tmp_path, title):
     folder = scaffold("driven-pendulum", title, tmp_path)
     with known(folder) as found:
-        assert found.sound["driven-pendulum"].title == title
+        assert found.valid["driven-pendulum"].title == title
     notebook = json.loads((folder / "notebook.ipynb").read_text())
     nbformat.validate(nbformat.from_dict(notebook))
     text = (folder / "notebook.ipynb").read_text()

@@ -11,7 +11,7 @@ import pytest
 from service.cli import report_options
 from service.formats import gradescope
 from service.grading.result import GradedFile
-from service.sandbox.result import Fault
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from tests.support.workflow_log import commands
 
@@ -122,7 +122,7 @@ def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_
     asked |= {"github": False, "hidden": "visible"}
     arguments = argparse.Namespace(**asked | {form: tmp_path / "grades", "junit": tmp_path / "junit.xml"})
     file = Path("x.py")
-    report_options.Forms(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)
+    report_options.ReportFiles(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)
     assert [p.name for p in tmp_path.iterdir()] == ["junit.xml"]
     (case,) = ElementTree.parse(tmp_path / "junit.xml").getroot().iter("testcase")
     assert "the guest went away" in case.find("error").text
@@ -136,7 +136,7 @@ def test_what_an_earlier_run_left_is_no_grade_of_this_one(polhode, folder, monke
         assert polhode(*asked).returncode == 2 and (folder / "r.json").exists()  # nothing had begun
 
     def lost(*arguments):
-        raise Fault("the guest went away")
+        raise SystemFault("the guest went away")
 
     monkeypatch.setattr(Sandbox, "play", lost)
     told = polhode(*asked)

@@ -87,7 +87,7 @@ def test_a_regrade_moves_nothing_but_when_it_was_graded(rigid_body):
 def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):
     told = document(graded_file(None, refused="mine.py is not a text file (UTF-8)"), rigid_body, ABOUT)
     result = Result.model_validate_json(json.dumps(told))
-    assert (result.score, result.max_score) == (0, rigid_body.most_points())
+    assert (result.score, result.max_score) == (0, rigid_body.max_points())
     assert told["tests"][0]["output"] == "mine.py is not a text file (UTF-8)" and not result.tests[0].passed
 
 

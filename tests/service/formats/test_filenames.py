@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.formats.filenames import MOST_BYTES, Archive, Names, safe
+from service.formats.filenames import MOST_BYTES, UniqueNames, ZipStream, safe_filename
 
 AT = datetime(2026, 2, 28, 23, 59, 58, tzinfo=UTC)
 
 
 def test_it_is_a_whole_zip_with_names_and_times():
-    archive, parts = Archive(), []
+    archive, parts = ZipStream(), []
     for path, content in {"a/é.txt": "x\n" * 5000, "a/b.bin": os.urandom(3000), "a/empty": ""}.items():
         archive.add(path, content, AT)
         parts.append(archive.take())
@@ -30,7 +30,7 @@ def test_it_is_a_whole_zip_with_names_and_times():
 
 
 def test_it_does_not_hold_what_was_taken():
-    archive, content = Archive(), os.urandom(1_000_000)
+    archive, content = ZipStream(), os.urandom(1_000_000)
     tracemalloc.start()
     try:
         sent = 0
@@ -65,12 +65,12 @@ EVIL = {
 
 @pytest.mark.parametrize(("text", "name"), EVIL.items())
 def test_the_corpus(text, name):
-    assert safe(text) == name
+    assert safe_filename(text) == name
 
 
 @given(st.text(max_size=200))
 def test_any_text_gives_one_part_of_a_path(text):
-    name = safe(text)
+    name = safe_filename(text)
     assert PurePosixPath(name).parts == PureWindowsPath(name).parts == (name,) and name not in (".", "..")
     assert len(name.encode()) <= MOST_BYTES + 1 and name.isprintable() and name == name.strip() and not name.startswith((".", "-"))
     assert not PureWindowsPath(name).drive
@@ -83,6 +83,6 @@ def test_any_text_gives_one_part_of_a_path(text):
     )
 )
 def test_no_two_names_of_a_folder_are_one(texts):
-    names = Names(["report.json"])
+    names = UniqueNames(["report.json"])
     given = [names.give(text).casefold() for text in [*texts, "Report.json"]]
     assert len(set(given)) == len(given) and "report.json" not in given

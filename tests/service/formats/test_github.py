@@ -7,8 +7,8 @@ from markdown_it import MarkdownIt
 
 from ecp.outcome import Diagnosis
 from ecp.report import Picture
-from service.formats.check_text import one_line, shown
-from service.formats.github import MOST, MOST_BYTES, Annotation, annotations, summary, unheard
+from service.formats.check_text import one_line, sanitize
+from service.formats.github import MOST, MOST_BYTES, Annotation, annotations, escape_commands, summary
 from tests.support.random_reports import HOSTILE, TEXTS
 from tests.support.reports import example, graded_file, outcome, report
 from tests.support.workflow_log import commands
@@ -25,9 +25,9 @@ def test_a_command_to_the_letter():
 @given(TEXTS, TEXTS, TEXTS, st.integers(1, 10**6))
 @with_example("::add-mask::x", "\n::stop-commands::x", "a\r\n##[add-mask]b", 1)
 def test_it_is_one_line_and_comes_back_whole(title, message, file, line):
-    told = Annotation(one_line(f"T{title}"), shown(message), one_line(f"F{file}"), line)
+    told = Annotation(one_line(f"T{title}"), sanitize(message), one_line(f"F{file}"), line)
     about = {"file": one_line(f"F{file}"), "line": str(line), "title": one_line(f"T{title}")}
-    assert commands(str(told)) == [("error", about, shown(message))] and len(str(told).splitlines()) == 1
+    assert commands(str(told)) == [("error", about, sanitize(message))] and len(str(told).splitlines()) == 1
 
 
 @given(st.lists(TEXTS, max_size=4).map("\n".join))
@@ -35,7 +35,7 @@ def test_it_is_one_line_and_comes_back_whole(title, message, file, line):
 @with_example("  ::error::x")
 @with_example("✗  a ##[add-mask]x]   [b]")
 def test_what_is_unheard_starts_no_command_and_ends_where_it_ends(text):
-    assert commands(unheard(text, TOKEN) + "\n::error title=T::after") == [("error", {"title": "T"}, "after")]
+    assert commands(escape_commands(text, TOKEN) + "\n::error title=T::after") == [("error", {"title": "T"}, "after")]
 
 
 def test_without_it_text_would():

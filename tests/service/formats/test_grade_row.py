@@ -31,4 +31,4 @@ def test_files_of_one_name_are_no_one_student(rigid_body):
 
 
 def test_a_file_named_like_a_formula_is_none(rigid_body):
-    assert "\n'=1+1," in grades_csv.assignment(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")
+    assert "\n'=1+1," in grades_csv.assignment_csv(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")

@@ -17,18 +17,18 @@ def golden(name, text):
 
 
 def test_an_assignment():
-    golden("grades.csv", grades_csv.assignment(CLASS, [*CHECKS, "9-of-old"]))
+    golden("grades.csv", grades_csv.assignment_csv(CLASS, [*CHECKS, "9-of-old"]))
 
 
 def test_a_course():
     other = [
         dataclasses.replace(one, assignment="tops", points=None if one.points is None else 10, max_points=10) for one in CLASS[:3]
     ]
-    golden("course.csv", grades_csv.course([*CLASS, *other]))
+    golden("course.csv", grades_csv.course_csv([*CLASS, *other]))
 
 
 def test_it_is_read_back_by_name_of_column():
-    lines = list(csv.DictReader(io.StringIO(grades_csv.assignment(CLASS, CHECKS).removeprefix("\ufeff"), newline="")))
+    lines = list(csv.DictReader(io.StringIO(grades_csv.assignment_csv(CLASS, CHECKS).removeprefix("\ufeff"), newline="")))
     assert [line["points"] for line in lines] == ["2", "1", "1", "", ""]
     assert [line["percent"] for line in lines] == ["100.0", "50.0", "50.0", "", ""]
     assert lines[2]["2-energy"] == "pass (override)" and lines[2]["2-motion"] == "timeout" and lines[2]["overridden"] == "yes"
@@ -48,4 +48,4 @@ def test_json_has_numbers_null_and_texts_as_they_are():
 def test_the_most_points_leave_out_what_may_be_left_out(rigid_body):
     everything = {check.id for exercise in rigid_body.exercises for check in exercise.checks}
     optional = {"4-function", "4-retrograde", "4-coarse", "4-short", "5-moves", "5-follows"}
-    assert optional < everything and rigid_body.most_points() == len(everything - optional)
+    assert optional < everything and rigid_body.max_points() == len(everything - optional)

@@ -4,8 +4,8 @@ from urllib.parse import unquote
 
 import pytest
 
-from service.cli.output_dir import Folder
-from service.grading.batch import Ask, Wanted, grade_files
+from service.cli.output_dir import OutputDir
+from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.result import GradedFile
 from service.sandbox.select import choose
 from tests.support.guests import lend
@@ -42,9 +42,11 @@ def written(rigid_body, sandbox, tmp_path_factory):
     files = [rigid_body.folder / "samples" / "right_terms.py", folder / EVIL, folder / "binary.py"]
     with pytest.MonkeyPatch.context() as patch:
         lend(sandbox, patch)
-        graded = list(grade_files([Ask(f, ("2",)) for f in files], Wanted(rigid_body, 1, ("svg",)), choose(), jobs=1))
+        graded = list(
+            grade_files([GradeRequest(f, ("2",)) for f in files], GradeOptions(rigid_body, 1, ("svg",)), choose(), jobs=1)
+        )
     graded.append(GradedFile(file=Path("lost.py"), fault="the guest went away"))
-    out = Folder(folder / "out", [g.file for g in graded])
+    out = OutputDir(folder / "out", [g.file for g in graded])
     for one in graded:
         out.add(one)
     out.end(graded, rigid_body)

@@ -5,7 +5,7 @@ import json
 import nbformat
 import pytest
 
-from ecp.outcome import Ending, SceneEnding
+from ecp.outcome import Ended, SceneEnd
 from service.formats.source_lines import Lines
 from tests.support.reports import graded_file, outcome, report
 
@@ -14,8 +14,8 @@ ENERGY = outcome("2-energy", "unmeasured", cause=RAISED)
 
 
 def line(rigid_body, source, file="mine.py", trace=None, one=ENERGY):
-    endings = [SceneEnding("motion", Ending.RAISED, RAISED, "raises", trace)]
-    return Lines(graded_file(report([one], endings=endings), file, source=source), rigid_body).of(one)
+    scene_ends = [SceneEnd("motion", Ended.RAISED, RAISED, "raises", trace)]
+    return Lines(graded_file(report([one], scene_ends=scene_ends), file, source=source), rigid_body).of(one)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from service.grading.batch import Ask, Wanted, grade_files
+from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.sandbox.select import choose
 
 
@@ -12,7 +12,7 @@ def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, t
     files = [tmp_path / "mine.py", tmp_path / "none.py"]
     for file, content in zip(files, (b"def euler_eqs(t, w, I): return w", b"\xff\xfe"), strict=True):
         file.write_bytes(content)
-    wanted = Wanted(replace(rigid_body, folder=tmp_path), seed=1)
-    failed, refused = grade_files([Ask(file, ("2",)) for file in files], wanted, choose(), jobs=1)
+    wanted = GradeOptions(replace(rigid_body, folder=tmp_path), seed=1)
+    failed, refused = grade_files([GradeRequest(file, ("2",)) for file in files], wanted, choose(), jobs=1)
     assert "before it read the submission" in failed.fault and failed.refused is None and failed.points is None
     assert "not a text file" in refused.refused and refused.fault is None and refused.points == 0

@@ -5,11 +5,11 @@ import pytest
 
 from ecp.document import document
 from ecp.judge import Verdict
-from ecp.outcome import Ending
-from exercises.assignment import Blank
+from ecp.outcome import Ended
+from exercises.assignment import ArraySpec
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.job import Cell, Job, Played
+from service.sandbox.job import Cell, Job, SceneRequest
 from tests.support.isolation import BY_THE_HOST
 
 RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
@@ -88,9 +88,9 @@ def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):
 
 
 def driven(source, drive, budget_s=2.0):
-    after = Played("after", "ask", "f", {}, {"x": Blank((3,))}, 1.0, None)
+    after = SceneRequest("after", "ask", "f", {}, {"x": ArraySpec((3,))}, 1.0, None)
     plays = "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](0.0, student['np'].ones(3), None))}"
-    scene = Played("asked", "", "f", {}, {}, budget_s, None, drive)
+    scene = SceneRequest("asked", "", "f", {}, {}, budget_s, None, drive)
     return Job("import numpy as np", plays, (Cell("submission.py", source),), ("f",), (scene, after))
 
 
@@ -107,20 +107,20 @@ def test_the_host_asks_call_by_call(either_sandbox):
 
 @BY_THE_HOST
 @pytest.mark.parametrize(
-    ("source", "ending"),
+    ("source", "scene_end"),
     [
-        ("def f(t, w, I):\n    return w if t < 5 else 1 / 0", Ending.RAISED),
-        ("def f(t, w, I):\n    return w[:2] if t else w", Ending.WRONG_ANSWER),
-        ("import os\ndef f(t, w, I):\n    os._exit(0)", Ending.EXITED),
-        ("def f(t, w, I):\n    while True: pass", Ending.TIMED_OUT),
-        ("import os\ndef f(t, w, I):\n    os.write(4, bytes(500))", Ending.PROTOCOL),
-        ("import os, struct\nfor _ in range(3): os.write(4, struct.pack('<cI3d', b'R', 24, 1, 1, 1))\nf = print", Ending.PROTOCOL),
-        ("g = 1", Ending.MISSING),
+        ("def f(t, w, I):\n    return w if t < 5 else 1 / 0", Ended.RAISED),
+        ("def f(t, w, I):\n    return w[:2] if t else w", Ended.WRONG_ANSWER),
+        ("import os\ndef f(t, w, I):\n    os._exit(0)", Ended.EXITED),
+        ("def f(t, w, I):\n    while True: pass", Ended.TIMED_OUT),
+        ("import os\ndef f(t, w, I):\n    os.write(4, bytes(500))", Ended.PROTOCOL),
+        ("import os, struct\nfor _ in range(3): os.write(4, struct.pack('<cI3d', b'R', 24, 1, 1, 1))\nf = print", Ended.PROTOCOL),
+        ("g = 1", Ended.MISSING),
     ],
 )
-def test_a_child_that_does_not_answer_ends_its_scene(either_sandbox, source, ending):
+def test_a_child_that_does_not_answer_ends_its_scene(either_sandbox, source, scene_end):
     seen = either_sandbox.play(driven(source, ten, 0.5))
-    assert seen.endings["asked"].ending is ending and "asked" not in seen.driven
+    assert seen.scene_ends["asked"].ended is scene_end and "asked" not in seen.driven
     good = either_sandbox.play(driven("def f(t, w, I):\n    return w", ten))
     assert len(good.driven["asked"]) == 10
 
@@ -135,4 +135,4 @@ def f(t, w, I):
     time.sleep(9)
 """
     seen = either_sandbox.play(driven(flood, ten, budget_s=0.4))
-    assert seen.endings["asked"].ending is Ending.PROTOCOL and "asked" not in seen.driven
+    assert seen.scene_ends["asked"].ended is Ended.PROTOCOL and "asked" not in seen.driven

@@ -4,10 +4,10 @@ import pytest
 
 from service.grading import grader
 from service.grading.charts import draw_work_precision, load_work_precision
-from service.grading.grader import NotSwept, sweep
+from service.grading.grader import SweepFailed, sweep
 from service.grading.submission import Submission
-from service.sandbox.isolation import tier_b
-from service.sandbox.result import Fault
+from service.sandbox.isolation import process_isolation
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 
 RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
@@ -46,15 +46,15 @@ def test_wrong_equations_reach_nothing(rigid_body, sandbox):
     ("source", "why"), [("x = 1", "not defined"), ("def euler_eqs(t, w, I):\n    return 1 / 0", "ZeroDivisionError")]
 )
 def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
-    with pytest.raises(NotSwept, match=why):
+    with pytest.raises(SweepFailed, match=why):
         sweep(Submission(source), rigid_body, sandbox)
 
 
 def test_a_sandbox_with_a_hole_is_not_ready(monkeypatch):
-    holed = Sandbox(tier_b(["landlock", "limits"]))
+    holed = Sandbox(process_isolation(["landlock", "limits"]))
     monkeypatch.setattr(grader, "_sandbox", holed)
     try:
-        with pytest.raises(Fault, match=r"a submission could .*open a socket"):
+        with pytest.raises(SystemFault, match=r"a submission could .*open a socket"):
             grader.ready()
     finally:
         holed.close()
@@ -62,5 +62,5 @@ def test_a_sandbox_with_a_hole_is_not_ready(monkeypatch):
 
 def test_a_worker_that_was_not_started_has_none(monkeypatch):
     monkeypatch.setattr(grader, "_sandbox", None)
-    with pytest.raises(Fault, match="not started"):
+    with pytest.raises(SystemFault, match="not started"):
         grader.ready()

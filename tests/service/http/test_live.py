@@ -4,7 +4,7 @@ import asyncio
 import itertools
 
 from service.http import live
-from service.http.live import Listener, Watch
+from service.http.live import ChangeFeed, Listener
 from service.store.database import Database
 
 
@@ -20,7 +20,7 @@ def watched(action):
             return told["value"]
 
         listener = Listener(Database("postgresql://nowhere/", "test", connections=1))
-        watch = Watch(listener, look, lambda value: value)
+        watch = ChangeFeed(listener, look, lambda value: value)
         return await action(watch, told, listener)
 
     return asyncio.run(main())

@@ -4,7 +4,7 @@ import asyncio
 import json
 
 from service.http.metrics import PROCESS
-from service.http.middleware import Guard
+from service.http.middleware import RequestMiddleware
 
 
 def ask(app, method="GET", path="/x"):
@@ -18,7 +18,7 @@ def ask(app, method="GET", path="/x"):
         sent.append(message)
 
     scope = {"type": "http", "method": method, "path": path, "headers": [], "query_string": b""}
-    asyncio.run(Guard(app)(scope, receive, send))
+    asyncio.run(RequestMiddleware(app)(scope, receive, send))
     return sent[0], b"".join(m.get("body", b"") for m in sent[1:])
 
 

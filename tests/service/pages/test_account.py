@@ -104,7 +104,7 @@ def test_logging_out_everywhere_ends_every_browser_and_no_token(server, url):
 def test_a_notebooks_token_changes_no_account(server, url):
     async def give(database):
         async with database.begin() as connection:
-            return await tokens.give(connection, "lea", label="a notebook", scopes=tokens.NOTEBOOK, seconds=1000.0)
+            return await tokens.create(connection, "lea", label="a notebook", scopes=tokens.NOTEBOOK, seconds=1000.0)
 
     notebook = Browser(server, Authorization=f"Bearer {run(url, give)}")
     status, page = notebook.send("/account/password", password=PASSWORD, again=PASSWORD)

@@ -11,13 +11,13 @@ import uuid
 import pytest
 
 from ecp.document import document
-from ecp.outcome import Diagnosis, Swept, SweptPoint
+from ecp.outcome import Diagnosis, SweepResult, SweptPoint
 from service.grading import charts
 from service.pages import class_stats
 from service.store.course import people
-from service.store.course.gradebook import standings
+from service.store.course.gradebook import student_rows
 from service.store.database import Database
-from service.store.records import keep
+from service.store.records import store_artefacts
 from tests.support.database import entered, new_database, run, sql
 from tests.support.reports import ASSIGNMENT, SLIP
 from tests.support.submissions import hand_in
@@ -172,9 +172,9 @@ def test_the_class_is_swept_once_and_drawn(looks, url):
     """Jobs for who has not been swept, however often it is asked for; the chart is of who has."""
     asked = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"
     assert looks("helper", f"{CLASS}/sweep.svg")[0] == 404 and "3 graded submissions have" in looks("helper", CLASS)[1]
-    swept = Swept(charts.scenes(charts.load_work_precision())[0], [SweptPoint("DOP853", 1e-11, 1000, 1e-10, 0.01)], "fine")
+    swept = SweepResult(charts.scenes(charts.load_work_precision())[0], [SweptPoint("DOP853", 1e-11, 1000, 1e-10, 0.01)], "fine")
     ann = sql(url, "SELECT a.id FROM attempt a JOIN submission s ON s.id = submission_id WHERE s.filename = '<b>a.py'")[0][0]
-    run(url, lambda database: keep(database, ann, {"sweep.json": json.dumps(document(swept)).encode()}))
+    run(url, lambda database: store_artefacts(database, ann, {"sweep.json": json.dumps(document(swept)).encode()}))
     for _ in range(2):
         assert looks("helper", f"{CLASS}/sweep", at=CLASS)[0] == 200 and sql(url, asked)[0][0] == 2
     page, (status, chart, headers) = looks("helper", CLASS)[1], looks("helper", f"{CLASS}/sweep.svg")
@@ -201,7 +201,7 @@ def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch
     for more in (0, 12):
         run(url, lambda database, more=more: _many(database, more))
         asked.clear()
-        class_ = run(url, lambda database: standings(database, "rigid-body"))
+        class_ = run(url, lambda database: student_rows(database, "rigid-body"))
         counts.append(len(asked))
         assert len(class_) == 5 + more and class_stats.by_check(ASSIGNMENT, class_)[5].made == 3 + more
     assert counts == [3, 3]

@@ -95,10 +95,10 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     assert (told["status"], told["fault"], told["cancelled_by"], told["report"]) == ("faulted", "cancelled by tutor", "tutor", None)
     assert "Stopped by tutor. This costs nothing" in people["ann"].open(f"/submissions/{loop}")[1]
     assert sql(url, "SELECT name, zygotes FROM worker") == before, "the same worker with the same warm guest"
-    endings = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s"
-    assert sql(url, endings, loop) == [("cancelled",)] and sql(url, endings, good) == [("finished",)]
+    scene_ends = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s"
+    assert sql(url, scene_ends, loop) == [("cancelled",)] and sql(url, scene_ends, good) == [("finished",)]
     sql(url, "UPDATE attempt SET requested_at = requested_at - interval '1 minute'")
-    assert run(url, workers.rescue) == run(url, workers.sweep) == []
+    assert run(url, workers.recover) == run(url, workers.sweep) == []
     assert sql(url, "SELECT count(*) FROM attempt WHERE submission_id = %s", loop) == [(1,)]
     wait_for(lambda: len(following.events) > 2)
     following.close()

@@ -12,11 +12,11 @@ import uuid
 import numpy as np
 import pytest
 
-from ecp.outcome import Diagnosis, Ending, SceneEnding
+from ecp.outcome import Diagnosis, Ended, SceneEnd
 from ecp.report import ExerciseReport
 from exercises import validation
 from service.grading import motion_data, rendering
-from service.grading.submission import Submission, places
+from service.grading.submission import Submission, source_locations
 from service.pages.source import MOST_LINES, MOST_WORK, TooLong, cells, difference
 from service.store.course import people, tokens
 from tests.support.database import run, sql
@@ -66,7 +66,7 @@ def inside(action):
 
 
 def token(url, name):
-    return run(url, inside(lambda connection: tokens.give(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)))
+    return run(url, inside(lambda connection: tokens.create(connection, name, label="test", scopes=tokens.SCOPES, seconds=1000.0)))
 
 
 def call(server, path, token, body=None, **headers):
@@ -94,7 +94,7 @@ def notebook(*sources):
 def marked(told):
     """(class, id, line, words of the marks) of the lines that have a mark."""
     found = re.findall(r'<span class="([a-z-]+)" id="(line-\d+-\d+)" data-line="(\d+)">(.*?)</span>', told)
-    return [(kind, id, int(line), re.findall(r'href="#(ending-\d+)">◀ ([^<]*)<', rest)) for kind, id, line, rest in found]
+    return [(kind, id, int(line), re.findall(r'href="#(end-\d+)">◀ ([^<]*)<', rest)) for kind, id, line, rest in found]
 
 
 def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann, send):
@@ -103,8 +103,8 @@ def test_the_line_that_raised_is_marked_and_linked_with_its_ending(server, ann, 
     told = page(server, ann, send(ann, source))
     (deep, way) = marked(told)
     assert deep[:3] == ("failing", "line-1-5", 5) and way[:3] == ("on-the-way", "line-1-9", 9)
-    ((ending, words),) = deep[3]
-    assert words.startswith("raised here: IndexError: only integers") and f'id="{ending}"' in told
+    ((scene_end, words),) = deep[3]
+    assert words.startswith("raised here: IndexError: only integers") and f'id="{scene_end}"' in told
     assert '<a href="#line-1-5">submission.py, line 5</a>' in told and way[3][0][1].startswith("on the way there: IndexError")
 
 
@@ -120,21 +120,21 @@ def test_in_a_notebook_the_line_of_the_right_cell_is_marked(server, ann, send):
 def test_a_line_is_counted_as_python_counts_it_and_only_frames_are_believed():
     source = "a = 1\r\nb = 2\rc = 3\x0b\u2028 # still 3\n\x0cd = 4\n\n"
     forged = '  File "submission.py", line 4, in f\n    d = 4\nValueError: x\n  File "submission.py", line 1, in g\n'
-    ending = SceneEnding("probes", Ending.RAISED, "ValueError: x", "raises", forged)
-    (cell,) = cells(Submission(source), [ending])
+    scene_end = SceneEnd("probes", Ended.RAISED, "ValueError: x", "raises", forged)
+    (cell,) = cells(Submission(source), [scene_end])
     assert [line.number for line in cell.lines if line.marks] == [4] and len(cell.lines) == 5
     assert cell.lines[2].text == "c = 3\ufffd\ufffd # still 3" and cell.lines[3].text == "\ufffdd = 4"
-    far = SceneEnding(
-        "probes", Ending.RAISED, "x", "raises", f'  File "submission.py", line {10**30}, in f\n  File "/etc/passwd", line 1'
+    far = SceneEnd(
+        "probes", Ended.RAISED, "x", "raises", f'  File "submission.py", line {10**30}, in f\n  File "/etc/passwd", line 1'
     )
     assert not [line for cell in cells(Submission(source), [far]) for line in cell.lines if line.marks]
-    assert places(SceneEnding("film", Ending.TIMED_OUT, "too slow")) == []
+    assert source_locations(SceneEnd("film", Ended.TIMED_OUT, "too slow")) == []
 
 
 def test_a_long_source_is_shown_in_part_and_its_marked_line_always():
     long = Submission("\n".join(f"x{k} = {k}" for k in range(9000)))
     assert [(len(c.lines), c.left_out) for c in cells(long, [])] == [(MOST_LINES, 9000 - MOST_LINES)]
-    raised = SceneEnding("submission.py", Ending.RAISED, "E: e", "raises", '  File "submission.py", line 8000, in <module>\nE: e\n')
+    raised = SceneEnd("submission.py", Ended.RAISED, "E: e", "raises", '  File "submission.py", line 8000, in <module>\nE: e\n')
     (cell,) = cells(long, [raised])
     assert cell.lines[-1].number == 8000 and cell.lines[-1].marks and cell.left_out == 1000
 
@@ -202,7 +202,7 @@ def spoilt(R, kind):
 def test_what_is_no_rotation_is_said_and_not_shown(rigid_body, kind, frames, words):
     scene, asked = rigid_body.scene("precession"), motion_data.find(rigid_body, "precession")
     R = spoilt(scene.truth(scene.inputs)["R"], kind)
-    told = json.loads(motion_data.tell(rigid_body, asked, {"R": R}, 3))
+    told = json.loads(motion_data.to_json(rigid_body, asked, {"R": R}, 3))
     assert len(told["yours"]) == 4 * frames and len(told["exact"]) == 4 * 80 and words in " ".join(told["told"])
 
 
@@ -211,7 +211,7 @@ def test_what_is_no_rotation_is_said_and_not_shown(rigid_body, kind, frames, wor
 )
 def test_arrays_that_are_none_of_the_scene_are_refused(rigid_body, R):
     with pytest.raises(ValueError, match="no attitude"):
-        motion_data.tell(rigid_body, motion_data.find(rigid_body, "precession"), {} if R is None else {"R": R}, 3)
+        motion_data.to_json(rigid_body, motion_data.find(rigid_body, "precession"), {} if R is None else {"R": R}, 3)
 
 
 def test_quaternions_are_those_of_the_rotations_and_do_not_jump():
@@ -232,7 +232,7 @@ def test_no_motion_is_larger_than_ten_kib(rigid_body):
             scene = rigid_body.scene(one.scene)
             R = 1.02 * scene.truth(scene.inputs)["R"]
             R[-1] = np.nan
-            told = json.loads(motion_data.tell(rigid_body, one, {"R": R}, 3))
+            told = json.loads(motion_data.to_json(rigid_body, one, {"R": R}, 3))
             assert len(told["told"]) == 3
             longest = (
                 told
@@ -441,7 +441,7 @@ def test_pictures_and_motions_of_one_attempt_come_from_the_same_arrays(server, a
         url, "SELECT content FROM artefact JOIN kept USING (sha256) WHERE attempt_id = %s AND name = 'arrays.npz'", attempt
     )[0][0]
     seen = rendering.unpack(packed)["precession"]
-    made = motion_data.tell(rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"])
+    made = motion_data.to_json(rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"])
     path = f"/submissions/{sent['id']}/motions/precession.json"
     assert call(server, path, ann)[2].encode() == made
     assert sql(url, "SELECT 1 FROM kept WHERE attempt_id = %s AND name = 'motions/precession.json'", attempt) == [(1,)]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import pytest
 
 from ecp.judge import Verdict
-from service.grading.batch import Ask, Wanted, grade_files
+from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox.isolation import tier_b
-from service.sandbox.result import Fault
+from service.sandbox.isolation import process_isolation
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose, with_packages
 
@@ -24,7 +24,7 @@ def box_moments(m, a, b, c):
 """
 
 
-@pytest.mark.parametrize("walls", [lambda: choose("A"), pytest.param(tier_b, marks=pytest.mark.slow)], ids=["A", "B"])
+@pytest.mark.parametrize("walls", [lambda: choose("A"), pytest.param(process_isolation, marks=pytest.mark.slow)], ids=["A", "B"])
 def test_a_declared_package_can_be_imported_and_not_written_to(rigid_body, walls):
     sandbox = Sandbox(with_packages(walls(), EXTRA))
     try:
@@ -37,15 +37,15 @@ def test_a_declared_package_can_be_imported_and_not_written_to(rigid_body, walls
 
 def test_without_it_the_error_lists_what_there_is(rigid_body, sandbox):
     report = grade(Submission(CODE), rigid_body, sandbox, 1, ["1"]).report
-    ending = report.endings[0]
-    assert ending.sentence.startswith("ModuleNotFoundError: No module named 'iniconfig' (the sandbox has numpy ")
-    assert f"stopped with {ending.sentence}" in report.outcomes()[0].line
+    scene_end = report.scene_ends[0]
+    assert scene_end.sentence.startswith("ModuleNotFoundError: No module named 'iniconfig' (the sandbox has numpy ")
+    assert f"stopped with {scene_end.sentence}" in report.outcomes()[0].line
 
 
 def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_path):
     lacking = replace(rigid_body, packages=("no-such-package",))
-    with pytest.raises(Fault, match="rigid-body needs packages that are not installed on this server: no-such-package"):
+    with pytest.raises(SystemFault, match="rigid-body needs packages that are not installed on this server: no-such-package"):
         grade(Submission(CODE), lacking, sandbox, 1)
     (tmp_path / "mine.py").write_text(CODE)
-    with pytest.raises(Fault, match="no-such-package"):
-        list(grade_files([Ask(tmp_path / "mine.py")], Wanted(lacking, 1), choose()))
+    with pytest.raises(SystemFault, match="no-such-package"):
+        list(grade_files([GradeRequest(tmp_path / "mine.py")], GradeOptions(lacking, 1), choose()))

@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecp.outcome import Ending
-from exercises.assignment import Blank
+from ecp.outcome import Ended
+from exercises.assignment import ArraySpec
 from service.sandbox import session, zygote
-from service.sandbox.isolation import Walls
-from service.sandbox.job import Cell, Job, Played
-from service.sandbox.result import Fault
+from service.sandbox.isolation import Isolation
+from service.sandbox.job import Cell, Job, SceneRequest
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from tests.support.isolation import BY_THE_HOST
@@ -45,7 +45,7 @@ def job(source, *scenes, function="f"):
 
 
 def scene(name, args=(1.0,), budget_s=1.0, after=None):
-    return Played(name, "ask", "f", {"args": list(args)}, {"x": Blank((2,))}, budget_s, after)
+    return SceneRequest(name, "ask", "f", {"args": list(args)}, {"x": ArraySpec((2,))}, budget_s, after)
 
 
 GOOD = "def f(x):\n    return [x, 2 * x]"
@@ -65,36 +65,36 @@ def test_arrays_come_back(either_sandbox):
 
 @BY_THE_HOST
 @pytest.mark.parametrize(
-    ("body", "ending", "code"),
+    ("body", "scene_end", "code"),
     [
-        ("def f(x):\n    while True: pass", Ending.TIMED_OUT, "timeout"),
-        ("import time\ndef f(x):\n    time.sleep(60)", Ending.TIMED_OUT, "timeout"),
+        ("def f(x):\n    while True: pass", Ended.TIMED_OUT, "timeout"),
+        ("import time\ndef f(x):\n    time.sleep(60)", Ended.TIMED_OUT, "timeout"),
         (
             "def f(x):\n    while True:\n        try:\n            while True: pass\n        except BaseException: pass",
-            Ending.TIMED_OUT,
+            Ended.TIMED_OUT,
             "timeout",
         ),
         (
             "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, range(1, 60))\ndef f(x):\n    while True: pass",
-            Ending.TIMED_OUT,
+            Ended.TIMED_OUT,
             "timeout",
         ),
-        ("def f(x):\n    raise KeyError(x)", Ending.RAISED, "raises"),
-        ("def f(x):\n    raise SystemExit(0)", Ending.RAISED, "raises"),
-        ("def f(x):\n    return f(x)", Ending.RAISED, "raises"),
-        ("def f(x):\n    return eval('1 +')", Ending.SYNTAX, "syntax-error"),
-        ("import os\ndef f(x):\n    os._exit(0)", Ending.EXITED, None),
-        ("import ctypes\ndef f(x):\n    ctypes.string_at(0)", Ending.KILLED, None),
-        ("def f(x):\n    return bytearray(1 << 33)", Ending.MEMORY, "memory"),
-        ("def f(x):\n    return [0] * (1 << 33)", Ending.MEMORY, "memory"),
-        ("import sys\ndef f(x):\n    while True: print('x' * 100000)", Ending.OUTPUT, None),
-        ("def g(x):\n    return x", Ending.MISSING, "missing-function"),
+        ("def f(x):\n    raise KeyError(x)", Ended.RAISED, "raises"),
+        ("def f(x):\n    raise SystemExit(0)", Ended.RAISED, "raises"),
+        ("def f(x):\n    return f(x)", Ended.RAISED, "raises"),
+        ("def f(x):\n    return eval('1 +')", Ended.SYNTAX, "syntax-error"),
+        ("import os\ndef f(x):\n    os._exit(0)", Ended.EXITED, None),
+        ("import ctypes\ndef f(x):\n    ctypes.string_at(0)", Ended.KILLED, None),
+        ("def f(x):\n    return bytearray(1 << 33)", Ended.MEMORY, "memory"),
+        ("def f(x):\n    return [0] * (1 << 33)", Ended.MEMORY, "memory"),
+        ("import sys\ndef f(x):\n    while True: print('x' * 100000)", Ended.OUTPUT, None),
+        ("def g(x):\n    return x", Ended.MISSING, "missing-function"),
     ],
 )
-def test_endings_and_the_next_submission_is_unharmed(either_sandbox, body, ending, code):
-    budget_s = 0.3 if ending is Ending.TIMED_OUT else 5.0
+def test_endings_and_the_next_submission_is_unharmed(either_sandbox, body, scene_end, code):
+    budget_s = 0.3 if scene_end is Ended.TIMED_OUT else 5.0
     seen = either_sandbox.play(job(body, scene("one", budget_s=budget_s)))
-    assert (seen.endings["one"].ending, seen.endings["one"].code) == (ending, code)
+    assert (seen.scene_ends["one"].ended, seen.scene_ends["one"].code) == (scene_end, code)
     assert "one" not in seen.arrays
     assert either_sandbox.play(job(GOOD)).finished("one")
 
@@ -104,8 +104,8 @@ def test_a_budget_is_CPU_time_with_a_longer_limit_by_the_clock(sandbox):
         return sandbox.play(job(f"import time\ndef f(x):\n    {statement}\n    return [x, x]", scene("one", budget_s=0.2)))
 
     assert play("time.sleep(0.4)").finished("one"), "a wait, as on a loaded machine, costs no CPU time"
-    assert play("while True: pass").endings["one"].sentence == "your code used more than 0.2 s of CPU time"
-    assert play("time.sleep(9)").endings["one"].sentence.startswith("your code did not finish within 0.8 s")
+    assert play("while True: pass").scene_ends["one"].sentence == "your code used more than 0.2 s of CPU time"
+    assert play("time.sleep(9)").scene_ends["one"].sentence.startswith("your code did not finish within 0.8 s")
 
 
 @BY_THE_HOST
@@ -114,7 +114,7 @@ def test_a_budget_is_CPU_time_with_a_longer_limit_by_the_clock(sandbox):
 )
 def test_what_is_no_result_is_not_believed_and_the_next_submission_is_unharmed(either_sandbox, body):
     seen = either_sandbox.play(job(body))
-    assert seen.endings["one"].ending is Ending.PROTOCOL and "one" not in seen.arrays
+    assert seen.scene_ends["one"].ended is Ended.PROTOCOL and "one" not in seen.arrays
     assert either_sandbox.play(job(GOOD)).finished("one")
 
 
@@ -127,7 +127,7 @@ def test_one_stall_costs_one_scene(either_sandbox):
         job(body, scene("a", [1.0]), scene("b", [2.0], budget_s=0.2), scene("c", [3.0]), scene("d", after="b"))
     )
     assert seen.finished("a") and seen.finished("c")
-    assert seen.endings["b"].ending is Ending.TIMED_OUT and seen.endings["d"].ending is Ending.NOT_PLAYED
+    assert seen.scene_ends["b"].ended is Ended.TIMED_OUT and seen.scene_ends["d"].ended is Ended.NOT_PLAYED
 
 
 def test_a_failing_cell_is_told_and_the_others_run(sandbox):
@@ -140,7 +140,7 @@ def test_a_failing_cell_is_told_and_the_others_run(sandbox):
 
 def test_traceback_shows_only_the_students_lines(sandbox):
     seen = sandbox.play(job("def helper(x):\n    return np.linalg.inv([[0.0]])\n\ndef f(x):\n    return helper(x)"))
-    trace = seen.endings["one"].traceback
+    trace = seen.scene_ends["one"].traceback
     assert "line 5, in f" in trace and "line 2, in helper" in trace and "Singular matrix" in trace
     assert "plays.py" not in trace and "linalg.py" not in trace
 
@@ -323,7 +323,7 @@ def test_a_zygote_lost_in_the_middle_costs_nothing(either_sandbox):
     slow = "import time\ndef f(x):\n    time.sleep(0.1)\n    return [x, x]"
     seen = either_sandbox.play(job(slow, *(scene(f"s{k}") for k in range(8))))
     end.join()
-    assert all(seen.finished(f"s{k}") and f"s{k}" in seen.arrays for k in range(8)), seen.endings
+    assert all(seen.finished(f"s{k}") and f"s{k}" in seen.arrays for k in range(8)), seen.scene_ends
 
 
 def test_devnull_takes_what_is_printed_to_it(either_sandbox):
@@ -334,7 +334,7 @@ def test_devnull_takes_what_is_printed_to_it(either_sandbox):
 @BY_THE_HOST
 def test_our_own_code_failing_is_a_fault_and_never_the_students(either_sandbox):
     broken = Job("1 / 0", PLAYS, (Cell("submission.py", GOOD),), ("f",), (scene("one"),))
-    with pytest.raises(Fault, match="before it read the submission"):
+    with pytest.raises(SystemFault, match="before it read the submission"):
         either_sandbox.play(broken)
     assert either_sandbox.play(job(GOOD)).finished("one")
 
@@ -350,7 +350,7 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
 
     either_sandbox.wait_ready()
     monkeypatch.setattr(either_sandbox, "start", start_and_kill)
-    with pytest.raises(Fault):
+    with pytest.raises(SystemFault):
         either_sandbox.play(job(GOOD))
     monkeypatch.undo()
     del either_sandbox.wait_ready
@@ -381,15 +381,15 @@ HOST = """
 import time
 from service.sandbox.select import choose
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.isolation import tier_b
+from service.sandbox.isolation import process_isolation
 sandbox = Sandbox(WALLS)
-sandbox.rehearse()
+sandbox.self_test()
 print(sandbox._zygote._process.pid, flush=True)
 time.sleep(60)
 """
 
 
-@pytest.mark.parametrize("walls", ["choose('A')", "tier_b()"])
+@pytest.mark.parametrize("walls", ["choose('A')", "process_isolation()"])
 def test_nothing_survives_a_killed_server(walls):
     process = subprocess.Popen([sys.executable, "-c", HOST.replace("WALLS", walls)], stdout=subprocess.PIPE, text=True)
     pid = int(process.stdout.readline())
@@ -410,6 +410,6 @@ def _alive(pid):
 
 
 def test_walls_that_do_not_stand_are_a_fault():
-    fake = Walls("A", ("namespaces",), (sys.executable, "-c"), ("print('no walls here')",), dict(os.environ))
-    with pytest.raises(Fault, match="no walls here"):
-        Sandbox(fake).rehearse()
+    fake = Isolation("A", ("namespaces",), (sys.executable, "-c"), ("print('no walls here')",), dict(os.environ))
+    with pytest.raises(SystemFault, match="no walls here"):
+        Sandbox(fake).self_test()

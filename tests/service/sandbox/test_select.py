@@ -12,29 +12,29 @@ import urllib.request
 import pytest
 
 from service.sandbox import select as choosing
-from service.sandbox.isolation import LAYERS, tier_b
-from service.sandbox.result import Fault
+from service.sandbox.isolation import LAYERS, process_isolation
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import WallsMissing, choose
+from service.sandbox.select import IsolationUnavailable, choose
 
 
 def test_the_strongest_tier_is_chosen(monkeypatch):
     assert choose().tier == choose("A").tier == "A"
     monkeypatch.setattr(choosing, "find_bubblewrap", lambda: None)
     assert choose().tier == "B"
-    with pytest.raises(WallsMissing, match=r"MIN_TIER is A.*not installed"):
+    with pytest.raises(IsolationUnavailable, match=r"MIN_TIER is A.*not installed"):
         choose("A")
     monkeypatch.setattr(choosing, "find_bubblewrap", lambda: "/bin/false")
-    with pytest.raises(WallsMissing, match="bwrap ended with 1"):
+    with pytest.raises(IsolationUnavailable, match="bwrap ended with 1"):
         choose("A")
 
 
 def test_without_landlock_or_on_an_unknown_processor_there_are_no_walls(monkeypatch):
     monkeypatch.setattr(choosing.landlock, "version", lambda: 0)
-    with pytest.raises(WallsMissing, match="Landlock"):
+    with pytest.raises(IsolationUnavailable, match="Landlock"):
         choose()
     monkeypatch.setattr(choosing.platform, "machine", lambda: "mips")
-    with pytest.raises(WallsMissing, match="mips"):
+    with pytest.raises(IsolationUnavailable, match="mips"):
         choose()
 
 
@@ -48,10 +48,10 @@ def test_without_landlock_or_on_an_unknown_processor_there_are_no_walls(monkeypa
 )
 def test_the_probe_finds_the_hole_that_a_missing_layer_leaves(missing, found):
     """Each layer stops something that no other does: without it tier B is refused."""
-    holed = Sandbox(tier_b([x for x in LAYERS if x != missing]))
+    holed = Sandbox(process_isolation([x for x in LAYERS if x != missing]))
     try:
-        with pytest.raises(Fault, match=f"a submission could .*{found}"):
-            holed.rehearse()
+        with pytest.raises(SystemFault, match=f"a submission could .*{found}"):
+            holed.self_test()
     finally:
         holed.close()
 

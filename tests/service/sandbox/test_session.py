@@ -7,7 +7,7 @@ import pytest
 
 from ecp.document import document
 from ecp.judge import Verdict
-from ecp.outcome import Ending
+from ecp.outcome import Ended
 from service.grading import rendering
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -22,12 +22,12 @@ def A(scene, name, shape, raw):
     data = struct.pack("<H", len(head)) + head + raw; os.write(4, struct.pack("<cI", b"A", len(data)) + data)
 """
 FILM = PRELUDE + 'J(event="defined", names=["animate_precession"])\nJ(event="start", scene="film")\n'
-ENDED = 'J(event="scene", scene="film", ending="finished", sentence="")\nJ(event="done")\nos._exit(0)\n'
+ENDED = 'J(event="scene", scene="film", ended="finished", sentence="")\nJ(event="done")\nos._exit(0)\n'
 RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 
 LIES = {
     "names are null": PRELUDE + 'J(event="defined", names=None)',
-    "finished without arrays": PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ending="finished")',
+    "finished without arrays": PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ended="finished")',
     "no colours": FILM + 'A("film", "frames", [24, 360, 480, 0], b"")\n' + ENDED,
     "two colours": FILM + 'A("film", "frames", [2, 4, 4, 2], bytes(64))\n' + ENDED,
     "no frames": FILM + 'A("film", "frames", [0, 4, 4, 3], b"")\n' + ENDED,
@@ -58,7 +58,7 @@ def test_nothing_is_believed_of_a_child_that_broke_the_protocol(rigid_body, sand
     source = PRELUDE + "calls = []\n" + RIGHT.replace("    return", breaks)
     report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
     assert {o.verdict for o in report.outcomes()} == {Verdict.UNMEASURED}
-    assert {e.ending for e in report.endings} == {Ending.PROTOCOL}
+    assert {e.ended for e in report.scene_ends} == {Ended.PROTOCOL}
 
 
 def test_forged_lines_stay_in_their_line(rigid_body, sandbox):
@@ -92,7 +92,7 @@ def test_what_an_exercise_needs_is_missed_and_what_it_can_do_without_is_not(rigi
 def test_a_student_cannot_invent_a_diagnosis_code(rigid_body, sandbox):
     source = "from ecp.return_value import WrongAnswer\ndef euler_eqs(t, w, I):\n    raise WrongAnswer('all-right', 'x')"
     report = grade(Submission(source), rigid_body, sandbox, 3, ["2"]).report
-    assert report.endings[0].ending is Ending.WRONG_ANSWER and not any(o.diagnosis for o in report.outcomes())
+    assert report.scene_ends[0].ended is Ended.WRONG_ANSWER and not any(o.diagnosis for o in report.outcomes())
 
 
 def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short(rigid_body, sandbox):
@@ -104,7 +104,7 @@ def test_notebook_cells_that_show_things_run_and_many_failures_are_told_in_short
     submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
     assert report.passed and len(json.dumps(document(report))) < 300_000
-    assert "cell 1" not in {e.scene for e in report.endings}
+    assert "cell 1" not in {e.scene for e in report.scene_ends}
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monk
     notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
     submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
-    assert report.passed and report.endings[0].ending is Ending.TIMED_OUT
+    assert report.passed and report.scene_ends[0].ended is Ended.TIMED_OUT
 
 
 def test_a_motion_forged_without_its_probes_earns_nothing(rigid_body, sandbox):
@@ -149,7 +149,7 @@ w, R = integrate_body(lambda t, w, I: -np.cross(w, I * w) / I, w0, I, t)
 J(event="start", scene="torque-free")
 A("torque-free", "w", [3, 3100], np.ascontiguousarray(w).tobytes())
 A("torque-free", "R", [3100, 3, 3], np.ascontiguousarray(R).tobytes())
-J(event="scene", scene="torque-free", ending="finished")
+J(event="scene", scene="torque-free", ended="finished")
 os._exit(0)
 """
     )

@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 
 from ecp.document import document
-from ecp.outcome import Ending
-from exercises.assignment import Blank
+from ecp.outcome import Ended
+from exercises.assignment import ArraySpec
 from service.sandbox.guest.claims import MOST_CLAIMS
-from service.sandbox.job import Cell, Job, Played
-from service.sandbox.result import Seen
+from service.sandbox.job import Cell, Job, SceneRequest
+from service.sandbox.result import PlayResult
 from service.sandbox.wire import ProtocolError, Reader, text
 
-SCENE = Played("s", "play", "f", {}, {"w": Blank((3, 2)), "film": Blank((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None)
+SCENE = SceneRequest(
+    "s", "play", "f", {}, {"w": ArraySpec((3, 2)), "film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None
+)
 JOB = Job("", "", (Cell("cell 1", ""),), ("f", "g"), (SCENE,))
 
 
@@ -31,11 +33,11 @@ def array(header, raw):
 
 W = array({"scene": "s", "name": "w", "shape": [3, 2]}, np.arange(6.0).tobytes())
 FILM = array({"scene": "s", "name": "film", "shape": [1, 2, 2, 3]}, bytes(12))
-START, FINISHED = event(event="start", scene="s"), event(event="scene", scene="s", ending="finished", sentence="")
+START, FINISHED = event(event="start", scene="s"), event(event="scene", scene="s", ended="finished", sentence="")
 
 
 def read(*frames, at_once=True):
-    seen = Seen()
+    seen = PlayResult()
     reader = Reader(JOB, seen)
     data = b"".join(frames)
     for piece in [data] if at_once else [data[i : i + 1] for i in range(len(data))]:
@@ -67,8 +69,8 @@ def test_a_whole_play(at_once):
         [event(event="verdict", passed=True)],
         [event(event="start", scene="other")],
         [event(event="start", scene=["s"])],
-        [event(event="scene", scene="s", ending="perfect")],
-        [event(event="cell", scene="cell 9", ending="raised")],
+        [event(event="scene", scene="s", ended="perfect")],
+        [event(event="cell", scene="cell 9", ended="raised")],
         [W],
         [START, array({"scene": "s", "name": "R", "shape": [3, 2]}, bytes(48))],
         [START, array({"scene": "s", "name": "w", "shape": [2, 3]}, bytes(48))],
@@ -88,14 +90,14 @@ def test_anything_else_breaks_the_protocol(frames):
 
 
 def test_arrays_of_a_scene_that_did_not_finish_are_dropped():
-    _, seen = read(START, W, event(event="scene", scene="s", ending="timed-out", sentence="late"))
-    assert "s" not in seen.arrays and seen.endings["s"].ending is Ending.TIMED_OUT
+    _, seen = read(START, W, event(event="scene", scene="s", ended="timed-out", sentence="late"))
+    assert "s" not in seen.arrays and seen.scene_ends["s"].ended is Ended.TIMED_OUT
 
 
 def test_an_answer_is_taken_once_for_each_question():
-    asked = Job("", "", (), ("f",), (Played("s", "", "f", {}, {}, 1.0, None, drive=lambda ask: None),))
+    asked = Job("", "", (), ("f",), (SceneRequest("s", "", "f", {}, {}, 1.0, None, drive=lambda ask: None),))
     answer = struct.pack("<cI3d", b"R", 24, 1.0, 2.0, 3.0)
-    reader = Reader(asked, Seen())
+    reader = Reader(asked, PlayResult())
     reader.feed(START)
     reader.open_questions = 1
     reader.feed(answer)
@@ -126,8 +128,8 @@ def test_each_child_claims_the_same_again():
 
 def test_a_diagnosis_code_is_one_that_a_guest_may_name():
     for code, kept in (("raises", "raises"), ("sign-flipped", None), ("<b>", None), (7, None)):
-        _, seen = read(START, event(event="scene", scene="s", ending="raised", sentence="no", code=code))
-        assert seen.endings["s"].code == kept
+        _, seen = read(START, event(event="scene", scene="s", ended="raised", sentence="no", code=code))
+        assert seen.scene_ends["s"].code == kept
 
 
 def test_texts_are_bounded_and_harmless():
@@ -136,5 +138,5 @@ def test_texts_are_bounded_and_harmless():
     assert shown == "a\ufffd[31m\ufffdb\ufffd\ufffdc\n\td\ufffd"
     assert shown.encode()
     assert len(text("x" * 10**6)) == 8192
-    _, seen = read(START, event(event="scene", scene="s", ending="raised", sentence=wild, traceback=[wild], code=7))
-    json.dumps(document(seen.endings["s"])).encode()
+    _, seen = read(START, event(event="scene", scene="s", ended="raised", sentence=wild, traceback=[wild], code=7))
+    json.dumps(document(seen.scene_ends["s"])).encode()

@@ -7,9 +7,9 @@ import pytest
 
 from service.http import metrics
 from service.store import records, runs, workers
-from service.store.gradings import Over, cancel
-from service.store.queue_overview import grade_again, look
-from service.store.submissions import Refused, accept
+from service.store.gradings import AlreadyFinished, cancel
+from service.store.queue_overview import regrade, snapshot
+from service.store.submissions import SubmissionRejected, accept
 from tests.support.database import new, run, sql
 from tests.support.reports import report_of_verdicts
 from tests.support.submissions import claim, finish, graded, submitted
@@ -28,7 +28,7 @@ def fall_silent(url):
 def forgotten(url):
     """What housekeeping queues again long after."""
     fall_silent(url)
-    return run(url, workers.rescue) + run(url, workers.sweep)
+    return run(url, workers.recover) + run(url, workers.sweep)
 
 
 def test_what_waits_loses_its_job_and_gets_a_result_that_says_by_whom(database_url):
@@ -39,7 +39,7 @@ def test_what_waits_loses_its_job_and_gets_a_result_that_says_by_whom(database_u
     assert jobs(database_url) == 0 and forgotten(database_url) == [] and claim(database_url, attempt) is None
     ((who, action, subject, detail),) = sql(database_url, "SELECT who, action, subject, detail FROM audit")
     assert (who, action, subject, detail["person"]) == ("prof", "cancel", str(id), "ann")
-    (fault,) = run(database_url, look).faults
+    (fault,) = run(database_url, snapshot).faults
     assert (fault.submission, fault.cancelled_by) == (id, "prof")
 
 
@@ -53,7 +53,7 @@ def test_it_is_counted_as_no_fault_of_ours(database_url):
 def test_it_costs_no_submission(database_url):
     _, attempt = submitted(database_url)
     sql(database_url, "UPDATE assignment SET most_submissions = 1")
-    with pytest.raises(Refused):
+    with pytest.raises(SubmissionRejected):
         run(database_url, lambda d: accept(d, new()))
     run(database_url, lambda d: cancel(d, attempt, "prof"))
     assert run(database_url, lambda d: accept(d, new())).fresh
@@ -63,11 +63,11 @@ def test_what_runs_is_told_at_its_next_beat_and_does_not_come_back(database_url)
     _, attempt = submitted(database_url)
     sql(database_url, "SELECT id FROM procrastinate_fetch_job_v2(NULL, NULL)")
     claimed = claim(database_url, attempt)
-    assert run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 9)) is True
+    assert run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 9)) is True
     run(database_url, lambda d: cancel(d, attempt, "prof"))
-    assert run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 9)) is False
-    run(database_url, lambda d: runs.concede(d, claimed))
-    run(database_url, lambda d: runs.give_back(d, claimed, "released", "the worker was stopped"))
+    assert run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 9)) is False
+    run(database_url, lambda d: runs.supersede(d, claimed))
+    run(database_url, lambda d: runs.release(d, claimed, "released", "the worker was stopped"))
     assert sql(database_url, "SELECT ending FROM run") == [("cancelled",)]
     sql(database_url, "DELETE FROM procrastinate_jobs WHERE status = 'doing'")  # as the worker does at the end of a job
     assert forgotten(database_url) == [] and jobs(database_url) == 0
@@ -86,7 +86,7 @@ def test_a_lost_run_that_comes_back_is_not_opened_again(database_url):
     claimed = claim(database_url, attempt)
     sql(database_url, "UPDATE run SET ended_at = now(), ending = 'lost'")
     run(database_url, lambda d: cancel(d, attempt, "prof"))
-    assert run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 9)) is False
+    assert run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 9)) is False
     assert not run(database_url, lambda d: runs.finish(d, claimed, report_of_verdicts("+"), {}))
     assert sql(database_url, "SELECT ending FROM run") == [("superseded",)]
 
@@ -106,7 +106,7 @@ def test_cancelled_while_it_finishes_the_first_result_stays(database_url, repeti
     answers = run(database_url, both)
     stored = run(database_url, lambda d: records.read(d, id))
     if stored.status == "graded":
-        assert any(isinstance(a, Over) for a in answers) and True in answers and stored.cancelled_by is None
+        assert any(isinstance(a, AlreadyFinished) for a in answers) and True in answers and stored.cancelled_by is None
         assert sql(database_url, "SELECT ending FROM run") == [("finished",)]
         assert sql(database_url, "SELECT count(*) FROM audit WHERE action = 'cancel'") == [(0,)]
     else:
@@ -124,7 +124,7 @@ def test_cancelled_while_a_worker_claims_it(database_url, repetition):
 
     claimed, _ = run(database_url, both)
     if claimed is not None:
-        assert run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 9)) is False
+        assert run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 9)) is False
     assert forgotten(database_url) == []
 
 
@@ -134,10 +134,10 @@ def test_twice_is_once_and_a_report_is_not_cancelled(database_url):
     async def two(database):
         return await asyncio.gather(*(cancel(database, attempt, who) for who in ("a", "b")), return_exceptions=True)
 
-    assert sorted(type(a).__name__ for a in run(database_url, two)) == ["Over", "UUID"]
+    assert sorted(type(a).__name__ for a in run(database_url, two)) == ["AlreadyFinished", "UUID"]
     _, other = submitted(database_url, "ben")
     finish(database_url, other, "+")
-    with pytest.raises(Over):
+    with pytest.raises(AlreadyFinished):
         run(database_url, lambda d: cancel(d, other, "prof"))
     assert run(database_url, lambda d: cancel(d, uuid.uuid4(), "prof")) is None
 
@@ -155,7 +155,7 @@ def test_it_can_be_tried_again_and_what_has_a_report_cannot(database_url):
     id, attempt = submitted(database_url)
     fine = graded(database_url, "ben", "+")
     run(database_url, lambda d: cancel(d, attempt, "prof"))
-    again = lambda d: grade_again(d, [id, fine], "tutor", faults=True)  # noqa: E731
+    again = lambda d: regrade(d, [id, fine], "tutor", faults=True)  # noqa: E731
     assert run(database_url, again) == 1 and run(database_url, again) == 0  # it is being graded
     assert run(database_url, lambda d: records.read(d, id)).status == "queued"
     assert sql(database_url, "SELECT who, subject FROM audit WHERE action = 'regrade'") == [("tutor", str(id))]
@@ -169,7 +169,7 @@ def test_of_a_long_queue_the_first_two_hundred_are_shown_and_all_are_counted(dat
     _, attempt = submitted(database_url)
     more = "INSERT INTO procrastinate_jobs (queue_name, task_name, priority, args) SELECT queue_name, task_name, priority, args "
     sql(database_url, more + "FROM procrastinate_jobs, generate_series(1, 249)")
-    queue = run(database_url, look)
+    queue = run(database_url, snapshot)
     assert [place.position for place in queue.places] == list(range(1, 201)) and queue.places[0].attempt == attempt
     assert queue.places[0].total == queue.waiting[0].n == 250
 
@@ -178,6 +178,6 @@ def test_a_run_whose_attempt_has_its_result_is_not_shown_as_going(database_url):
     """Its worker came back from the dead, was overtaken and died for good: nobody ends that run."""
     _, attempt = submitted(database_url)
     claim(database_url, attempt, "first")
-    assert [run.worker for run in run(database_url, look).going] == ["first"]
+    assert [run.worker for run in run(database_url, snapshot).going] == ["first"]
     assert finish(database_url, attempt, "+")
-    assert run(database_url, look).going == []
+    assert run(database_url, snapshot).going == []

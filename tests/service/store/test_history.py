@@ -7,16 +7,16 @@ from tests.support.submissions import graded, submitted
 
 def test_a_history_has_the_persons_own_submissions_only(url):
     first, theirs, second = (submitted(url, name)[0] for name in ("ann", "ben", "ann"))
-    assert [one.id for one in run(url, lambda d: history.past(d, "ann", "rigid-body"))] == [second, first]
+    assert [one.id for one in run(url, lambda d: history.past_submissions(d, "ann", "rigid-body"))] == [second, first]
     assert [one.id for one in run(url, lambda d: history.timeline(d, "ann", "rigid-body"))] == [second, first]
-    assert [one.id for one in run(url, lambda d: history.past(d, "ben", "rigid-body"))] == [theirs]
-    assert run(url, lambda d: history.past(d, "nobody", "rigid-body")) == []
+    assert [one.id for one in run(url, lambda d: history.past_submissions(d, "ben", "rigid-body"))] == [theirs]
+    assert run(url, lambda d: history.past_submissions(d, "nobody", "rigid-body")) == []
 
 
 def test_lists_have_the_total_of_the_report_or_else_the_checks_made(url):
     new = graded(url, "eve", "+-", total=36, not_attempted=["1"])
     old = graded(url, "eve", "+-+")
-    for found in (history.past, history.timeline):
+    for found in (history.past_submissions, history.timeline):
         assert {one.id: one.total for one in run(url, lambda d, f=found: f(d, "eve", "rigid-body"))} == {new: 36, old: 3}
     assert {one.id: one.total for one in run(url, lambda d: records.recent(d, 9, "eve"))} == {new: 36, old: 3}
     assert run(url, lambda d: records.read(d, old)).report.total is None
@@ -24,5 +24,5 @@ def test_lists_have_the_total_of_the_report_or_else_the_checks_made(url):
 
 def test_the_submission_before_is_of_the_same_person(url):
     first, _, second = (submitted(url, name)[0] for name in ("cleo", "dan", "cleo"))
-    assert run(url, lambda d: history.before(d, second)) == first
-    assert run(url, lambda d: history.before(d, first)) is None
+    assert run(url, lambda d: history.previous(d, second)) == first
+    assert run(url, lambda d: history.previous(d, first)) is None

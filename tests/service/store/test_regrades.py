@@ -7,15 +7,15 @@ import pytest
 from service.store import history, records, regrades, workers
 from service.store.course import overrides
 from service.store.gradings import cancel
-from service.store.queue_overview import grade_again, look
-from service.store.regrades import BEST, EVERY, Decided, NothingToGrade, Unfinished
+from service.store.queue_overview import regrade, snapshot
+from service.store.regrades import BEST, EVERY, NothingToGrade, RegradeClosed, RegradeIncomplete
 from service.store.submissions import accept
 from tests.support.database import new, run, sql
 from tests.support.submissions import claim, finish, grade_open, graded, open_attempts, submitted
 
 
 def begin(url, which=BEST, check=None):
-    return run(url, lambda d: regrades.begin(d, "rigid-body", which, "tutor", check=check, told="a test"))
+    return run(url, lambda d: regrades.create(d, "rigid-body", which, "tutor", check=check, told="a test"))
 
 
 def points(url, submission):
@@ -32,20 +32,23 @@ def test_nothing_shown_changes_until_it_is_applied(database_url):
     assert read(database_url, regrades.find, id).total == 3 and read(database_url, regrades.find, id).finished == 0
     assert len({submission for submission, _ in open_attempts(database_url)}) == 3
     assert sql(database_url, "SELECT DISTINCT seed, kind, held FROM attempt WHERE number = 2") == [(7, "regrade", True)]
-    with pytest.raises(Unfinished, match="3 of its"):
+    with pytest.raises(RegradeIncomplete, match="3 of its"):
         run(database_url, lambda d: regrades.apply(d, id, "prof"))
     grade_open(database_url, {ann: "++", ben: "+-", cleo: "--"})
     assert [points(database_url, one) for one in (ann, ben, cleo)] == [1, 2, 0]
     told = {
-        row.person: (row.was_points, row.points, row.was_version, row.version) for row in read(database_url, regrades.pairs, id)
+        row.person: (row.was_points, row.points, row.was_version, row.version)
+        for row in read(database_url, regrades.score_changes, id)
     }
     assert told == {"ann": (1, 2, "1", "2"), "ben": (2, 1, "1", "2"), "cleo": (0, 0, "1", "2")}
-    flips = {(row.check_id, row.was, row.now) for row in read(database_url, regrades.flips, id)}
+    flips = {(row.check_id, row.was, row.now) for row in read(database_url, regrades.check_changes, id)}
     assert flips == {("c2", "fail", "pass"), ("c2", "pass", "fail")}
     assert run(database_url, lambda d: regrades.apply(d, id, "prof")) == 3
     assert [points(database_url, one) for one in (ann, ben, cleo)] == [2, 1, 0]
-    assert told == {r.person: (r.was_points, r.points, r.was_version, r.version) for r in read(database_url, regrades.pairs, id)}
-    assert flips == {(row.check_id, row.was, row.now) for row in read(database_url, regrades.flips, id)}
+    assert told == {
+        r.person: (r.was_points, r.points, r.was_version, r.version) for r in read(database_url, regrades.score_changes, id)
+    }
+    assert flips == {(row.check_id, row.was, row.now) for row in read(database_url, regrades.check_changes, id)}
     applied = read(database_url, regrades.find, id)
     assert (applied.decided, applied.decided_by) == ("applied", "prof") and applied.decided_at is not None
     assert sql(database_url, "SELECT count(*) FROM attempt") == [(6,)]  # the first ones are still there
@@ -61,30 +64,33 @@ def test_what_is_held_counts_nowhere(database_url):
     begin(database_url, id)
     ((_, held),) = open_attempts(database_url)
     assert run(database_url, lambda d: records.read(d, id)).status == "faulted"
-    assert [f.submission for f in run(database_url, look).faults] == [id]
+    assert [f.submission for f in run(database_url, snapshot).faults] == [id]
     sql(database_url, "UPDATE assignment SET most_submissions = 1")
     one = new()
     assert run(database_url, lambda d: accept(d, one)).fresh  # the fault, held attempt or not, used nothing up
     finish(database_url, held, "++")
     assert run(database_url, lambda d: records.read(d, id)).status == "faulted"
     assert run(database_url, lambda d: records.state(d, id)).number == 1
-    assert [f.submission for f in run(database_url, look).faults] == [id]
-    assert {p.id: p.score for p in run(database_url, lambda d: history.past(d, "ann", "rigid-body"))} == {id: None, one.id: None}
-    assert run(database_url, lambda d: grade_again(d, "faults", "x")) == 1  # the last one that counts is the fault
+    assert [f.submission for f in run(database_url, snapshot).faults] == [id]
+    assert {p.id: p.score for p in run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))} == {
+        id: None,
+        one.id: None,
+    }
+    assert run(database_url, lambda d: regrade(d, "faults", "x")) == 1  # the last one that counts is the fault
 
 
 def test_a_held_attempt_that_is_under_way_does_not_stop_an_immediate_regrade(database_url):
     id = graded(database_url, "ann", "+-")
-    regrade = begin(database_url, id)
+    made = begin(database_url, id)
     ((_, held),) = open_attempts(database_url)
-    assert run(database_url, lambda d: grade_again(d, [id], "x")) == 1
+    assert run(database_url, lambda d: regrade(d, [id], "x")) == 1
     later = next(attempt for _, attempt in open_attempts(database_url) if attempt != held)
     finish(database_url, later, "--", version="3")
     finish(database_url, held, "++")
     assert points(database_url, id) == 0
-    (row,) = read(database_url, regrades.pairs, regrade)
+    (row,) = read(database_url, regrades.score_changes, made)
     assert row.overtaken and (row.was_points, row.points) == (1, 2)
-    assert run(database_url, lambda d: regrades.apply(d, regrade, "prof")) == 0  # what was graded later stays
+    assert run(database_url, lambda d: regrades.apply(d, made, "prof")) == 0  # what was graded later stays
     assert points(database_url, id) == 0
 
 
@@ -96,9 +102,9 @@ def test_which_ones(database_url):
     waiting, _ = submitted(database_url, "eve")
 
     def meant(which, check=None):
-        run(database_url, lambda d: workers.rescue(d))
+        run(database_url, lambda d: workers.recover(d))
         id = begin(database_url, which, check)
-        ids = {row.submission for row in read(database_url, regrades.pairs, id)}
+        ids = {row.submission for row in read(database_url, regrades.score_changes, id)}
         run(database_url, lambda d: regrades.drop(d, id, "tutor"))
         return ids
 
@@ -118,21 +124,21 @@ def test_the_best_is_the_one_with_the_most_points_given_by_hand_too(database_url
     first, second = graded(database_url, "ann", "+--"), graded(database_url, "ann", "++-")
     run(database_url, lambda d: overrides.give(d, first, "prof", check=None, points=3, reason="by hand"))
     id = begin(database_url)
-    (row,) = read(database_url, regrades.pairs, id)
+    (row,) = read(database_url, regrades.score_changes, id)
     assert row.submission == first and row.overridden and second != first
     grade_open(database_url, {first: "---"})
-    (row,) = read(database_url, regrades.pairs, id)
+    (row,) = read(database_url, regrades.score_changes, id)
     assert (row.was_points, row.points, row.was_score, row.score) == (3, 3, 1, 0)  # it stays in force
 
 
 def test_an_override_of_a_check_stays_in_force_and_is_counted_once(database_url):
     id = graded(database_url, "ann", "+-")
     run(database_url, lambda d: overrides.give(d, id, "prof", check="c2", points=1, reason="by hand"))
-    regrade = begin(database_url)
+    made = begin(database_url)
     grade_open(database_url, {id: "-+"})
-    (row,) = read(database_url, regrades.pairs, regrade)
+    (row,) = read(database_url, regrades.score_changes, made)
     assert (row.was_points, row.points) == (2, 1)
-    run(database_url, lambda d: regrades.apply(d, regrade, "prof"))
+    run(database_url, lambda d: regrades.apply(d, made, "prof"))
     assert points(database_url, id) == 1
 
 
@@ -160,7 +166,7 @@ def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
             return await asyncio.gather(*asked, return_exceptions=True)
 
         answers = run(database_url, at_once)
-        assert sum(isinstance(a, Decided) for a in answers) == 2, answers
+        assert sum(isinstance(a, RegradeClosed) for a in answers) == 2, answers
         decided = read(database_url, regrades.find, id)
         assert [e for e in map(str, answers) if "already" in e] == [f"it was {decided.decided} by {decided.decided_by} already"] * 2
         held = sql(database_url, "SELECT count(*) FROM attempt WHERE held AND regrade_id = %s", id)
@@ -180,7 +186,7 @@ def test_dropped_it_grades_no_more_and_stays_held(database_url):
     assert (points(database_url, ann), points(database_url, ben)) == (0, 0)
     sql(database_url, "UPDATE attempt SET requested_at = requested_at - interval '1 minute'")
     assert run(database_url, workers.sweep) == []
-    assert run(database_url, lambda d: grade_again(d, "all", "x")) == 2
+    assert run(database_url, lambda d: regrade(d, "all", "x")) == 2
 
 
 def test_begun_while_students_submit(database_url):
@@ -188,7 +194,7 @@ def test_begun_while_students_submit(database_url):
         graded(database_url, name, "+")
 
     async def at_once(database):
-        begun = regrades.begin(database, "rigid-body", BEST, "tutor", told="a test")
+        begun = regrades.create(database, "rigid-body", BEST, "tutor", told="a test")
         sent = [accept(database, new(name)) for name in ("ann", "ben", "cleo", "ann", "ben", "cleo")]
         return await asyncio.wait_for(asyncio.gather(begun, *sent), 20)
 
@@ -206,7 +212,7 @@ def test_two_at_once_are_two(database_url):
     first, second = begin(database_url), begin(database_url)
     grade_open(database_url, {id: "+"})
     run(database_url, lambda d: regrades.apply(d, second, "prof"))
-    (row,) = read(database_url, regrades.pairs, first)
+    (row,) = read(database_url, regrades.score_changes, first)
     assert row.overtaken and run(database_url, lambda d: regrades.apply(d, first, "prof")) == 0
     assert points(database_url, id) == 1 and len(run(database_url, lambda d: regrades.of_assignment(d, "rigid-body"))) == 2
 
@@ -216,9 +222,9 @@ def test_lateness_is_decided_by_submission_time(database_url):
     id = graded(database_url, "ann", "-")
     late = sql(database_url, "SELECT late FROM submission")
     sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 day'")
-    regrade = begin(database_url)
+    made = begin(database_url)
     grade_open(database_url, {id: "+"})
-    run(database_url, lambda d: regrades.apply(d, regrade, "prof"))
+    run(database_url, lambda d: regrades.apply(d, made, "prof"))
     assert sql(database_url, "SELECT late FROM submission") == late == [(False,)]
 
 
@@ -226,7 +232,9 @@ def test_a_preview_tells_lateness_as_every_page_does(database_url):
     run(database_url, lambda d: d.ping())
     sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 min', grace_s = 3600")
     id = graded(database_url, "ann", "-")
-    regrade = begin(database_url, id)
-    assert read(database_url, regrades.pairs, regrade)[0].late
+    made = begin(database_url, id)
+    assert read(database_url, regrades.score_changes, made)[0].late
     sql(database_url, "UPDATE assignment SET due_at = now() + interval '1 day'")
-    assert not read(database_url, regrades.pairs, regrade)[0].late and not run(database_url, lambda d: records.read(d, id)).late
+    assert (
+        not read(database_url, regrades.score_changes, made)[0].late and not run(database_url, lambda d: records.read(d, id)).late
+    )

@@ -9,8 +9,8 @@ from sqlalchemy import text
 
 from ecp.report import Provenance, Report
 from service.store import records, runs, workers
-from service.store.queue_overview import grade_again, look
-from service.store.submissions import Refused, accept, add_attempt
+from service.store.queue_overview import regrade, snapshot
+from service.store.submissions import SubmissionRejected, accept, add_grading
 from tests.support.database import new, run, sql
 
 
@@ -78,16 +78,16 @@ def test_who_comes_second_changes_nothing(database_url, attempt):
 def test_a_silent_run_is_lost_and_queued_again_and_a_living_one_is_not(database_url, attempt):
     assert take_jobs(database_url) == 1
     claim(database_url, attempt[0])
-    assert run(database_url, workers.rescue) == []
+    assert run(database_url, workers.recover) == []
     fall_silent(database_url)
-    assert run(database_url, workers.rescue) == [attempt[0]]
+    assert run(database_url, workers.recover) == [attempt[0]]
     assert endings(database_url) == ["lost"] and take_jobs(database_url) == 1
 
 
 def test_a_job_that_was_taken_and_never_begun_is_queued_again(database_url, attempt):
     take_jobs(database_url)
     fall_silent(database_url)
-    assert run(database_url, workers.rescue) == [attempt[0]]
+    assert run(database_url, workers.recover) == [attempt[0]]
     assert take_jobs(database_url) == 1
 
 
@@ -96,7 +96,7 @@ def test_a_job_left_behind_by_a_finished_attempt_goes(database_url, attempt):
     finish(database_url, claim(database_url, attempt[0]))
     sql(database_url, "UPDATE run SET beat_at = beat_at - interval '1 minute', ended_at = ended_at - interval '1 minute'")
     sql(database_url, "UPDATE procrastinate_events SET at = at - interval '1 minute'")
-    assert run(database_url, workers.rescue) == []
+    assert run(database_url, workers.recover) == []
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)]
 
 
@@ -106,11 +106,11 @@ def test_three_lost_runs_are_a_fault_that_can_be_graded_again(database_url, atte
         fall_silent(database_url)
         take_jobs(database_url)
         fall_silent(database_url)
-        run(database_url, workers.rescue)
+        run(database_url, workers.recover)
     assert claim(database_url, attempt[0]) is None
     stored = run(database_url, lambda d: records.read(d, attempt[1]))
     assert stored.status == "faulted" and "begun 3 times" in stored.fault and "host/2" in stored.fault
-    assert run(database_url, lambda d: grade_again(d, "faults", "an instructor")) == 1
+    assert run(database_url, lambda d: regrade(d, "faults", "an instructor")) == 1
     assert run(database_url, lambda d: records.read(d, attempt[1])).status == "queued"
     ((again,),) = sql(database_url, "SELECT id FROM attempt WHERE number = 2")
     finish(database_url, claim(database_url, again))
@@ -123,18 +123,18 @@ def test_a_run_that_comes_back_late_gives_the_result_and_is_no_loss(database_url
     fall_silent(database_url)
     take_jobs(database_url)
     fall_silent(database_url)
-    run(database_url, workers.rescue)
+    run(database_url, workers.recover)
     assert endings(database_url) == ["lost"] and finish(database_url, slow) and endings(database_url) == ["finished"]
 
 
 def test_released_runs_do_not_count_and_failed_ones_do(database_url, attempt):
     for _ in range(5):
         claimed = claim(database_url, attempt[0])
-        run(database_url, lambda d, c=claimed: runs.give_back(d, c, "released", "stopped"))
+        run(database_url, lambda d, c=claimed: runs.release(d, c, "released", "stopped"))
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs WHERE status = 'todo'") == [(1,)]
     for _ in range(3):
         claimed = claim(database_url, attempt[0])
-        run(database_url, lambda d, c=claimed: runs.give_back(d, c, "failed", "no room left"))
+        run(database_url, lambda d, c=claimed: runs.release(d, c, "failed", "no room left"))
     assert claim(database_url, attempt[0]) is None
     assert "no room left" in run(database_url, lambda d: records.read(d, attempt[1])).fault
 
@@ -148,8 +148,8 @@ def test_what_has_no_job_gets_one(database_url, attempt):
 
 def test_a_regrade_does_not_hide_what_there_was(database_url, attempt):
     finish(database_url, claim(database_url, attempt[0]))
-    assert run(database_url, lambda d: grade_again(d, "all", "x")) == 1
-    assert run(database_url, lambda d: grade_again(d, "all", "x")) == 0  # one is under way
+    assert run(database_url, lambda d: regrade(d, "all", "x")) == 1
+    assert run(database_url, lambda d: regrade(d, "all", "x")) == 0  # one is under way
     stored = run(database_url, lambda d: records.read(d, attempt[1]))
     assert stored.status == "graded" and stored.number == 1
     assert run(database_url, lambda d: records.recent(d, 5))[0].status == "graded"
@@ -184,7 +184,7 @@ def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_ur
             writing = asyncio.create_task(runs.finish(database, claimed, report(), {}))
             await asyncio.sleep(0.3)
             assert not writing.done()
-            await add_attempt(accepting, attempt[1], "interactive", 1)  # ranked behind the one that is being finished
+            await add_grading(accepting, attempt[1], "interactive", 1)  # ranked behind the one that is being finished
         return await writing
 
     assert run(database_url, at_once)
@@ -205,10 +205,10 @@ def test_what_was_begun_and_lost_or_given_back_does_not_wait_again(database_url,
     claimed = claim(database_url, attempt[0])
     run(database_url, others)
     fall_silent(database_url)
-    run(database_url, workers.rescue)
+    run(database_url, workers.recover)
     assert place(database_url, attempt[0]) == 1
     again = claim(database_url, attempt[0], "w2")
-    run(database_url, lambda d: runs.give_back(d, again, "released", "stopped"))
+    run(database_url, lambda d: runs.release(d, again, "released", "stopped"))
     assert place(database_url, attempt[0]) == 1
     assert finish(database_url, claimed)
 
@@ -216,32 +216,32 @@ def test_what_was_begun_and_lost_or_given_back_does_not_wait_again(database_url,
 def test_a_run_whose_job_is_gone_is_lost_too(database_url, attempt):
     claim(database_url, attempt[0])
     sql(database_url, "DELETE FROM procrastinate_jobs")
-    assert run(database_url, workers.rescue) == []
+    assert run(database_url, workers.recover) == []
     fall_silent(database_url)
-    assert run(database_url, workers.rescue) == [attempt[0]] and run(database_url, workers.rescue) == []
+    assert run(database_url, workers.recover) == [attempt[0]] and run(database_url, workers.recover) == []
 
 
 def test_a_worker_that_was_only_cut_off_for_a_while_is_not_counted(database_url, attempt):
     claimed = claim(database_url, attempt[0])
     for _ in range(4):
         fall_silent(database_url)
-        run(database_url, workers.rescue)
-        run(database_url, lambda d: runs.beat(d, claimed, "playing", 1, 2))
+        run(database_url, workers.recover)
+        run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 2))
     assert endings(database_url) == [None]
     assert claim(database_url, attempt[0]) is not None  # no fault
 
 
 def test_two_regrades_at_once_are_one_and_do_not_hold_up_who_submits(database_url, attempt):
     finish(database_url, claim(database_url, attempt[0]))
-    counts = run(database_url, lambda d: asyncio.gather(*(grade_again(d, [attempt[1]], "x") for _ in range(4))))
+    counts = run(database_url, lambda d: asyncio.gather(*(regrade(d, [attempt[1]], "x") for _ in range(4))))
     assert sorted(counts) == [0, 0, 0, 1]
 
 
 def test_a_regrade_that_fails_gives_no_submission_back(database_url, attempt):
     sql(database_url, "UPDATE assignment SET most_submissions = 1")
     finish(database_url, claim(database_url, attempt[0]))
-    run(database_url, lambda d: grade_again(d, "all", "x"))
+    run(database_url, lambda d: regrade(d, "all", "x"))
     sql(database_url, "INSERT INTO result (attempt_id, fault) SELECT id, 'ours' FROM attempt WHERE number = 2")
-    with pytest.raises(Refused):
+    with pytest.raises(SubmissionRejected):
         run(database_url, lambda d: accept(d, new()))
-    assert run(database_url, look).faults == []  # the first report is still shown
+    assert run(database_url, snapshot).faults == []  # the first report is still shown

@@ -10,7 +10,7 @@ import pytest
 
 from service.store import records
 from service.store.course.deadlines import extend
-from service.store.submissions import Accepted, KeyReused, Refused, accept
+from service.store.submissions import Accepted, KeyReused, SubmissionRejected, accept
 from service.store.workers import sweep
 from tests.support.database import new, run, sql
 
@@ -48,8 +48,8 @@ def test_twenty_at_once_with_one_key_are_one(database_url):
 
 async def _count_refused(database, news):
     answers = await asyncio.gather(*(accept(database, n) for n in news), return_exceptions=True)
-    assert all(isinstance(a, Accepted | Refused) for a in answers), answers
-    return [a.kind for a in answers if isinstance(a, Refused)]
+    assert all(isinstance(a, Accepted | SubmissionRejected) for a in answers), answers
+    return [a.kind for a in answers if isinstance(a, SubmissionRejected)]
 
 
 def test_the_limit_holds_for_many_at_once_and_faults_do_not_count(database_url):
@@ -89,7 +89,7 @@ def test_the_deadline_and_its_grace(database_url, due, grace, fate):
     sql(database_url, "UPDATE assignment SET due_at = now() + %s::interval, grace_s = %s", due, grace)
     one = new()
     if fate == "refused":
-        with pytest.raises(Refused, match="the deadline was"):
+        with pytest.raises(SubmissionRejected, match="the deadline was"):
             run(database_url, lambda d: accept(d, one))
         assert sql(database_url, "SELECT count(*) FROM submission") == [(0,)]
     else:
@@ -103,7 +103,7 @@ def test_an_extension_is_a_later_deadline_for_its_person_and_nobody_else(databas
     sql(database_url, "UPDATE assignment SET due_at = %s, grace_s = 0", now - timedelta(hours=1))
     assert run(database_url, lambda d: extend(d, "rigid-body", "ann", now + timedelta(hours=1), reason="was ill", by="prof"))
     assert not run(database_url, lambda d: accept(d, new("ann"))).late
-    with pytest.raises(Refused, match="the deadline was"):
+    with pytest.raises(SubmissionRejected, match="the deadline was"):
         run(database_url, lambda d: accept(d, new("ben")))
 
 
@@ -139,7 +139,7 @@ def test_the_time_is_that_of_the_request(database_url):
     sql(database_url, "UPDATE assignment SET due_at = now() - interval '2 s'")
     early = dataclasses.replace(new(), arrived=time.monotonic() - 5)
     assert not run(database_url, lambda d: accept(d, early)).late
-    with pytest.raises(Refused):
+    with pytest.raises(SubmissionRejected):
         run(database_url, lambda d: accept(d, new()))
     ((age,),) = sql(database_url, "SELECT extract(epoch FROM now() - submitted_at) FROM submission")
     assert 5 < age < 10

@@ -7,7 +7,7 @@ import os
 import pytest
 
 from service.grading import grader
-from service.sandbox.select import WallsMissing
+from service.sandbox.select import IsolationUnavailable
 from service.settings import Settings
 from service.workers import worker
 from tests.support.database import run, sql
@@ -32,7 +32,7 @@ def waiting(database_url):
 
 @contextlib.asynccontextmanager
 async def worker_on(url, **settings):
-    one = worker.Slot(Settings(database_url=url, **settings), "w1")
+    one = worker.Worker(Settings(database_url=url, **settings), "w1")
     try:
         yield one
     finally:
@@ -88,7 +88,7 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
 
 def test_a_worker_that_has_no_walls_says_why_and_takes_nothing(database_url, monkeypatch):
     def refuse(least):
-        raise WallsMissing(f"no walls of {least} here")
+        raise IsolationUnavailable(f"no walls of {least} here")
 
     async def started(database):
         async with worker_on(database_url, min_tier="A") as worker:
@@ -116,7 +116,7 @@ async def _stubborn(grading):
 )
 def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, beat, look):
     async def times():
-        one = worker.Slot(Settings(database_url="postgresql://nobody@127.0.0.1:1/none", lease=lease), "w")
+        one = worker.Worker(Settings(database_url="postgresql://nobody@127.0.0.1:1/none", lease=lease), "w")
         try:
             return one._beat_s, one._look_s
         finally:

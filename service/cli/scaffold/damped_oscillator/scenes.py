@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from exercises.assignment import Blank, Inputs, Scene
+from exercises.assignment import ArraySpec, Inputs, Scene
 
 from . import truth
 from .public.parameters import DAMPED, START, T_END, UNDAMPED, N
@@ -31,7 +31,7 @@ def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
 
 def _motion(name: str, omega: float, gamma: float) -> Scene:
     inputs = {"y0": list(START), "omega": omega, "gamma": gamma, "t_end": T_END, "n": N}
-    return Scene(name, "motion", "oscillator", inputs, {"y": Blank((2, N))}, _exact_motion, 5.0, after="probes", known=("t",))
+    return Scene(name, "motion", "oscillator", inputs, {"y": ArraySpec((2, N))}, _exact_motion, 5.0, after="probes", known=("t",))
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
@@ -41,7 +41,7 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 SCENES = (
     # Asked twice, in two children and two orders: answers that depend on anything but the arguments do not agree.
-    Scene("probes", "rates", "oscillator", _probes, {"rate": Blank((PROBES, 2))}, _exact_rates, 2.0, twice=True),
+    Scene("probes", "rates", "oscillator", _probes, {"rate": ArraySpec((PROBES, 2))}, _exact_rates, 2.0, twice=True),
     _motion("damped", *DAMPED),
     _motion("undamped", *UNDAMPED),
 )

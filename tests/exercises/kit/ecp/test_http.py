@@ -14,7 +14,7 @@ import trustme
 
 from ecp import errors, http, http_sockets, pyodide
 from ecp.errors import retry_after
-from ecp.http import Event, Refused, Unreachable, call, events
+from ecp.http import Event, HTTPError, Unreachable, call, events
 from ecp.sse import parsed
 from tests.support.fake_server import Scripted, browser, cuts, event, hangs_up, problem, says, streams
 
@@ -60,7 +60,7 @@ def in_browser(request, monkeypatch):
 def trouble(url, method="GET", **how):
     """The exception of a call, which never shows the token, nor anything it was raised from."""
     how = {"headers": BEARER, "patience": 0.0, "timeout": 5.0} | how
-    with pytest.raises((Unreachable, Refused)) as caught:
+    with pytest.raises((Unreachable, HTTPError)) as caught:
         call(method, url, **how)
     assert TOKEN not in f"{caught.value} {caught.value!r} {vars(caught.value)}"
     assert caught.value.__cause__ is None
@@ -94,7 +94,7 @@ def test_a_text_is_an_answer_and_a_page_only_where_it_was_asked_for(start):
     server = start(says(200, b"ok", "text/plain"), says(200, b"<p>", "text/html"))
     assert call("GET", server.url).body == b"ok"
     assert call("GET", server.url, headers={"accept": "text/html"}).body == b"<p>"
-    with pytest.raises(Refused, match="not JSON"):
+    with pytest.raises(HTTPError, match="not JSON"):
         call("GET", server.url, headers={"accept": "text/html"}).json()
 
 
@@ -228,7 +228,7 @@ def test_a_students_random_numbers_stay_the_same(start):
 def test_refusals_in_words(start, step, kind, sentence):
     server = start(step)
     refused = trouble(server.url)
-    assert isinstance(refused, Refused)
+    assert isinstance(refused, HTTPError)
     assert refused.kind == kind
     assert sentence.format(port=server.port) in str(refused)
 
@@ -469,7 +469,7 @@ def test_a_name_lost_with_the_network_is_waited_for_once_the_server_was_there(mo
 
 def test_a_submission_that_is_not_there_ends_the_following(start):
     server = start(problem(404, "not-found", "there is no submission 7"))
-    with pytest.raises(Refused, match=r"There is no submission 7\."):
+    with pytest.raises(HTTPError, match=r"There is no submission 7\."):
         follow(server)
     assert len(server.seen) == 2
 
@@ -482,7 +482,7 @@ def test_a_lost_server_ends_the_following_after_our_patience(start):
 
 def test_a_document_without_status_is_not_polhodes(start):
     server = start(says(200, {"hello": 1}))
-    with pytest.raises(Refused, match="no polhode server"):
+    with pytest.raises(HTTPError, match="no polhode server"):
         follow(server)
 
 

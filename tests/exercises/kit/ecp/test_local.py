@@ -53,7 +53,7 @@ for file, numbers in {files!r}:
         exec(compile(open(file).read(), file, "exec"), names)
     try:
         report = eval(f"ecp.check(*{{numbers!r}}, assignment='rigid-body')", names)
-    except ecp.course.NotKnown as error:
+    except ecp.course.UnknownCourse as error:
         told[file] = {{"error": str(error)}}
         continue
     told[file] = {{"lines": repr(report), "text": str(report), "remark": report.remark}}

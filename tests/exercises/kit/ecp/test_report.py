@@ -2,7 +2,8 @@
 
 import pytest
 
-from ecp.document import document, read
+from ecp.document import NotADocument, document, read
+from ecp.outcome import Ended, SceneEnd
 from ecp.report import Report
 from tests.support.reports import report_of_verdicts
 
@@ -42,3 +43,16 @@ def test_a_report_stored_before_totals_were_recorded_is_read():
     report = read(Report, stored)
     assert (report.total, report.most) == (None, 2)
     assert report.summary() == "1 of 2 points of the attempted exercises (public checks: 1 of 2)"
+
+
+def test_renamed_fields_are_written_under_both_names_and_read_under_either():
+    end = SceneEnd("torque-free", Ended.TIMED_OUT, "too slow", "timeout")
+    report = report_of_verdicts("+-")
+    report.scene_ends = [end]
+    written = document(report)
+    assert written["endings"] == written["scene_ends"] and written["endings"][0]["ending"] == "timed-out"
+    older = {key: value for key, value in written.items() if key != "scene_ends"}
+    older["endings"] = [{key: value for key, value in one.items() if key != "ended"} for one in written["endings"]]
+    assert read(Report, older).scene_ends == read(Report, written).scene_ends == [end]
+    with pytest.raises(NotADocument, match="lacks ended"):
+        read(SceneEnd, {"scene": "torque-free", "sentence": "too slow"})

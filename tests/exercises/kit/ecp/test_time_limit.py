@@ -114,7 +114,11 @@ def test_check_gives_a_loop_the_servers_time_and_sentence():
     scene = PublicScene("motion", "play", "f", {}, [], 0.05, None, {})
     known = PublicAssignment("a", "1", {}, (), {"motion": scene}, {"play": lambda student, inputs: student["f"]()})
     played = local._play([scene], known, {"f": endless})
-    ending = played.endings["motion"]
-    assert (ending.ending, ending.code, ending.sentence) == ("timed-out", "timeout", "your code did not finish within 0.05 s")
+    scene_end = played.scene_ends["motion"]
+    assert (scene_end.ended, scene_end.code, scene_end.sentence) == (
+        "timed-out",
+        "timeout",
+        "your code did not finish within 0.05 s",
+    )
     assert "motion" not in played.arrays and not played.slow
     np.testing.assert_array_equal(local._play([scene], known, {"f": lambda: {"x": [1.0]}}).arrays["motion"]["x"], [1.0])

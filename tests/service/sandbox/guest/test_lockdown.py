@@ -5,10 +5,10 @@ import resource
 import subprocess
 import sys
 
-from service.sandbox.job import Cell, Job, Played
+from service.sandbox.job import Cell, Job, SceneRequest
 
 MIB = 1 << 20
-SCENE = Played("one", "ask", "f", {}, {}, 1.0, None)
+SCENE = SceneRequest("one", "ask", "f", {}, {}, 1.0, None)
 LIMITS = {
     "RLIMIT_AS": 768 * MIB,
     "RLIMIT_DATA": 512 * MIB,
@@ -53,7 +53,9 @@ print(json.dumps([number for number in range(4096) if is_open(number)]))
 
 def test_stepping_down_keeps_no_capability():
     """Also where there is no other user to become."""
-    source = "from service.sandbox.guest.lockdown import step_down\nstep_down(None)\nprint(open('/proc/self/status').read())"
+    source = (
+        "from service.sandbox.guest.lockdown import drop_privileges\ndrop_privileges(None)\nprint(open('/proc/self/status').read())"
+    )
     told = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True).stdout
     held = dict(line.split(":\t") for line in told.splitlines() if line.startswith("Cap"))
     assert {int(held[name], 16) for name in ("CapInh", "CapPrm", "CapEff", "CapAmb")} == {0}

@@ -16,7 +16,7 @@ NOW = datetime.now(UTC)
 
 
 def standing(url, name):
-    return next(s for s in run(url, lambda database: gradebook.standings(database, "rigid-body")) if s.name == name)
+    return next(s for s in run(url, lambda database: gradebook.student_rows(database, "rigid-body")) if s.name == name)
 
 
 def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(database_url):
@@ -33,7 +33,7 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
     ann, zoe = standing(database_url, "ann"), standing(database_url, "zoe")
     assert (ann.submission, ann.points, ann.max_score, ann.submissions, ann.status) == (counts, 2, 2, 4, "graded")
     assert (zoe.submission, zoe.points, zoe.submissions, zoe.status, zoe.called) == (None, None, 0, "nothing sent", "Zoe Adams")
-    told = [s.name for s in run(database_url, lambda database: gradebook.standings(database, "rigid-body"))]
+    told = [s.name for s in run(database_url, lambda database: gradebook.student_rows(database, "rigid-body"))]
     assert told == ["ann", "zoe"]
     row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))
     assert (row.submitted, row.students, row.open, row.faults, row.regrades) == (1, 2, 1, 0, 0)
@@ -69,11 +69,11 @@ def test_what_is_graded_while_a_class_is_read(database_url):
             return found
 
         database.rows = rows
-        return await gradebook.standings(database, "rigid-body")
+        return await gradebook.student_rows(database, "rigid-body")
 
     (ann,) = [s for s in run(database_url, read) if s.name == "ann"]
     assert (ann.status, ann.cells) == ("queued", {})
-    (ann,) = [s for s in run(database_url, lambda d: gradebook.standings(d, "rigid-body")) if s.name == "ann"]
+    (ann,) = [s for s in run(database_url, lambda d: gradebook.student_rows(d, "rigid-body")) if s.name == "ann"]
     assert (ann.status, ann.cells["2-energy"].state) == ("graded", "fail")
 
 
@@ -113,8 +113,8 @@ def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database
     later = NOW + timedelta(days=1)
     assert run(database_url, lambda database: deadlines.extend(database, "rigid-body", "ann", later, **given))
     assert not standing(database_url, "ann").late
-    assert run(database_url, lambda database: deadlines.take_back(database, "rigid-body", "ann", "prof"))
-    assert not run(database_url, lambda database: deadlines.take_back(database, "rigid-body", "ann", "prof"))
+    assert run(database_url, lambda database: deadlines.remove_extension(database, "rigid-body", "ann", "prof"))
+    assert not run(database_url, lambda database: deadlines.remove_extension(database, "rigid-body", "ann", "prof"))
     assert standing(database_url, "ann").late
     set_rules(database_url, NOW - timedelta(days=3))
     assert not standing(database_url, "ben").late
@@ -126,16 +126,16 @@ def test_a_later_deadline_forgives_and_an_earlier_one_makes_nobody_late(database
 
 
 def test_an_extension_is_for_one_person_and_never_shortens(database_url):
-    from service.store.submissions import Refused
+    from service.store.submissions import SubmissionRejected
 
     set_rules(database_url, NOW - timedelta(days=1), grace=0.0)
     run(database_url, lambda database: hand_in(database, "ann", None, days_ago=2))
-    with pytest.raises(Refused):
+    with pytest.raises(SubmissionRejected):
         run(database_url, lambda database: hand_in(database, "ann", None))
     given = {"reason": "was ill", "by": "prof"}
     assert run(database_url, lambda d: deadlines.extend(d, "rigid-body", "ann", NOW + timedelta(days=1), **given))
     run(database_url, lambda database: hand_in(database, "ann", None))
-    with pytest.raises(Refused):
+    with pytest.raises(SubmissionRejected):
         run(database_url, lambda database: hand_in(database, "ben", None))
     set_rules(database_url, NOW + timedelta(days=9), grace=0.0)
     run(database_url, lambda database: hand_in(database, "ann", None, days_ago=-3))

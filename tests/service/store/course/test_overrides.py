@@ -6,7 +6,7 @@ import pytest
 
 from service.store import history, records
 from service.store.course import overrides
-from service.store.course.overrides import NotGiven, give, withdraw
+from service.store.course.overrides import OverrideRejected, give, withdraw
 from tests.support.database import run, sql
 from tests.support.submissions import graded, submitted
 
@@ -53,7 +53,7 @@ def test_points_for_a_check_and_for_all(database_url, submission):
         ("prof2", "override withdrawn", None, 3, None, [3, 1], "told in person"),
     ]
     assert run(database_url, lambda d: records.recent(d, 5))[0].points == 1
-    assert run(database_url, lambda d: history.past(d, "ann", "rigid-body"))[0].points == 1
+    assert run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))[0].points == 1
 
 
 def test_a_new_one_replaces_the_one_in_force_and_both_are_kept(database_url, submission):
@@ -77,14 +77,14 @@ def test_a_new_one_replaces_the_one_in_force_and_both_are_kept(database_url, sub
     ],
 )
 def test_what_cannot_be_given(database_url, submission, asked, kind, why):
-    with pytest.raises(NotGiven, match=why) as error:
+    with pytest.raises(OverrideRejected, match=why) as error:
         given(database_url, submission, **asked)
     assert error.value.kind == kind and known(database_url, submission) == [] and trail(database_url) == []
 
 
 def test_without_a_report_there_is_nothing_to_correct(database_url):
     id, _ = submitted(database_url)
-    with pytest.raises(NotGiven) as error:
+    with pytest.raises(OverrideRejected) as error:
         given(database_url, id)
     assert error.value.kind == "not-ready"
 
@@ -110,9 +110,9 @@ def test_who_had_not_seen_the_last_change_is_told(database_url, submission):
 
     answers = run(database_url, two)
     (refused,) = [a for a in answers if a is not None]
-    assert isinstance(refused, NotGiven) and refused.kind == "changed-meanwhile" and "load the page again" in str(refused)
+    assert isinstance(refused, OverrideRejected) and refused.kind == "changed-meanwhile" and "load the page again" in str(refused)
     assert len(known(database_url, submission)) == 1
-    given(database_url, submission, "c3", seen=overrides.stamp(known(database_url, submission)))
+    given(database_url, submission, "c3", seen=overrides.revision(known(database_url, submission)))
 
 
 def test_withdrawn_once(database_url, submission):
@@ -123,6 +123,6 @@ def test_withdrawn_once(database_url, submission):
         return await asyncio.gather(*(withdraw(database, submission, one.id, who) for who in "ab"), return_exceptions=True)
 
     answers = run(database_url, two)
-    assert sorted(type(a).__name__ for a in answers) == ["NotGiven", "bool"] and len(trail(database_url)) == 2
+    assert sorted(type(a).__name__ for a in answers) == ["OverrideRejected", "bool"] and len(trail(database_url)) == 2
     other = graded(database_url, "ben", "+")
     assert run(database_url, lambda d: withdraw(d, other, one.id, "x")) is False

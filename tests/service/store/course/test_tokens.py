@@ -17,7 +17,7 @@ def in_transaction(url, action):
 
 
 def given(url, name, seconds=1000.0):
-    return in_transaction(url, lambda c: tokens.give(c, name, label="test", scopes=["read"], seconds=seconds))
+    return in_transaction(url, lambda c: tokens.create(c, name, label="test", scopes=["read"], seconds=seconds))
 
 
 def found(url, token):
@@ -47,7 +47,7 @@ def test_only_its_owner_revokes_a_token_of_their_own(url):
 
 
 def test_a_login_is_confirmed_by_one_person_and_collected_once(url):
-    device, code = run(url, lambda d: tokens.begin_login(d, "a notebook"))
+    device, code = run(url, lambda d: tokens.create_login(d, "a notebook"))
     assert run(url, lambda d: tokens.collect_login(d, device, 1.0)) is None, "nobody has confirmed it"
     assert run(url, lambda d: tokens.confirm_login(d, code, "fay"))
     assert not run(url, lambda d: tokens.confirm_login(d, code, "mallory"))
@@ -58,7 +58,7 @@ def test_a_login_is_confirmed_by_one_person_and_collected_once(url):
 
 
 def test_a_refused_login_gives_no_token(url):
-    device, code = run(url, lambda d: tokens.begin_login(d, "a notebook"))
+    device, code = run(url, lambda d: tokens.create_login(d, "a notebook"))
     assert run(url, lambda d: tokens.confirm_login(d, code, None))
     assert not run(url, lambda d: tokens.confirm_login(d, code, "gus"))
     with pytest.raises(tokens.LoginOver):

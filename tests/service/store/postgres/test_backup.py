@@ -11,7 +11,7 @@ from service.store import regrades
 from service.store.course import deadlines, overrides, tokens
 from service.store.database import migrate
 from service.store.postgres import backup
-from service.store.postgres.os_user import DatabaseUnavailable
+from service.store.postgres.backup import BackupError
 from service.store.postgres.server import EmbeddedPostgres, find_programs
 from service.store.submissions import accept
 from tests.support.database import new, run, sql
@@ -42,9 +42,9 @@ def test_a_backup_has_every_row_of_every_table(database_url, empty_url, tmp_path
         sent = await hand_in(database, "ann", {"2-energy": "✓", "2-momentum": "✗"})
         await overrides.give(database, sent, "prof", check="2-energy", points=0, reason="copied")
         await deadlines.extend(database, "rigid-body", "ann", datetime.now(UTC), reason="was ill", by="prof")
-        await regrades.begin(database, "rigid-body", sent, "prof", told="one submission")
+        await regrades.create(database, "rigid-body", sent, "prof", told="one submission")
         async with database.begin() as connection:
-            await tokens.give(connection, "ann", label="test", scopes=["read"], seconds=1000.0)
+            await tokens.create(connection, "ann", label="test", scopes=["read"], seconds=1000.0)
 
     run(database_url, fill)
     backup.backup(database_url, find_programs(), tmp_path / "b.dump")
@@ -64,7 +64,7 @@ def test_restoring_over_something_needs_to_be_asked_for(database_url, tmp_path):
     run(database_url, lambda d: accept(d, new()))
     backup.backup(database_url, find_programs(), tmp_path / "b.dump")
     run(database_url, lambda d: accept(d, new()))
-    with pytest.raises(DatabaseUnavailable, match="not empty"):
+    with pytest.raises(BackupError, match="not empty"):
         backup.restore(database_url, find_programs(), tmp_path / "b.dump")
     backup.restore(database_url, find_programs(), tmp_path / "b.dump", replace=True)
     assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)]
@@ -73,7 +73,7 @@ def test_restoring_over_something_needs_to_be_asked_for(database_url, tmp_path):
 def test_what_is_no_backup_is_refused(empty_url, tmp_path):
     (tmp_path / "b.dump").write_text("no dump")
     for name, words in (("none.dump", "no file"), ("b.dump", "pg_restore failed")):
-        with pytest.raises(DatabaseUnavailable, match=words):
+        with pytest.raises(BackupError, match=words):
             backup.restore(empty_url, find_programs(), tmp_path / name)
 
 
@@ -100,7 +100,7 @@ def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     migrate(before.url)
     run(before.url, lambda d: accept(d, new()))
     before.stop()
-    with pytest.raises(DatabaseUnavailable, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"):
+    with pytest.raises(BackupError, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"):
         EmbeddedPostgres(tmp_path / "data").start()
     before.start()
     backup.backup(before.url, old[0].parent, tmp_path / "old.dump")
@@ -119,10 +119,10 @@ def test_a_backup_that_breaks_off_destroys_nothing_and_nobody_else_can_read_it(d
     backup.backup(database_url, find_programs(), file)
     assert file.stat().st_mode & 0o777 == 0o600
     (tmp_path / "half.dump").write_bytes(file.read_bytes()[: file.stat().st_size * 2 // 3])
-    with pytest.raises(DatabaseUnavailable):
+    with pytest.raises(BackupError):
         backup.restore(database_url, find_programs(), tmp_path / "half.dump", replace=True)
     assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(database_url).values())
-    with pytest.raises(DatabaseUnavailable, match="is a folder"):
+    with pytest.raises(BackupError, match="is a folder"):
         backup.backup(database_url, find_programs(), tmp_path)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["b.dump", "half.dump"]
 

@@ -1,4 +1,4 @@
-"""The web application: it accepts, tells and shows. Nothing of a submission runs in this process."""
+"""The web application: API and pages. No student code runs in this process."""
 
 import logging
 from collections.abc import AsyncIterator
@@ -56,7 +56,10 @@ EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """The application for a database that is there and up to date: ``settings.database_url`` is set."""
+    """Return the application for a running, migrated database.
+
+    Raises ValueError unless ``settings.database_url`` is set.
+    """
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
@@ -88,7 +91,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
     app.state.passwords, app.state.throttle = PasswordChecker(database), LoginRateLimiter()
-    app.state.crew = health.WorkerStatus(database)
+    app.state.worker_status = health.WorkerStatus(database)
     app.state.listener, app.state.renderer = Listener(database), Renderer()
     app.state.listener.start()
     app.state.queue = ChangeFeed(

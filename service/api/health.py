@@ -33,7 +33,7 @@ async def readyz(request: Request) -> JSONResponse:
     )  # the others can be graded
     try:
         await request.app.state.database.ping()
-        walls, refusal = await request.app.state.crew.known()
+        walls, refusal = await request.app.state.worker_status.known()
         checks["isolation"] = walls or refusal or checks["isolation"]
     except Exception as error:
         walls, checks = None, {"isolation": "unknown", "database": type(error).__name__}

@@ -24,7 +24,7 @@ LATEST = 100
 async def index(request: Request, person: CurrentUser) -> Response:
     """The assignments with their totals, and the latest submissions, of everybody or your own."""
     database, everybody = request.app.state.database, request.state.role in STAFF
-    walls, refusal = await request.app.state.crew.known()
+    walls, refusal = await request.app.state.worker_status.known()
     context = {
         "everybody": everybody,
         "rows": await recent(database, LATEST, None if everybody else person.name),

@@ -250,7 +250,7 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
         "name,role\nIda,king\n": "line 2: a role is student, assistant, instructor, former, not king",
         "name,rôle\nIda,student\n": "the first line names the columns",
         "name\n\x1b[31m\n": "line 2: a name has 1 to 200 printable characters",
-        "name\n": "names nobody",
+        "name\n": "has no entries",
     }.items():
         roster.write_text(text)
         assert why in polhode("roster", roster, "--tokens", tmp_path / "b")[2] and not (tmp_path / "b").exists()

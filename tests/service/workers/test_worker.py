@@ -92,7 +92,7 @@ def test_a_worker_that_has_no_walls_says_why_and_takes_nothing(database_url, mon
 
     async def started(database):
         async with worker_on(database_url, min_tier="A") as worker:
-            trying = asyncio.create_task(worker._put_up_walls())
+            trying = asyncio.create_task(worker._start_sandbox())
             while not (known := await database.rows("SELECT isolation, unavailable_reason FROM worker")):
                 await asyncio.sleep(0.02)
             worker._stopping.set()

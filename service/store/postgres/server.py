@@ -166,9 +166,9 @@ class EmbeddedPostgres:
         installed, required = version.split()[2].split(".")[0], (self._cluster / "PG_VERSION").read_text().strip()
         if installed != required:
             raise DatabaseUnavailable(
-                f"the data in {self._cluster} was written by PostgreSQL {required}, the programs in {self._programs} are {installed}. "
-                f"With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{required}/bin polhode db backup old.dump; then move "
-                f"{self._cluster} away, and with the new ones: polhode db restore old.dump"
+                f"the data in {self._cluster} was written by PostgreSQL {required}, the programs in {self._programs} "
+                f"are {installed}. With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{required}/bin polhode db backup "
+                f"old.dump; then move {self._cluster} away, and with the new ones: polhode db restore old.dump"
             )
 
     def _wait_until_it_answers(self) -> None:

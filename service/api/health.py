@@ -26,17 +26,19 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"walls": "no worker has been heard of", "database": "ok"}
+    checks = {"database": "ok"}
+    sandbox = "no worker is registered"
     invalid = (
         {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     )  # the others can be graded
     try:
         await request.app.state.database.ping()
-        walls, refusal = await request.app.state.crew.known()
-        checks["walls"] = walls or refusal or checks["walls"]
+        isolation, refusal = await request.app.state.crew.known()
+        sandbox = isolation or refusal or sandbox
     except Exception as error:
-        walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
-    if walls is None:
+        isolation, sandbox, checks = None, "unknown", {"database": type(error).__name__}
+    checks = {"isolation": sandbox, "walls": sandbox} | checks  # "walls" is the former name
+    if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
 
@@ -55,7 +57,7 @@ class WorkerStatus:
         self._known: tuple[str | None, str | None] = None, None
 
     async def known(self) -> tuple[str | None, str | None]:
-        """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
+        """Return the isolation of a worker that grades and the reason why another one does not, each None if there is no such worker."""
         now = time.monotonic()
         if now - self._asked > KNOWN_FOR_S:
             load_catalogue = await self._database.rows(_CREW)

@@ -154,7 +154,7 @@ def _doctor(arguments: argparse.Namespace) -> int:
     from service.cli.doctor import examine
     from service.settings import Settings
 
-    lines, valid = examine(Settings().min_tier)
+    lines, valid = examine(Settings().min_isolation)
     print("\n".join(lines))
     return 0 if valid else 2
 

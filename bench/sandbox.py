@@ -1,4 +1,4 @@
-"""What the sandbox costs: a warm child against a cold bwrap and Python per submission, in the same run; rates, memory, kill latency.
+"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission, in one run; rates, memory, kill latency.
 
 The goals are issue 4's; they hold on an idle machine with two cores.
 """

@@ -57,7 +57,7 @@ class WorkerStatus:
         self._known: tuple[str | None, str | None] = None, None
 
     async def known(self) -> tuple[str | None, str | None]:
-        """Return the isolation of a worker that grades and the reason why another one does not, each None if there is no such worker."""
+        """Return the isolation of a worker that grades, and the reason why another one does not. Each may be None."""
         now = time.monotonic()
         if now - self._asked > KNOWN_FOR_S:
             load_catalogue = await self._database.rows(_CREW)

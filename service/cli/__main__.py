@@ -46,7 +46,8 @@ def _tell(error: Exception) -> None:
         traceback.print_exc()
         return
     for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
-        print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
+        name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")  # an alias has the prefix already
+        print(f"polhode: POLHODE_{name}: {wrong['msg']}", file=sys.stderr)
 
 
 def _close(stream: TextIO | None) -> None:

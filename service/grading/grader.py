@@ -46,7 +46,7 @@ _sandbox: Sandbox | None = None
 
 
 def start(isolation: Isolation) -> None:
-    """Prepare this process: a sandbox behind those isolation, and no life after the process that started it."""
+    """Prepare this process: a sandbox with ``isolation``, and an end together with the process that started it."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
     if _sandbox is None:

@@ -58,8 +58,11 @@ class Isolation:
 
 @dataclass(frozen=True)
 class Guest:
-    """The settings of a zygote: its import ``path``, the ``user`` id it changes to (None: unchanged), its children's ``layers``, and
-    the paths that these let a child read and list."""
+    """Settings of a zygote.
+
+    ``path`` is its import path and ``user`` the user id that it changes to (None: unchanged). Its children apply ``layers``,
+    which let them read below ``readable`` and list below ``listable``.
+    """
 
     path: Sequence[str]
     user: int | None

@@ -1,4 +1,4 @@
-"""The isolation level that is selected, the self-test that finds a missing layer, and a server without a sandbox, which grades nothing and says why."""
+"""The selected isolation level, the self-test that finds a missing layer, and a server without a sandbox."""
 
 import json
 import os

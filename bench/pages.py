@@ -118,7 +118,7 @@ WITH people AS (
     SELECT gen_random_uuid(), id, 1, 'interactive', 7, 3 FROM sent RETURNING id
 )
 INSERT INTO result (grading_id, report, score, max_score, version, isolation, grading_s)
-SELECT id, CAST(%(report)s AS jsonb), %(score)s, %(most)s, '1', 'tier A', 1.0 FROM tried
+SELECT id, CAST(%(report)s AS jsonb), %(score)s, %(most)s, '1', 'namespaces', 1.0 FROM tried
 """
 
 _STAFF = """

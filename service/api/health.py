@@ -27,18 +27,19 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"isolation": "no worker is available", "database": "ok"}
+    checks = {"database": "ok"}
+    sandbox = "no worker is registered"
     invalid = (
         {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     )  # the others can be graded
     try:
         await request.app.state.database.ping()
-        walls, refusal = await request.app.state.worker_status.known()
-        checks["isolation"] = walls or refusal or checks["isolation"]
+        isolation, refusal = await request.app.state.worker_status.known()
+        sandbox = isolation or refusal or sandbox
     except Exception as error:
-        walls, checks = None, {"isolation": "unknown", "database": type(error).__name__}
-    checks["walls"] = checks["isolation"]  # its former name
-    if walls is None:
+        isolation, sandbox, checks = None, "unknown", {"database": type(error).__name__}
+    checks = {"isolation": sandbox, "walls": sandbox} | checks  # "walls" is the former name
+    if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
 
@@ -57,7 +58,7 @@ class WorkerStatus:
         self._known: tuple[str | None, str | None] = None, None
 
     async def known(self) -> tuple[str | None, str | None]:
-        """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
+        """Return the isolation of a worker that grades, and the reason why another one does not. Each may be None."""
         now = time.monotonic()
         if now - self._asked > KNOWN_FOR_S:
             load_catalogue = await self._database.rows(_CREW)

@@ -77,9 +77,9 @@ async def submit(
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
     person = await authenticate(request, "submit")
-    walls, refusal = await request.app.state.worker_status.known()
-    if refusal and not walls:
-        raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
+    isolation, refusal = await request.app.state.worker_status.known()
+    if refusal and not isolation:
+        raise Problem(503, "no-walls", f"no worker has a working sandbox, so submissions are not accepted: {refusal}")
     received = await parse_submission.parse_submission(request, assignment)
     new = NewSubmission(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
     try:

@@ -54,8 +54,8 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    least = Settings().min_tier
-    with ThreadPoolExecutor(1) as beside:  # walls are looked for while the libraries are imported
+    least = Settings().min_isolation
+    with ThreadPoolExecutor(1) as beside:  # selects the isolation level while the libraries are imported
         looking = beside.submit(choose, least)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment

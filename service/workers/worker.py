@@ -90,7 +90,7 @@ class Worker:
         """
         while not self._stopping.is_set():
             try:
-                isolation = await asyncio.to_thread(choose, self._settings.min_tier)
+                isolation = await asyncio.to_thread(choose, self._settings.min_isolation)
                 await self._call(grader.start, isolation)
                 await self._call(grader.ready)
                 self._isolation = isolation.name

@@ -14,7 +14,7 @@ from service.sandbox.isolation import Level
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
-from service.sandbox.self_test import ATTEMPTS
+from service.sandbox.self_test import FORBIDDEN
 
 SWITCHES = {  # kernel settings that forbid namespaces: the value that does, and what to do
     "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
@@ -43,13 +43,13 @@ def examine(least: Level) -> tuple[list[str], bool]:
     try:
         sandbox.self_test()
     except SystemFault as fault:
-        return [*lines, f"probe         {fault}"], False
+        return [*lines, f"self-test     {fault}"], False
     finally:
         sandbox.close()
     absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
     return [
         *lines,
-        f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should",
+        f"self-test     passed: all {len(FORBIDDEN)} forbidden operations failed",
         f"limits        {_limits()}",
         f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
         *(f"              {sentence}" for sentence in absent),

@@ -13,7 +13,8 @@ router = APIRouter()
 KNOWN_FOR_S = 1.0
 
 _CREW = """
-SELECT name, walls, refusal FROM worker WHERE seen_at > now() - interval '10 s' ORDER BY refusal IS NOT NULL, name
+SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at > now() - interval '10 s'
+ORDER BY unavailable_reason IS NOT NULL, name
 """
 
 
@@ -26,18 +27,17 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"database": "ok"}
-    sandbox = "no worker is registered"
+    checks = {"isolation": "no worker is available", "database": "ok"}
     invalid = (
         {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     )  # the others can be graded
     try:
         await request.app.state.database.ping()
         isolation, refusal = await request.app.state.crew.known()
-        sandbox = isolation or refusal or sandbox
+        checks["isolation"] = isolation or refusal or checks["isolation"]
     except Exception as error:
-        isolation, sandbox, checks = None, "unknown", {"database": type(error).__name__}
-    checks = {"isolation": sandbox, "walls": sandbox} | checks  # "walls" is the former name
+        isolation, checks = None, {"isolation": "unknown", "database": type(error).__name__}
+    checks["walls"] = checks["isolation"]  # its former name
     if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
@@ -62,8 +62,8 @@ class WorkerStatus:
         if now - self._asked > KNOWN_FOR_S:
             load_catalogue = await self._database.rows(_CREW)
             self._known = (
-                next((w.walls for w in load_catalogue if w.walls), None),
-                next((w.refusal for w in load_catalogue if w.refusal), None),
+                next((w.isolation for w in load_catalogue if w.isolation), None),
+                next((w.unavailable_reason for w in load_catalogue if w.unavailable_reason), None),
             )
             self._asked = now
         return self._known

@@ -147,7 +147,7 @@ def _uuid(told: str) -> uuid.UUID | None:
 def _document(stored: SubmissionRecord) -> dict[str, Any]:
     told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
     told |= {"report": document(stored.report) if stored.report else None}
-    told |= {"fault": stored.fault} if stored.fault else {}
+    told |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
     return told | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
 
 

@@ -22,7 +22,7 @@ SENTENCES = {
     Ended.EXITED: "your code ended the Python process",
     Ended.KILLED: "the Python process crashed",
     Ended.OUTPUT: "your code printed or returned far too much",
-    Ended.PROTOCOL: "the sandbox sent an invalid result",
+    Ended.PROTOCOL: "the process of your code sent an invalid result",
     Ended.NOT_PLAYED: "not played, because an earlier step did not finish",
 }
 

@@ -168,7 +168,7 @@ class PlaySession:
         assert self.ended is not None
         if not self.reader.prepared:
             words = text(self.output.decode(errors="replace")[-500:])
-            raise SystemFault(f"the sandbox failed before it ran the submission: {words or self.ended}")
+            raise SystemFault(f"the sandbox or the assignment's own code failed before the submission ran: {words or self.ended}")
         scene_end = self.stopped or self._by_status()
         if scene_end is None:
             return

@@ -243,4 +243,4 @@ def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2
     (told,) = json.loads(capsys.readouterr().out)["reports"]
-    assert told["report"] is None and "before it read the submission" in told["fault"] and "error" not in told
+    assert told["report"] is None and "before the submission ran" in told["fault"] and "error" not in told

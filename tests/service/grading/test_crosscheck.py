@@ -48,7 +48,7 @@ def test_answers_that_differ_in_the_last_bits_are_found(source, rigid_body, sand
 
 def test_right_equations_are_certified_and_their_motion_is_the_childs(rigid_body, sandbox):
     report = grade(Submission(RIGHT), rigid_body, sandbox, 5, ["2"]).report
-    assert report.passed and "certified by probes" in report.provenance.motions["torque-free"]
+    assert report.passed and "verified by probes" in report.provenance.motions["torque-free"]
 
 
 def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):

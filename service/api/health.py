@@ -27,17 +27,18 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"isolation": "no worker is available", "database": "ok"}
+    checks = {"database": "ok"}
+    sandbox = "no worker is registered"
     invalid = (
         {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     )  # the others can be graded
     try:
         await request.app.state.database.ping()
         isolation, refusal = await request.app.state.crew.known()
-        checks["isolation"] = isolation or refusal or checks["isolation"]
+        sandbox = isolation or refusal or sandbox
     except Exception as error:
-        isolation, checks = None, {"isolation": "unknown", "database": type(error).__name__}
-    checks["walls"] = checks["isolation"]  # its former name
+        isolation, sandbox, checks = None, "unknown", {"database": type(error).__name__}
+    checks = {"isolation": sandbox, "walls": sandbox} | checks  # "walls" is the former name
     if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})

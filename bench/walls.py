@@ -1,6 +1,7 @@
-"""What the walls cost: a warm child against a cold bwrap and Python per submission, in the same run; rates, memory, kill latency.
+"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission, rates, memory, and kill
+latency.
 
-The goals are issue 4's; they hold on an idle machine with two cores.
+The goals hold for an idle machine with two cores.
 """
 
 import os
@@ -48,7 +49,7 @@ def f(x):
 
 
 def main() -> None:
-    """Measure and print, a line each."""
+    """Measure and print one line per measurement."""
     walls = choose()
     first, second = Sandbox(walls), Sandbox(walls)
     for sandbox in (first, second):
@@ -76,7 +77,7 @@ def main() -> None:
 
 
 def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
-    """Median time of a play, and until the submission's first line ran."""
+    """Print the median time to the submission's first line and of a whole play. Return the latter in seconds."""
     first_line, whole = [], []
     for _ in range(plays):
         began = time.clock_gettime(time.CLOCK_MONOTONIC)
@@ -90,7 +91,7 @@ def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
 
 
 def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: float = 3.0) -> float:
-    """How often a second, with all sandboxes at work."""
+    """Return the plays per second with all sandboxes at work."""
     counts, until = [0] * len(sandboxes), time.monotonic() + seconds
 
     def work(k: int) -> None:
@@ -107,7 +108,7 @@ def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: f
 
 
 def memory(sandbox: Sandbox) -> None:
-    """Resident size of the zygote, and private memory of a child that computes and of one that has drawn a figure."""
+    """Print the resident size of the zygote, and the private memory of a child that computes and of one that draws."""
     pid = sandbox._zygote._process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
         pid = int(children[0])
@@ -126,7 +127,7 @@ def memory(sandbox: Sandbox) -> None:
 
 
 def kill_latency(sandbox: Sandbox) -> None:
-    """From the end of the host's patience until the child is buried."""
+    """Print the time from the end of the budget until the child is reaped."""
     session.GRACE_S = 0.0
     source = "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [14])\ndef f(x):\n    while True: pass"
     job = replace(TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),))
@@ -135,7 +136,7 @@ def kill_latency(sandbox: Sandbox) -> None:
 
 
 def timed(run: Callable[[], object]) -> float:
-    """Wall time of one call."""
+    """Return the wall time of one call in seconds."""
     began = time.perf_counter()
     run()
     return time.perf_counter() - began
@@ -180,7 +181,7 @@ def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
 
 
 def _memory(pid: int, kind: str) -> float:
-    """KiB by /proc/pid/smaps_rollup; 0 once it is gone."""
+    """Return the KiB of ``kind`` in /proc/pid/smaps_rollup, 0 for a process that has ended."""
     try:
         text = Path(f"/proc/{pid}/smaps_rollup").read_text()
     except OSError:

@@ -66,7 +66,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     serve.add_argument("--port", type=int, help="port to listen on (POLHODE_PORT, default 8000)")
     serve.set_defaults(run=_serve)
     worker = commands.add_parser(
-        "worker", help="grade submissions of a server, on this machine or with POLHODE_DATABASE_URL on another"
+        "worker", help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL"
     )
     worker.add_argument("--slots", type=int, dest="workers", help="gradings at a time (POLHODE_WORKERS, default one per processor)")
     worker.add_argument("--with-parent", type=int, metavar="PID", help="exit when the parent process PID exits")

@@ -1,6 +1,4 @@
-"""A synthetic class for the demonstration: forty students who submit samples, graded after all interactive
-submissions.
-"""
+"""A synthetic class for the demonstration: forty students who submit samples, graded after all interactive submissions."""
 
 import asyncio
 import time

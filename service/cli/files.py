@@ -55,9 +55,7 @@ def _files(name: str) -> Iterator[Path]:
 
 
 def _in_folder(folder: Path) -> list[Path]:
-    """Return the files in a folder, which may itself be hidden, without Jupyter's checkpoints and files such as
-    __init__.py.
-    """
+    """Return the files in a folder, which may itself be hidden, without Jupyter's checkpoints and files such as __init__.py."""
     found: list[Path] = []
     for here, folders, names in os.walk(folder, onerror=_raise):
         folders[:] = filter(_visible, folders)

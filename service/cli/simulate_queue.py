@@ -42,7 +42,7 @@ class Deadline:
         if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
             raise ValueError(f"must be more than 0: {', '.join(wrong)}")
         if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
-            raise ValueError(f"at most {MOST} submissions and {YEAR_MIN} minutes")
+            raise ValueError(f"too large: at most {MOST} submissions and {YEAR_MIN} minutes")
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,7 @@ from service.grading.result import GradedFile
 
 @dataclass
 class Tally:
-    """Counts over the samples of an assignment, with the checks made, the checks that failed and the diagnosis
-    codes named.
-    """
+    """Counts over the samples of an assignment, with the checks made, the checks that failed and the diagnosis codes named."""
 
     samples: int = 0
     unexpected: int = 0

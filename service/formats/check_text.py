@@ -20,9 +20,7 @@ class NoVerdict(Exception):
 
 
 def sanitize(raw: str, most: int | None = None) -> str:
-    """Return the text without non-XML characters, bidirectional controls and terminal sequences, cut to ``most``
-    characters.
-    """
+    """Return the text without non-XML characters, bidirectional controls and terminal sequences, cut to ``most`` characters."""
     whole = text(raw.replace("\r\n", "\n"), len(raw))
     return whole if most is None or len(whole) <= most else f"{whole[: most - 2]} …"
 
@@ -71,9 +69,7 @@ def code(raw: str) -> str:
 
 
 def escaped(raw: str) -> str:
-    """Return the text on one line with every ASCII punctuation mark as an entity, so that Markdown renders it
-    literally.
-    """
+    """Return the text on one line with every ASCII punctuation mark as an entity, so that Markdown renders it literally."""
     return _PLAIN.sub(lambda sign: sign[0] if ord(sign[0]) > 127 else f"&#{ord(sign[0])};", one_line(raw))
 
 

@@ -123,9 +123,7 @@ def _annotation(file: GradedFile, path: str, line: int | None, outcomes: list[tu
 
 
 def _fitting(files: Sequence[GradedFile], render: Callable[[GradedFile], str], room: int) -> tuple[str, int]:
-    """Render files in turn while they fit into ``room`` bytes of UTF-8. Return the text and the number of files
-    left out.
-    """
+    """Render files in turn while they fit into ``room`` bytes of UTF-8. Return the text and the number of files left out."""
     parts: list[str] = []
     for file in files:
         part = render(file)

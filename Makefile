@@ -65,7 +65,7 @@ exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotag
 
 bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, pages, and other autograders
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
-	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
+	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge

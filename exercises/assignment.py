@@ -94,7 +94,7 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Assignment:
-    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall.
+    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which run in the sandbox.
 
     ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides numpy, scipy and
     matplotlib: they must be installed on the server. ``diagnose`` names the causes of one scene's numbers, and

@@ -60,7 +60,7 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    least = Settings().min_tier
+    least = Settings().min_isolation
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the libraries are imported
         isolation = executor.submit(choose, least)
         from exercises.assignment import InvalidAssignment, NoAssignment
@@ -118,4 +118,6 @@ def _entry(file: "GradedFile") -> dict[str, Any]:
     from ecp.document import document
 
     entry: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
-    return entry | ({"error": file.refused} if file.refused else {}) | ({"fault": file.fault} if file.fault else {})
+    error = {"error": file.refused} if file.refused else {}
+    fault = {"fault": file.fault, "system_fault": file.fault} if file.fault else {}
+    return entry | error | fault

@@ -68,7 +68,8 @@ def show(queue: "QueueSnapshot") -> str:
     busy = {g.worker for g in queue.going}
     for w in queue.workers:
         if w.name not in busy:
-            lines.append(f"{w.name:28} {'':8} {w.silent_s:7.1f} s  {'not grading: ' + w.refusal if w.refusal else 'idle'}")
+            state = f"not grading: {w.unavailable_reason}" if w.unavailable_reason else "idle"
+            lines.append(f"{w.name:28} {'':8} {w.silent_s:7.1f} s  {state}")
     lines += [f"fault   {f.submission}  {f.person}  {f.finished_at:%Y-%m-%d %H:%M}  {f.fault}" for f in queue.faults]
     return "\n".join(lines)
 

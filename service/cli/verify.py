@@ -41,7 +41,7 @@ def _verify(arguments: argparse.Namespace) -> int:
     from service.settings import Settings
 
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the assignments are imported
-        isolation = executor.submit(choose, Settings().min_tier)
+        isolation = executor.submit(choose, Settings().min_isolation)
         from exercises import validation
         from exercises.assignment import InvalidAssignment
         from exercises.samples import load_samples
@@ -107,7 +107,7 @@ def _slugs(name: str) -> list[str]:
     return [catalogue.slug_of(folder) for folder in selected]
 
 
-def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argparse.Namespace, walls: "Isolation") -> int:
+def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argparse.Namespace, isolation: "Isolation") -> int:
     from exercises.samples import with_entries
     from service.cli import verification
     from service.cli.output_dir import write
@@ -122,7 +122,7 @@ def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argpars
         return 2
     tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in listed}
     with Progress(len(asks), "as expected") as progress:
-        for graded in grade_files(asks, GradeOptions(assignment, arguments.seed), walls, arguments.jobs, progress.update):
+        for graded in grade_files(asks, GradeOptions(assignment, arguments.seed), isolation, arguments.jobs, progress.update):
             if graded.fault:
                 faults += 1
                 progress.print(f"?  {graded.file.name}   not graded (system fault): {graded.fault}", good=False)

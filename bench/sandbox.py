@@ -1,6 +1,6 @@
-"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission, in one run; rates, memory, kill latency.
+"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission; rates, memory, kill latency.
 
-The goals are issue 4's; they hold on an idle machine with two cores.
+The goals hold for an idle machine with two cores.
 """
 
 import os
@@ -76,7 +76,7 @@ def main() -> None:
 
 
 def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
-    """Print the median time of a play and until the submission's first line, and return the former in seconds."""
+    """Print the median time to the submission's first line and of a whole play. Return the latter in seconds."""
     first_line, whole = [], []
     for _ in range(plays):
         began = time.clock_gettime(time.CLOCK_MONOTONIC)
@@ -90,7 +90,7 @@ def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
 
 
 def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: float = 3.0) -> float:
-    """Return how often per second ``play`` runs with all sandboxes at work."""
+    """Return the plays per second with all sandboxes at work."""
     counts, until = [0] * len(sandboxes), time.monotonic() + seconds
 
     def work(k: int) -> None:
@@ -107,7 +107,7 @@ def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: f
 
 
 def memory(sandbox: Sandbox) -> None:
-    """Print the zygote's resident size and the private memory of a child that computes and of one that has drawn a figure."""
+    """Print the resident size of the zygote, and the private memory of a child that computes and of one that draws."""
     pid = sandbox._zygote._process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
         pid = int(children[0])
@@ -126,7 +126,7 @@ def memory(sandbox: Sandbox) -> None:
 
 
 def kill_latency(sandbox: Sandbox) -> None:
-    """Time from the end of the host's limit until the child has been reaped."""
+    """Print the time from the end of the budget until the child is reaped."""
     session.GRACE_S = 0.0
     source = "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [14])\ndef f(x):\n    while True: pass"
     job = replace(TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),))
@@ -180,7 +180,7 @@ def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
 
 
 def _memory(pid: int, kind: str) -> float:
-    """Return KiB from /proc/pid/smaps_rollup, or 0 if the process has ended."""
+    """Return the KiB of ``kind`` in /proc/pid/smaps_rollup, 0 for a process that has ended."""
     try:
         text = Path(f"/proc/{pid}/smaps_rollup").read_text()
     except OSError:

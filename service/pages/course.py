@@ -63,7 +63,7 @@ async def enter(request: Request, person: Instructor, form: forms.Form) -> Respo
     names = [entry.name for entry in entries] if forms.field(form, "tokens") else []
     async with request.app.state.database.begin() as connection:
         await people.enroll(connection, entries)
-        terms: dict[str, Any] = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
+        terms: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
         given = await tokens.create_all(connection, names, **terms) if names else []
         await people.record_audit(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(given)})
     return _file(given) if given else RedirectResponse(f"/people?entered={len(entries)}", 303)

@@ -534,17 +534,17 @@ GRADES = [
     ),
     Breakage(
         "an ungraded student has an empty cell for Canvas, which takes a score away",
-        "service/formats/canvas.py",
-        "for row in rows if row.points is not None]",
-        "for row in rows]",
-        ("tests/service/formats/test_canvas.py",),
+        "service/formats/gradebooks.py",
+        "row.student, None, row.points] for row in rows if row.points is not None]",
+        "row.student, None, row.points] for row in rows]",
+        ("tests/service/formats/test_gradebooks.py",),
     ),
     Breakage(
         "the state of a check ignores its override",
         "service/formats/grade_row.py",
         "if check not in self.checks or check not in self.given:",
         "if check in self.checks or check not in self.given:",
-        ("tests/service/formats/test_grades_csv.py",),
+        ("tests/service/formats/test_grades.py",),
     ),
 ]
 

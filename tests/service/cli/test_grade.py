@@ -52,8 +52,8 @@ def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(polhode, folder)
         (["nowhere.py"], "nowhere.py"),
         (["right_terms.py", "--exercise", "9"], "no exercise 9"),
         (["right_terms.py", "--assignment", "knitting"], "no assignment knitting; known: "),
-        (["right_terms.py", "--jobs", "0"], "at least 1"),
-        (["right_terms.py", "--seed=-1"], "argument --seed: a seed is 0 or more"),
+        (["right_terms.py", "--jobs", "0"], "expected at least 1"),
+        (["right_terms.py", "--seed=-1"], "argument --seed: expected a seed of 0 or more"),
         (["right_terms.py", "--out", "/dev/null/x"], "/dev/null/x"),
     ],
 )

@@ -137,8 +137,8 @@ class Assignment:
     def max_points(self, numbers: Collection[str] | None = None) -> int:
         """A point for each check of the exercises (default: all), but for those of functions that may be left out: a bonus."""
         asked = [e for e in self.exercises if numbers is None or e.number in numbers]
-        return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in asked)
+        return sum(len(e.applicable_checks(e.functions, lambda scene: self.scene(scene).function)) for e in asked)
 
     def functions(self) -> set[str]:
         """Every name a student may define to be played."""
-        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.asks_for()}
+        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.function_names()}

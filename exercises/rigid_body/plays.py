@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 import ecp.animate
 from ecp.animation import watch
-from ecp.return_value import WrongAnswer, exchanged, real_array, takes
+from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
 
 # The notebook's own settings; a right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
@@ -32,7 +32,7 @@ NOT_OWN = {"own_R": np.zeros((1, 3, 3)), "own_t": np.zeros((1, 1)), "own_I": np.
 def box(student, inputs):
     """``box_moments`` for each row (m, a, b, c)."""
     function = student["box_moments"]
-    takes(function, ("m", "a", "b", "c"), "box_moments")
+    check_signature(function, ("m", "a", "b", "c"), "box_moments")
     rows = [real_array(function(*map(float, row)), (3,), "box_moments") for row in np.asarray(inputs["boxes"])]
     return {"moments": np.array(rows)}
 
@@ -40,7 +40,7 @@ def box(student, inputs):
 def tensors(student, inputs):
     """``principal_moments`` of each tensor (3, 3), in the order it returned them."""
     function = student["principal_moments"]
-    takes(function, ("tensor",), "principal_moments")
+    check_signature(function, ("tensor",), "principal_moments")
     rows = [real_array(function(np.array(tensor)), (3,), "principal_moments") for tensor in np.asarray(inputs["tensors"])]
     return {"moments": np.array(rows)}
 
@@ -48,7 +48,7 @@ def tensors(student, inputs):
 def pointwise(student, inputs):
     """``euler_eqs`` asked once per probe, with its own copies of the arguments."""
     function = student["euler_eqs"]
-    takes(function, CALLED, "euler_eqs")
+    check_signature(function, CALLED, "euler_eqs")
     answers, before = [], None
     for t, w, I in zip(inputs["t"], np.asarray(inputs["w"]), np.asarray(inputs["I"]), strict=True):
         spin, moments = w.copy(), I.copy()
@@ -132,7 +132,7 @@ def sweep(student, inputs):
 
 def precession(student, inputs):
     """``precession_rate`` of a given motion: one number."""
-    takes(student["precession_rate"], ("t", "w"), "precession_rate")
+    check_signature(student["precession_rate"], ("t", "w"), "precession_rate")
     rate = student["precession_rate"](np.array(inputs["t"]), np.array(inputs["w"]))
     return {"rate": real_array(rate, (), "precession_rate")}
 
@@ -143,7 +143,7 @@ def animation(student, inputs):
     One that a cell showed instead comes with the numbers it may have been drawn from.
     """
     name, arguments = inputs["function"], inputs["arguments"]
-    takes(student[name], tuple(arguments), name)
+    check_signature(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
     ecp.animate.made.clear()
     unkept = False

@@ -185,7 +185,7 @@ def _add_what_is_known(assignment: Assignment, seen: PlayResult, truths: Mapping
 
 def _judge(exercise: Exercise, assignment: Assignment, attempt: Attempt, crossed: CrossCheck, causes: Causes) -> ExerciseReport:
     outcomes, seen = [], attempt.seen
-    for check in exercise.made(seen.defined, lambda scene: assignment.scene(scene).function):
+    for check in exercise.applicable_checks(seen.defined, lambda scene: assignment.scene(scene).function):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, seen, attempt.truths)
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):

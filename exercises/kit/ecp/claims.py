@@ -82,7 +82,7 @@ class NotebookCheck:
 
     @property
     def line(self) -> str:
-        """The ✓/✗ line as the notebook prints it."""
+        """Return the ✓/✗ line as the notebook prints it."""
         return judge.line(self.verdict, self.label, self.detail)
 
 

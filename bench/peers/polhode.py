@@ -20,7 +20,7 @@ class Polhode(Peer):
         return []
 
     def one(self, name: str) -> Command:
-        """From nothing: walls, interpreter behind them, grading, end."""
+        """Run polhode from a cold start: sandbox, its interpreter, grading, exit."""
         return self._grade([name], f"{name}.json")
 
     def many(self, names: Sequence[str]) -> Sequence[Command]:

@@ -37,7 +37,7 @@ async def events(
             continue
         id = " ".join(str(value) for value in now.values())
         if id != told:
-            yield ServerSentEvent(event=now["status"], id=id, data=now)
+            yield ServerSentEvent(event=now["status"], id=id, data=now | {"grading": now["attempt"]})
             told = id
         if now["status"] in ("graded", "faulted"):
             return
@@ -50,5 +50,5 @@ async def _now(request: Request, stored: SubmissionRecord, listener: Listener) -
     if row.finished:
         return told | {"score": row.score, "max_score": row.max_score, "total": row.total}
     if row.status == "queued":
-        return told | {"position": await listener.position(str(row.attempt))}
+        return told | {"position": await listener.position(str(row.grading))}
     return told | {"phase": row.phase, "scene": row.scene, "scenes": row.scenes}

@@ -35,10 +35,10 @@ async def figure(stored: Submission, name: str, form: Literal["png", "svg"], req
 async def cached_artefact(
     request: Request, stored: SubmissionRecord, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
 ) -> Response:
-    """The artefact ``name``; the first who asks has it made of the attempt's packed arrays, and it is kept."""
+    """The artefact ``name``; the first who asks has it made of the grading's packed arrays, and it is kept."""
     database = request.app.state.database
-    if (found := await find_artefact(database, stored.attempt, name)) is None:
-        packed = await find_artefact(database, stored.attempt, "arrays.npz")
+    if (found := await find_artefact(database, stored.grading, name)) is None:
+        packed = await find_artefact(database, stored.grading, "arrays.npz")
         if packed is None:
             raise Problem(404, "not-found", "the arrays of this submission are gone")
         try:
@@ -47,8 +47,8 @@ async def cached_artefact(
             raise Problem(404, "not-found", f"these numbers cannot be drawn: {error}") from error
         except RenderFailed as error:
             raise Problem(503, "busy", "the picture could not be drawn: ask again") from error
-        await store_artefacts(database, stored.attempt, {name: content})
-        found = await find_artefact(database, stored.attempt, name)
+        await store_artefacts(database, stored.grading, {name: content})
+        found = await find_artefact(database, stored.grading, name)
         assert found is not None
     return _cached(request, found, media_type)
 
@@ -60,11 +60,11 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
         raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
     database = request.app.state.database
     async for _ in request.app.state.listener.wait_for_changes(str(stored.id), SWEPT_IN_S):
-        if found := await find_artefact(database, stored.attempt, f"sweep.{form}"):
+        if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
-        if refused := await find_artefact(database, stored.attempt, "sweep.refused"):
+        if refused := await find_artefact(database, stored.grading, "sweep.refused"):
             raise Problem(404, "not-found", f"this function could not be swept: {refused[0].decode()}")
-        await sweeps.request(database, stored.attempt)
+        await sweeps.request(database, stored.grading)
     raise Problem(503, "busy", "the sweep has not been played yet: ask again later")
 
 
@@ -73,7 +73,7 @@ async def animation(stored: Submission, name: str, request: Request) -> Response
     """The contact sheet of an animation."""
     known = {a.name for a in stored.report.animations} if stored.report else set()
     database = request.app.state.database
-    found = await find_artefact(database, stored.attempt, f"animations/{name}.png") if name in known else None
+    found = await find_artefact(database, stored.grading, f"animations/{name}.png") if name in known else None
     if found is None:
         raise Problem(404, "not-found", f"the report has no animation {name[:80]}")
     return _cached(request, found, FORMATS["png"])

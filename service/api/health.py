@@ -13,7 +13,8 @@ router = APIRouter()
 KNOWN_FOR_S = 1.0
 
 _CREW = """
-SELECT name, walls, refusal FROM worker WHERE seen_at > now() - interval '10 s' ORDER BY refusal IS NOT NULL, name
+SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at > now() - interval '10 s'
+ORDER BY unavailable_reason IS NOT NULL, name
 """
 
 
@@ -26,17 +27,19 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Whether submissions can be graded, and what was checked."""
-    checks = {"walls": "no worker has been heard of", "database": "ok"}
+    checks = {"database": "ok"}
+    sandbox = "no worker is registered"
     invalid = (
         {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     )  # the others can be graded
     try:
         await request.app.state.database.ping()
-        walls, refusal = await request.app.state.crew.known()
-        checks["walls"] = walls or refusal or checks["walls"]
+        isolation, refusal = await request.app.state.crew.known()
+        sandbox = isolation or refusal or sandbox
     except Exception as error:
-        walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
-    if walls is None:
+        isolation, sandbox, checks = None, "unknown", {"database": type(error).__name__}
+    checks = {"isolation": sandbox, "walls": sandbox} | checks  # "walls" is the former name
+    if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
 
@@ -55,13 +58,13 @@ class WorkerStatus:
         self._known: tuple[str | None, str | None] = None, None
 
     async def known(self) -> tuple[str | None, str | None]:
-        """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
+        """Return the isolation of a worker that grades, and the reason why another one does not. Each may be None."""
         now = time.monotonic()
         if now - self._asked > KNOWN_FOR_S:
             load_catalogue = await self._database.rows(_CREW)
             self._known = (
-                next((w.walls for w in load_catalogue if w.walls), None),
-                next((w.refusal for w in load_catalogue if w.refusal), None),
+                next((w.isolation for w in load_catalogue if w.isolation), None),
+                next((w.unavailable_reason for w in load_catalogue if w.unavailable_reason), None),
             )
             self._asked = now
         return self._known

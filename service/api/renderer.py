@@ -31,7 +31,7 @@ class Renderer:
 
     async def figure(self, stored: SubmissionRecord, name: str, packed: bytes, form: str) -> bytes:
         """A figure of a graded submission. ArithmeticError or ValueError where its numbers cannot be drawn."""
-        key = stored.attempt, name, form
+        key = stored.grading, name, form
         return await self._once(key, grader.draw_one, stored.assignment, name, packed, stored.seed, form)
 
     async def chart(self, kind: str, number: int) -> bytes:

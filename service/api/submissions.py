@@ -77,9 +77,9 @@ async def submit(
     """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
     arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
     person = await authenticate(request, "submit")
-    walls, refusal = await request.app.state.crew.known()
-    if refusal and not walls:
-        raise Problem(503, "no-walls", f"submissions cannot be shut in here, so none is taken: {refusal}")
+    isolation, refusal = await request.app.state.crew.known()
+    if refusal and not isolation:
+        raise Problem(503, "no-walls", f"no worker has a working sandbox, so submissions are not accepted: {refusal}")
     received = await parse_submission.parse_submission(request, assignment)
     new = NewSubmission(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
     try:
@@ -147,7 +147,7 @@ def _uuid(told: str) -> uuid.UUID | None:
 def _document(stored: SubmissionRecord) -> dict[str, Any]:
     told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
     told |= {"report": document(stored.report) if stored.report else None}
-    told |= {"fault": stored.fault} if stored.fault else {}
+    told |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
     return told | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
 
 

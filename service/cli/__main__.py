@@ -46,7 +46,8 @@ def _tell(error: Exception) -> None:
         traceback.print_exc()
         return
     for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
-        print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
+        name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")  # an alias has the prefix already
+        print(f"polhode: POLHODE_{name}: {wrong['msg']}", file=sys.stderr)
 
 
 def _close(stream: TextIO | None) -> None:
@@ -154,7 +155,7 @@ def _doctor(arguments: argparse.Namespace) -> int:
     from service.cli.doctor import examine
     from service.settings import Settings
 
-    lines, valid = examine(Settings().min_tier)
+    lines, valid = examine(Settings().min_isolation)
     print("\n".join(lines))
     return 0 if valid else 2
 

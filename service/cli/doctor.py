@@ -10,6 +10,7 @@ from exercises.catalogue import assignments
 from service.grading.grade import missing_packages
 from service.sandbox.guest import landlock, lockdown
 from service.sandbox.guest.syscalls import MACHINES
+from service.sandbox.isolation import Level
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
@@ -22,22 +23,22 @@ SWITCHES = {  # kernel settings that forbid namespaces: the value that does, and
 }
 
 
-def examine(least: str) -> tuple[list[str], bool]:
-    """The findings, a line each, and whether submissions can be graded here behind tier ``least`` or better."""
+def examine(least: Level) -> tuple[list[str], bool]:
+    """The findings, a line each, and whether submissions can be graded here at isolation level ``least`` or a stronger one."""
     machine = platform.machine()
     lines = [
         f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no filter of system calls is known'}",
         f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: Linux 5.13 or later, named in lsm= at boot'}",
         f"user          {'root: the guest runs as user ' + str(lockdown.GUEST_UID) if os.geteuid() == 0 else os.geteuid()}",
     ]
-    walls, reason = try_namespaces()
-    lines.append(f"namespaces    {'yes' if walls else f'no: {reason}'}")
-    lines += [f"              try: {advice}" for advice in ([] if walls else _advice())]
+    available, reason = try_namespaces()
+    lines.append(f"namespaces    {'yes' if available else f'no: {reason}'}")
+    lines += [f"              try: {advice}" for advice in ([] if available else _advice())]
     try:
         chosen = choose(least)
     except IsolationUnavailable as missing:
-        return [*lines, f"tier          none: {missing}"], False
-    lines.append(f"tier          {chosen.name.removeprefix('tier ')}")
+        return [*lines, f"isolation     none: {missing}"], False
+    lines.append(f"isolation     {chosen.name}")
     sandbox = Sandbox(chosen)
     try:
         sandbox.self_test()

@@ -54,8 +54,8 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    least = Settings().min_tier
-    with ThreadPoolExecutor(1) as beside:  # walls are looked for while the libraries are imported
+    least = Settings().min_isolation
+    with ThreadPoolExecutor(1) as beside:  # selects the isolation level while the libraries are imported
         looking = beside.submit(choose, least)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment
@@ -112,4 +112,8 @@ def _told(file: "GradedFile") -> dict[str, Any]:
     from ecp.document import document
 
     told: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
-    return told | ({"error": file.refused} if file.refused else {}) | ({"fault": file.fault} if file.fault else {})
+    return (
+        told
+        | ({"error": file.refused} if file.refused else {})
+        | ({"fault": file.fault, "system_fault": file.fault} if file.fault else {})
+    )

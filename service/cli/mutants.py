@@ -1,4 +1,4 @@
-"""How strong the checks are, as a number: wrong functions graded behind the walls, and who accepts them."""
+"""How strong the checks are, as a number: wrong functions graded in the sandbox, and who accepts them."""
 
 import importlib
 import multiprocessing
@@ -40,8 +40,8 @@ def grade_mutants(assignment: Assignment, most: int | None = None) -> Iterator[M
         raise NoMutants(f"{assignment.folder} has no mutants.py")
     source = importlib.import_module(f"exercises.{assignment.folder.name}.mutants")
     mutants = list(source.mutants())[:most]
-    walls = choose(Settings().min_tier)
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (walls,)) as pool:
+    isolation = choose(Settings().min_isolation)
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
         asked = [
             pool.submit(grader.grade_one, Submission(m.source), assignment.slug, list(source.EXERCISES), SEED) for m in mutants
         ]

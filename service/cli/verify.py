@@ -39,8 +39,8 @@ def _verify(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    with ThreadPoolExecutor(1) as beside:  # walls are looked for while the assignments are imported
-        looking = beside.submit(choose, Settings().min_tier)
+    with ThreadPoolExecutor(1) as beside:  # selects the isolation level while the assignments are imported
+        looking = beside.submit(choose, Settings().min_isolation)
         from exercises import validation
         from exercises.assignment import InvalidAssignment
         from exercises.samples import load_samples
@@ -103,7 +103,9 @@ def _slugs(told: str) -> list[str]:
     return [catalogue.slug_of(folder) for folder in meant]
 
 
-def _verify_one(assignment: "Assignment", load_catalogue: "SampleSet", arguments: argparse.Namespace, walls: "Isolation") -> int:
+def _verify_one(
+    assignment: "Assignment", load_catalogue: "SampleSet", arguments: argparse.Namespace, isolation: "Isolation"
+) -> int:
     from exercises.samples import with_entries
     from service.cli import verification
     from service.cli.output_dir import write
@@ -118,7 +120,7 @@ def _verify_one(assignment: "Assignment", load_catalogue: "SampleSet", arguments
         return 2
     tally, faults, entries, known = verification.Tally(), 0, [], {s.file: s for s in load_samples}
     with Progress(len(asks), "as expected") as progress:
-        for graded in grade_files(asks, GradeOptions(assignment, arguments.seed), walls, arguments.jobs, progress.tell):
+        for graded in grade_files(asks, GradeOptions(assignment, arguments.seed), isolation, arguments.jobs, progress.tell):
             if graded.fault:
                 faults += 1
                 progress.say(f"?  {graded.file.name}   not graded: {graded.fault}", good=False)

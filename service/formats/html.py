@@ -46,7 +46,7 @@ def page(file: GradedFile) -> str:
         return _page(str(file.file), f"<p>{escape(file.why)}</p>")
     report = replace(file.report, drawn=lambda name: file.pictures.get(f"{name}.svg") or file.pictures.get(f"{name}.png"))
     printed = f"<details><summary>printed</summary><pre>{escape(report.stdout)}</pre></details>" if report.stdout else ""
-    told = f"<p><small>seed {report.provenance.seed}, walls {escape(report.provenance.walls)}</small></p>"
+    told = f"<p><small>seed {report.provenance.seed}, isolation {escape(report.provenance.isolation)}</small></p>"
     return _page(str(file.file), report_html.html(report) + printed + told + '<p><a href="../index.html">All files</a></p>')
 
 

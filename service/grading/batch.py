@@ -1,4 +1,4 @@
-"""Grading files without a server: the same core and the same walls, in processes with a warm guest each."""
+"""Grading files without a server: the same core and the same isolation, in processes with a warm guest each."""
 
 import logging
 import multiprocessing
@@ -48,7 +48,11 @@ class GradeOptions:
 
 
 def grade_files(
-    asks: Sequence[GradeRequest], wanted: GradeOptions, walls: Isolation, jobs: int | None = None, tell: Tell = lambda done: None
+    asks: Sequence[GradeRequest],
+    wanted: GradeOptions,
+    isolation: Isolation,
+    jobs: int | None = None,
+    tell: Tell = lambda done: None,
 ) -> Iterator[GradedFile]:
     """Each file in turn, graded by a process for each processor (at most ``jobs``); ``tell`` hears how many files are done.
 
@@ -60,14 +64,14 @@ def grade_files(
         select(wanted.assignment, ask.exercises)
     if absent := missing_packages(wanted.assignment):
         raise SystemFault(absent)
-    walls = with_packages(walls, wanted.assignment.packages)
+    isolation = with_packages(isolation, wanted.assignment.packages)
     contents = [_read(ask.file) for ask in asks]
     processes = min(len(asks), jobs or len(os.sched_getaffinity(0)))
     if processes <= 1:
-        yield from _here(asks, contents, wanted, walls, tell)
+        yield from _here(asks, contents, wanted, isolation, tell)
         return
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _begin, (wanted, walls))
+    pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _begin, (wanted, isolation))
     try:
         asked = [pool.submit(_grade, ask, content) for ask, content in zip(asks, contents, strict=True)]
         yield from _in_turn(asks, asked, tell)
@@ -78,9 +82,9 @@ def grade_files(
 
 
 def _here(
-    asks: Sequence[GradeRequest], contents: Sequence[bytes], wanted: GradeOptions, walls: Isolation, tell: Tell
+    asks: Sequence[GradeRequest], contents: Sequence[bytes], wanted: GradeOptions, isolation: Isolation, tell: Tell
 ) -> Iterator[GradedFile]:
-    hand = _FileGrader(wanted, walls)
+    hand = _FileGrader(wanted, isolation)
     try:
         for number, (ask, content) in enumerate(zip(asks, contents, strict=True), start=1):
             graded = hand.grade(ask, content)
@@ -109,8 +113,8 @@ def _in_turn(asks: Sequence[GradeRequest], asked: Sequence["Future[GradedFile]"]
 class _FileGrader:
     """A process's own: one sandbox, and what is wanted of each file."""
 
-    def __init__(self, wanted: GradeOptions, walls: Isolation) -> None:
-        self.wanted, self.sandbox = wanted, Sandbox(walls)
+    def __init__(self, wanted: GradeOptions, isolation: Isolation) -> None:
+        self.wanted, self.sandbox = wanted, Sandbox(isolation)
         self.sandbox.start()
 
     def grade(self, ask: GradeRequest, content: bytes) -> GradedFile:
@@ -140,11 +144,11 @@ class _FileGrader:
 _hand: _FileGrader | None = None
 
 
-def _begin(wanted: GradeOptions, walls: Isolation) -> None:
+def _begin(wanted: GradeOptions, isolation: Isolation) -> None:
     global _hand  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a key pressed is for who started us
-    _hand = _FileGrader(wanted, walls)
+    _hand = _FileGrader(wanted, isolation)
 
 
 def _grade(ask: GradeRequest, content: bytes) -> GradedFile:

@@ -86,7 +86,7 @@ def grade(
         scene_ends=[*seen.cells.values(), *(e for e in seen.scene_ends.values() if e.scene in told)],
         stdout=seen.stdout,
         notebook_checks=_own_checks(seen),
-        provenance=Provenance(seed=seed, versions=versions(), walls=sandbox.walls, motions=crossed.how),
+        provenance=Provenance(seed=seed, versions=versions(), isolation=sandbox.isolation.name, motions=crossed.how),
         not_attempted=missed,
     )
     report.total = report.max_score + assignment.max_points(missed)

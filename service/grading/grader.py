@@ -45,14 +45,14 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
 _sandbox: Sandbox | None = None
 
 
-def start(walls: Isolation) -> None:
-    """Prepare this process: a sandbox behind those walls, and no life after the process that started it."""
+def start(isolation: Isolation) -> None:
+    """Prepare this process: a sandbox with ``isolation``, and an end together with the process that started it."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
     die_with_parent()
     if _sandbox is None:
         atexit.register(_close)
     _close()
-    _sandbox = Sandbox(with_packages(walls, sorted({name for known in assignments().values() for name in known.packages})))
+    _sandbox = Sandbox(with_packages(isolation, sorted({name for known in assignments().values() for name in known.packages})))
     _sandbox.start()
 
 

@@ -25,7 +25,7 @@ TITLES = {
     "fault": "polhode failed",
     "invalid-request": "The request is not understood",
     "key-reused": "This idempotency key was used for another submission",
-    "no-walls": "The server has no walls to grade behind",
+    "no-walls": "No worker has a working sandbox",
     "nobody": "The request does not tell whose it is",
     "login-over": "This login was not confirmed in time, or refused",
     "none-left": "No submission is left",

@@ -63,13 +63,13 @@ class Listener:
             if not self._asleep[submission]:
                 del self._asleep[submission]
 
-    async def position(self, attempt: str) -> int | None:
+    async def position(self, grading: str) -> int | None:
         """Its place in the queue; read at most twice a second for everybody who asks."""
         async with self._asking:
             loop = asyncio.get_running_loop()
             if loop.time() - self._positions[0] > POSITIONS_KEPT_S:
                 self._positions = loop.time(), await positions(self._database)
-        return self._positions[1].get(attempt)
+        return self._positions[1].get(grading)
 
     async def _listen(self) -> None:
         told = False  # of this outage

@@ -24,13 +24,13 @@ LATEST = 100
 async def index(request: Request, person: CurrentUser) -> Response:
     """The assignments with their totals, and the latest submissions, of everybody or your own."""
     database, everybody = request.app.state.database, request.state.role in STAFF
-    walls, refusal = await request.app.state.crew.known()
+    isolation, refusal = await request.app.state.crew.known()
     context = {
         "everybody": everybody,
         "rows": await recent(database, LATEST, None if everybody else person.name),
         "assignments": assignments(),
         "overview": await gradebook.overview(database),
-        "walls": walls or refusal or "none",
+        "isolation": isolation or refusal or "none",
     }
     return templates.TemplateResponse(request, "index.html", context)
 

@@ -37,15 +37,15 @@ async def events(
         yield event
 
 
-@router.post("/queue/{attempt}/cancel")
-async def cancel(attempt: str, request: Request, person: Staff, form: Form) -> Response:
-    """Take an attempt out of the queue, or stop its worker; it costs its person nothing."""
+@router.post("/queue/{grading}/cancel")
+async def cancel(grading: str, request: Request, person: Staff, form: Form) -> Response:
+    """Take a grading out of the queue, or stop its worker; it costs its person nothing."""
     try:
-        found = await gradings.cancel(request.app.state.database, identifier(attempt), person.name)
+        found = await gradings.cancel(request.app.state.database, identifier(grading), person.name)
     except gradings.AlreadyFinished:
         raise Problem(409, "changed-meanwhile", "there is nothing to cancel: it has its result already") from None
     if found is None:
-        raise Problem(404, "not-found", "there is no such attempt")
+        raise Problem(404, "not-found", "there is no such grading")
     request.app.state.queue.changed()
     return RedirectResponse("/queue", 303)
 
@@ -101,5 +101,5 @@ def _going(run: Row[Any], lease_s: float) -> dict[str, Any]:
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
         told["stuck"] = f"{format_seconds(run.scene_s)} {where}: perhaps an endless loop; its budget ends it"
-    kept = ("attempt", "kind", "number", "held", "submission", "person", "assignment", "worker")
+    kept = ("grading", "kind", "number", "preview", "submission", "person", "assignment", "worker")
     return {name: getattr(run, name) for name in kept} | told

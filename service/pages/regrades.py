@@ -51,7 +51,7 @@ async def begin(slug: str, request: Request, person: Staff, form: Form) -> Respo
     """Begin a regrade of what the form names; nothing shown changes."""
     which, check, told = await _meant(request, find_assignment(slug), field(form, "which"), field(form, "check"))
     try:
-        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, told=told)
+        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, description=told)
     except regrades.NothingToGrade:
         raise Problem(409, "not-ready", f"nothing to grade again ({told}): there is none, or it is being graded") from None
     request.app.state.queue.changed()
@@ -66,7 +66,7 @@ async def page(request: Request, person: Staff, regrade: Found) -> Response:
     assignment = find_assignment(regrade.assignment)
     context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
     role = request.state.role
-    context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.asked_by)
+    context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.requested_by)
     context["may_apply"] = regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
     return templates.TemplateResponse(request, "regrade.html", context)
 
@@ -95,7 +95,7 @@ async def apply(request: Request, person: Instructor, form: Form, regrade: Found
 @router.post("/regrades/{id}/drop")
 async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> Response:
     """Leave everything as it was."""
-    if request.state.role != "instructor" and person.name != regrade.asked_by:
+    if request.state.role != "instructor" and person.name != regrade.requested_by:
         raise Problem(403, "not-allowed", "only instructors and who asked for a regrade may drop it")
     try:
         await regrades.drop(request.app.state.database, regrade.id, person.name)
@@ -135,17 +135,17 @@ MOST_FLIPPED = 12
 
 def diff(pairs: Sequence[Row[Any]], flips: Iterable[Row[Any]], labels: Mapping[str, str]) -> dict[str, Any]:
     """Finished ones by group, with points and flips; the checks that flip most; the versions compared."""
-    by_attempt: dict[UUID, list[dict[str, str]]] = defaultdict(list)
+    by_grading: dict[UUID, list[dict[str, str]]] = defaultdict(list)
     kinds: Counter[tuple[str, str]] = Counter()
     for flip in flips:
         told = f"{_mark(flip.was)} → {_mark(flip.now)}"
         named = {"check": flip.check_id, "label": labels.get(flip.check_id, "")}
-        by_attempt[flip.attempt].append(named | {"told": told, "words": f"{_word(flip.was)}, now {_word(flip.now)}"})
+        by_grading[flip.grading].append(named | {"told": told, "words": f"{_word(flip.was)}, now {_word(flip.now)}"})
         kinds[flip.check_id, told] += 1
     groups: dict[str, list[dict[str, Any]]] = {name: [] for name in GROUPS}
     for row in pairs:
         if row.finished:
-            groups[_group(row)].append(row._asdict() | {"flips": by_attempt[row.attempt]})
+            groups[_group(row)].append(row._asdict() | {"flips": by_grading[row.grading]})
     flipped = [
         {"check": check, "label": labels.get(check, ""), "told": told, "count": count}
         for (check, told), count in kinds.most_common(MOST_FLIPPED)

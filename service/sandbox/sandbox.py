@@ -17,9 +17,8 @@ TRIES = 2
 class Sandbox:
     """Plays jobs behind ``walls`` with one warm guest, started at once and replaced from time to time."""
 
-    def __init__(self, walls: Isolation) -> None:
-        self.walls = walls.name
-        self._walls = walls
+    def __init__(self, isolation: Isolation) -> None:
+        self.isolation = isolation
         self._zygote: Zygote | None = None
         self._plays = 0
         self.zygotes = 0  # started so far
@@ -31,7 +30,7 @@ class Sandbox:
         if self._zygote is None:
             self._plays = 0
             self.zygotes += 1
-            self._zygote = Zygote(self._walls.command, self._walls.environment, self.unwanted)
+            self._zygote = Zygote(self.isolation.command, self.isolation.environment, self.unwanted)
 
     def wait_ready(self) -> None:
         """Return when a guest is warm; Fault if it cannot start."""

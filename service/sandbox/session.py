@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.outcome import Ended, SceneEnd
-from service.sandbox.guest.run_scenes import WALL
+from service.sandbox.guest.run_scenes import CLOCK_FACTOR
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
@@ -218,8 +218,8 @@ class _Deadline:
     """How long to wait for the next word: as long as the guest's own limits by the clock, and never past the sum of them all."""
 
     def __init__(self, job: Job) -> None:
-        self._budgets = {s.name: WALL * s.budget_s for s in job.scenes}
-        self._load_s = LOADING * WALL * job.load_budget_s
+        self._budgets = {s.name: CLOCK_FACTOR * s.budget_s for s in job.scenes}
+        self._load_s = LOADING * CLOCK_FACTOR * job.load_budget_s
         self._since = time.monotonic()
         self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + self._load_s
         self._scene: str | None = None

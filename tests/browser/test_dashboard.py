@@ -304,12 +304,12 @@ def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server
     waiting = post(server, tokens["ann"], GOOD)
     page.get_by_role("heading", name="Waiting: 1").wait_for()
     assert page.evaluate("window.been"), "it tells by itself"
-    page.get_by_role("button", name="Cancel the attempt of ann").click()
-    page.get_by_role("button", name="Cancel the attempt of ben").click()
+    page.get_by_role("button", name="Cancel the grading of ann").click()
+    page.get_by_role("button", name="Cancel the grading of ben").click()
     page.get_by_role("button", name="Grade the submission of ben again").wait_for()
     assert page.get_by_text("cancelled by tutor").count() == 2
     page.get_by_role("button", name="Grade the submission of ann again").click()
     page.get_by_role("heading", name="Without a report: 1").wait_for()
     ann = seen_by("ann", f"/submissions/{waiting}")
     ann.locator(".outcomes li.pass").first.wait_for()
-    assert sql(url, "SELECT count(*) FROM attempt WHERE submission_id = %s", waiting) == [(2,)]
+    assert sql(url, "SELECT count(*) FROM grading WHERE submission_id = %s", waiting) == [(2,)]

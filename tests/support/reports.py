@@ -10,7 +10,7 @@ from exercises.catalogue import assignments
 from service.grading.result import GradedFile
 
 ASSIGNMENT = assignments()["rigid-body"]
-PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"}, walls="tier B", phases_ms={"grade": 1000.0})
+PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"}, isolation="process", phases_ms={"grade": 1000.0})
 TOLERANCE = Tolerance(rtol=1e-6, atol=1e-9, reason="the notebook's own tolerance")
 TRACEBACK = '  File "submission.py", line 3, in euler_eqs\n    return w / 0\nZeroDivisionError: division by zero\n'
 SLIP = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check (I₃ − I₁)", 1.0)

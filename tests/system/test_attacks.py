@@ -233,24 +233,30 @@ SLOW = pytest.mark.slow  # the family's test at that level is red without the la
 
 
 @pytest.mark.parametrize(
-    ("tier", "missing", "attack"),
+    ("level", "missing", "attack"),
     [
-        ("A", "namespaces", "read_metadata"),
-        pytest.param("A", "landlock", "read_system", marks=SLOW),
-        pytest.param("A", "seccomp", "net_unix", marks=SLOW),
-        pytest.param("A", "limits", "memory_shared_map", marks=SLOW),
-        ("B", "landlock", "read_system"),
-        ("B", "seccomp", "net_tcp"),
-        ("B", "limits", "memory_shared_map"),
+        ("namespaces", "namespaces", "read_metadata"),
+        pytest.param("namespaces", "landlock", "read_system", marks=SLOW),
+        pytest.param("namespaces", "seccomp", "net_unix", marks=SLOW),
+        pytest.param("namespaces", "limits", "memory_shared_map", marks=SLOW),
+        ("process", "landlock", "read_system"),
+        ("process", "seccomp", "net_tcp"),
+        ("process", "limits", "memory_shared_map"),
     ],
 )
-def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body, traces_alone):
+def test_no_layer_is_decoration(level, missing, attack, traps, rigid_body, traces_alone):
     """Without it, an attack that the others let through succeeds."""
     layers = [x for x in LAYERS if x != missing]
-    walls = namespace_isolation(find_bubblewrap(), layers) if tier == "A" and missing != "namespaces" else process_isolation(layers)
+    isolation = (
+        namespace_isolation(find_bubblewrap(), layers)
+        if level == "namespaces" and missing != "namespaces"
+        else process_isolation(layers)
+    )
     if missing == "namespaces":  # the guest as the server's own user, as an ordinary user's server has it
-        walls = replace(walls, inside=(*walls.inside[:-1], walls.inside[-1].replace('"user": 64001', '"user": null')))
-    holed = Sandbox(walls)
+        isolation = replace(
+            isolation, inside=(*isolation.inside[:-1], isolation.inside[-1].replace('"user": 64001', '"user": null'))
+        )
+    holed = Sandbox(isolation)
     try:
         source = traps[0] + (HERE / f"{attack}.py").read_text()
         assert "ESCAPED" in grade(Submission(source), rigid_body, holed, 3, ["2"]).report.stdout
@@ -304,11 +310,11 @@ def _beside(sandbox):
 
 
 def _other_user(sandbox):
-    return '"user": 64001' in sandbox._walls.command[-1]
+    return '"user": 64001' in sandbox.isolation.command[-1]
 
 
 def _drain(listeners):
-    """Forget what a test without walls sent on purpose."""
+    """Forget what a test without a layer sent on purpose."""
     for listener in listeners:
         with suppress(OSError):
             listener.recv(1) if listener.type == socket.SOCK_DGRAM else listener.accept()[0].close()

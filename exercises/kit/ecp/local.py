@@ -24,7 +24,7 @@ from ecp.return_value import describe_exception, is_written
 from ecp.time_limit import OutOfTime, limited
 
 KIT = Path(__file__).parent
-WALLS = "none: checked in your own kernel"
+ISOLATION = "none: checked in your own kernel"
 
 
 def check(*numbers: str | int, assignment: str | None = None) -> Report:
@@ -46,7 +46,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
         played = _play(_needed(chosen, checks, known), known, names)
     sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS), local=True)
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
     report.not_attempted = [e.number for e in missed]
     report.total = report.max_score + sum(len(e.applicable_checks(e.functions, function_of)) for e in missed)

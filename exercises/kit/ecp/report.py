@@ -52,7 +52,7 @@ class Provenance:
 
     seed: int
     versions: dict[str, str]
-    walls: str
+    isolation: str = field(metadata={"formerly": "walls"})
     motions: dict[str, str] = field(default_factory=dict)
     phases_ms: dict[str, float] = field(default_factory=dict)
 

@@ -22,7 +22,7 @@ from .wire import Questions, Writer
 
 Names = dict[str, Any]
 
-WALL = 4  # times its CPU seconds: so long a budget may take by the clock, on a loaded machine or asleep
+CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
 LOOK_S = 0.2  # so often a budget is looked at once it may be spent
 PRIVATE = ("ecp.artists", "ecp.animation")  # plays have copies of their own, which a submission does not find by name
 
@@ -32,21 +32,21 @@ class OutOfTime(BaseException):
 
 
 class Budget:
-    """``seconds`` of CPU time from now on, within WALL times as many by the clock."""
+    """A budget that starts now: ``seconds`` of CPU time and CLOCK_FACTOR times as many of wall-clock time."""
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
-        self._cpu, self._wall = process_time() + seconds, monotonic() + WALL * seconds
+        self._cpu, self._clock = process_time() + seconds, monotonic() + CLOCK_FACTOR * seconds
 
     def left(self) -> float:
         """Seconds left of the one or the other, whichever is less."""
-        return max(0.0, min(self._cpu - process_time(), self._wall - monotonic()))
+        return max(0.0, min(self._cpu - process_time(), self._clock - monotonic()))
 
     def sentence(self) -> str:
         """Which limit was exceeded."""
         if process_time() >= self._cpu:
             return f"your code used more than {self.seconds:g} s of CPU time"
-        return f"your code did not finish within {WALL * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
+        return f"your code did not finish within {CLOCK_FACTOR * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
 
 
 def run(job_fd: int, result_fd: int) -> None:

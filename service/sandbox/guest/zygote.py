@@ -37,7 +37,7 @@ def main(control_fd: int, user: int | None, layers: list[str], readable: list[st
 
     die_with_parent()
     _warm_up()
-    walls = Layers(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
+    prepared = Layers(layers, readable, listable)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: another user's process has lost it
     gc.collect()
@@ -49,7 +49,7 @@ def main(control_fd: int, user: int | None, layers: list[str], readable: list[st
             return
         child = os.fork()
         if child == 0:
-            _child(walls, *fds)
+            _child(prepared, *fds)
         for fd in fds:
             os.close(fd)
         handle = os.pidfd_open(child)
@@ -65,11 +65,11 @@ def _warm_up() -> None:
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
 
 
-def _child(walls: Any, job: int, result: int, output: int) -> None:
+def _child(layers: Any, job: int, result: int, output: int) -> None:
     code = LOCKDOWN_FAILED
     try:
         quiet = os.open(os.devnull, os.O_RDONLY)
-        walls.apply({0: quiet, 1: output, 2: output, 3: job, 4: result})
+        layers.apply({0: quiet, 1: output, 2: output, 3: job, 4: result})
         from . import run_scenes
 
         code = 1

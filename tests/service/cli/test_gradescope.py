@@ -52,10 +52,10 @@ def test_what_is_no_submission_gets_a_sentence_for_the_student(home, files, said
 
 
 def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(home, monkeypatch, capfd):
-    monkeypatch.setenv("POLHODE_MIN_TIER", "C")
+    monkeypatch.setenv("POLHODE_MIN_ISOLATION", "C")
     assert grade(home, {"mine.py": b"x = 1"}) == (2, None)
     printed = capfd.readouterr()
-    assert "POLHODE_MIN_TIER" in printed.err
+    assert "polhode: POLHODE_MIN_ISOLATION: " in printed.err
     assert "was not graded (exit code 2)" in printed.out.splitlines()[-1]
 
 

@@ -128,11 +128,11 @@ def test_what_is_no_submission_gets_a_sentence_for_the_student(gradescope, files
 @pytest.mark.parametrize(
     ("before", "environment", "reason"),
     [
-        ("", {"POLHODE_MIN_TIER": "A"}, "there are no namespaces here"),
+        ("", {"POLHODE_MIN_ISOLATION": "namespaces"}, "namespaces are not available"),
         ("ulimit -f 0;", {}, "File too large"),
         ("ulimit -v 200000;", {}, "rror"),
     ],
-    ids=["no walls", "no room on the disk", "no memory"],
+    ids=["no sandbox", "no room on the disk", "no memory"],
 )
 def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(gradescope, sample, before, environment, reason):
     code, printed, results = gradescope.grade({"mine.py": sample("right_terms.py")}, before, **environment)

@@ -1,4 +1,4 @@
-"""The strength of the checks, on a few mutants through the real walls; `polhode mutants` does all."""
+"""The strength of the checks, on a few mutants in the real sandbox; `polhode mutants` does all."""
 
 import os
 
@@ -10,7 +10,7 @@ from service.cli.mutants import OURS, MutantResult, grade_mutants, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
-def test_a_few_through_the_walls(rigid_body, monkeypatch):
+def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     found = list(grade_mutants(rigid_body, most=6))
     assert len(found) == 6 and all(f.wrong and OURS not in f.accepted for f in found)

@@ -132,7 +132,7 @@ def test_what_an_earlier_run_left_is_no_grade_of_this_one(polhode, folder, monke
     (folder / "r.json").write_text('{"score": 5}')
     asked = ("grade", "right_terms.py", "--exercise", "2", "--gradescope", "r.json")
     with monkeypatch.context() as settings:
-        settings.setenv("POLHODE_MIN_TIER", "C")
+        settings.setenv("POLHODE_MIN_ISOLATION", "C")
         assert polhode(*asked).returncode == 2 and (folder / "r.json").exists()  # nothing had begun
 
     def lost(*arguments):

@@ -1,4 +1,4 @@
-"""Grading through the real walls: the nine lines, hostile submissions, repeatability."""
+"""Grading in the real sandbox: the nine lines, hostile submissions, repeatability."""
 
 import json
 

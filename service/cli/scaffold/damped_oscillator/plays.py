@@ -1,4 +1,4 @@
-"""What is done with a submission's functions, inside the wall: numbers in, arrays out, no judgement and no truth.
+"""What is done with a submission's functions, in the sandbox: numbers in, arrays out, no judgement and no truth.
 
 Each play takes the submission's names and a scene's inputs and returns arrays by name. It uses its own integrator, bound
 before the submission runs, so that replacing ``solve_ivp`` changes nothing here. It goes into the students' kit as well.

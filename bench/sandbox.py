@@ -1,4 +1,4 @@
-"""What the walls cost: a warm child against a cold bwrap and Python per submission, in the same run; rates, memory, kill latency.
+"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission, in one run; rates, memory, kill latency.
 
 The goals are issue 4's; they hold on an idle machine with two cores.
 """
@@ -49,19 +49,19 @@ def f(x):
 
 def main() -> None:
     """Measure and print, a line each."""
-    walls = choose()
-    first, second = Sandbox(walls), Sandbox(walls)
+    isolation = choose()
+    first, second = Sandbox(isolation), Sandbox(isolation)
     for sandbox in (first, second):
         sandbox.self_test()
-    print(f"\nwalls: {walls.name}")
+    print(f"\nisolation: {isolation.name}")
     warm = latency(first, "trivial play")
     bare = Sandbox(process_isolation(()))
     bare.start()
-    latency(bare, "the same without any wall")
+    latency(bare, "the same without any layer")
     bare.close()
-    latency(in_tier_b := Sandbox(process_isolation()), "the same in tier B")
-    in_tier_b.close()
-    cold = statistics.median(timed(lambda: _cold(walls)) for _ in range(5))
+    latency(without_namespaces := Sandbox(process_isolation()), "the same without namespaces")
+    without_namespaces.close()
+    cold = statistics.median(timed(lambda: _cold(isolation)) for _ in range(5))
     print(f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm play")
     print(f"{'trivial plays, two zygotes':44} {rate([first, second], lambda s: s.play(TRIVIAL)):8.0f} /s      goal 100")
     job, inputs, truths = _probing()
@@ -141,18 +141,18 @@ def timed(run: Callable[[], object]) -> float:
     return time.perf_counter() - began
 
 
-def _cold(walls) -> None:
-    command = [*walls.around, walls.inside[0], "-I", "-S", "-B", "-c", _IMPORTS.format(path=_path(walls))]
-    subprocess.run(command, env=dict(walls.environment), check=True)
+def _cold(isolation) -> None:
+    command = [*isolation.around, isolation.inside[0], "-I", "-S", "-B", "-c", _IMPORTS.format(path=_path(isolation))]
+    subprocess.run(command, env=dict(isolation.environment), check=True)
 
 
 _IMPORTS = "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, ecp.animation"
 
 
-def _path(walls) -> list[str]:
+def _path(isolation) -> list[str]:
     import json
 
-    return json.loads(walls.inside[-1])["path"]
+    return json.loads(isolation.inside[-1])["path"]
 
 
 def _probing():

@@ -185,7 +185,7 @@ def _add_known_arrays(assignment: Assignment, result: PlayResult, truths: Mappin
 
 def _judge(exercise: Exercise, assignment: Assignment, played: PlayedJob, crossed: CrossCheck, causes: Causes) -> ExerciseReport:
     outcomes, result = [], played.result
-    for check in exercise.made(result.defined, lambda scene: assignment.scene(scene).function):
+    for check in exercise.applicable_checks(result.defined, lambda scene: assignment.scene(scene).function):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):

@@ -191,7 +191,7 @@ def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_othe
     call(server, SLUG, ZEROS, hub.token_of("ann"))
     assert attempts({"POLHODE_SERVER": server.url + "/"}).startswith("sent ")
     for named in ({}, {"POLHODE_SERVER": "http://other.example"}):
-        assert "does not know who you are" in attempts(named) and hub.token_of("ann") not in attempts(named)
+        assert "You are not logged in at" in attempts(named) and hub.token_of("ann") not in attempts(named)
 
 
 def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_app, database_url):

@@ -1,4 +1,4 @@
-"""Is the server alive, can it grade, and how is it doing."""
+"""Health endpoints: liveness, readiness and metrics."""
 
 import time
 
@@ -10,29 +10,28 @@ from service.http.metrics import exposition
 from service.store.database import Database
 
 router = APIRouter()
-KNOWN_FOR_S = 1.0
+CACHED_S = 1.0
 
-_CREW = """
+_WORKERS = """
 SELECT name, walls, refusal FROM worker WHERE seen_at > now() - interval '10 s' ORDER BY refusal IS NOT NULL, name
 """
 
 
 @router.get("/livez")
 async def livez() -> dict[str, str]:
-    """The process is alive."""
+    """Report that the process is alive."""
     return {"status": "alive"}
 
 
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
-    """Whether submissions can be graded, and what was checked."""
-    checks = {"walls": "no worker has been heard of", "database": "ok"}
-    invalid = (
-        {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
-    )  # the others can be graded
+    """Report whether submissions can be graded, with the result of each check."""
+    checks = {"walls": "no worker is running: start one with polhode worker", "database": "ok"}
+    # A broken assignment does not make the server unready: the others can be graded.
+    invalid = {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     try:
         await request.app.state.database.ping()
-        walls, refusal = await request.app.state.crew.known()
+        walls, refusal = await request.app.state.worker_status.current()
         checks["walls"] = walls or refusal or checks["walls"]
     except Exception as error:
         walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
@@ -43,25 +42,27 @@ async def readyz(request: Request) -> JSONResponse:
 
 @router.get("/metrics")
 async def metrics(request: Request) -> Response:
-    """Everything counted, for Prometheus."""
+    """Return all metrics for Prometheus."""
     return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")
 
 
 class WorkerStatus:
-    """Who grades, as the workers tell it; asked for at most once a second."""
+    """The workers' readiness, read from the database at most once a second."""
 
     def __init__(self, database: Database) -> None:
-        self._database, self._asked = database, float("-inf")
-        self._known: tuple[str | None, str | None] = None, None
+        self._database, self._read_at = database, float("-inf")
+        self._current: tuple[str | None, str | None] = None, None
 
-    async def known(self) -> tuple[str | None, str | None]:
-        """The walls of a worker that is there and grades, and why another one does not; None where there is none."""
+    async def current(self) -> tuple[str | None, str | None]:
+        """Return the isolation of a worker that can grade and the reason why another one cannot, each
+        None if there is no such worker.
+        """
         now = time.monotonic()
-        if now - self._asked > KNOWN_FOR_S:
-            load_catalogue = await self._database.rows(_CREW)
-            self._known = (
-                next((w.walls for w in load_catalogue if w.walls), None),
-                next((w.refusal for w in load_catalogue if w.refusal), None),
+        if now - self._read_at > CACHED_S:
+            workers = await self._database.rows(_WORKERS)
+            self._current = (
+                next((w.walls for w in workers if w.walls), None),
+                next((w.refusal for w in workers if w.refusal), None),
             )
-            self._asked = now
-        return self._known
+            self._read_at = now
+        return self._current

@@ -38,7 +38,8 @@ def to_json(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> 
     """The motion as JSON, for the arrays that its scene brought back. ValueError where they are not those of the scene.
 
     ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular momentum, unit quaternions
-    (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4 f,), in 1/SCALE; ``told``: what is to be said.
+    (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4 f,), in 1/SCALE;
+    ``notes`` and ``told``: remarks to show.
     """
     scene = assignment.scene(motion.scene)
     exact = truth(scene, draw_inputs(scene, seed))
@@ -47,6 +48,7 @@ def to_json(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> 
     if given.shape != R.shape or given.dtype.kind != "f":
         raise ValueError("no attitude came back for it")
     yours, at = valid_prefix(given), np.linspace(0, len(t) - 1, min(FRAMES, len(t))).astype(int)
+    notes = _told(yours, given, t, R)
     document = {
         "t": np.round(1e3 * t[at]).astype(int).tolist(),
         "half": [round(x, 4) for x in motion.half],
@@ -55,7 +57,8 @@ def to_json(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> 
         "L": np.round(_momentum(motion, exact), 4).tolist(),
         "exact": _whole(quaternions(R[at])),
         "yours": _whole(quaternions(yours.R[at[at < len(yours.R)]])),
-        "told": _told(yours, given, t, R),
+        "notes": notes,
+        "told": notes,  # the name of API v1
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 

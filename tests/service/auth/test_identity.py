@@ -160,7 +160,7 @@ def test_a_browser_sees_its_own_after_login_and_nothing_after_logout(server, url
     call(server, SLUG, ZEROS, given(url, "fay"))
     browser = Browser(server)
     for path in ("/", "/assignments/rigid-body"):
-        assert "The token your course gave you" in browser.open(path)[1]
+        assert "Token from your course" in browser.open(path)[1]
     browser.log_in(token=given(url, "fay"))
     assert all(browser.open(path)[1].count('href="/submissions/') == 1 for path in ("/", "/assignments/rigid-body"))
     browser.send("/logout", "/assignments/rigid-body")

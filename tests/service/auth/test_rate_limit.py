@@ -11,7 +11,7 @@ ANN, BEN, HERE = (BY_NAME, "name", "ann"), (BY_NAME, "name", "ben"), (BY_ADDRESS
 
 
 def fail(throttle, *keys, status=401):
-    with pytest.raises(Problem) as told, throttle.attempt(*keys):
+    with pytest.raises(Problem) as told, throttle.guard(*keys):
         raise Problem(status, "nobody", "wrong")
     return told.value
 
@@ -28,10 +28,10 @@ def test_only_what_was_wrong_counts_and_a_refusal_does_not():
     throttle = LoginRateLimiter()
     for _ in range(20):
         fail(throttle, ANN, status=503)
-        with throttle.attempt(ANN):
+        with throttle.guard(ANN):
             pass
     assert [fail(throttle, ANN).status for _ in range(30)] == [401] * 10 + [429] * 20
-    with throttle.attempt(BEN):
+    with throttle.guard(BEN):
         pass
 
 
@@ -39,10 +39,10 @@ def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
     throttle = LoginRateLimiter()
     with ExitStack() as stack:
         for _ in range(10):
-            stack.enter_context(throttle.attempt(ANN))
+            stack.enter_context(throttle.guard(ANN))
         refused = fail(throttle, ANN)
         assert (refused.status, refused.retry_after) == (429, 1)
-    with throttle.attempt(ANN):
+    with throttle.guard(ANN):
         pass
     assert not throttle._tried
 

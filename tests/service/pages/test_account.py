@@ -42,7 +42,7 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
     first = Browser(server).log_in(token=entered(url, "ben"))
     other = Browser(server).log_in(token=entered(url, "ben"))
     status, page = first.send("/account/password", password=PASSWORD, again=PASSWORD)
-    assert status == 200 and 'role="status"' in page and "Your password is set" in page
+    assert status == 200 and 'role="status"' in page and "Password saved" in page
     assert first.open("/v1/me")[0] == 200 and other.open("/v1/me")[0] == 401, "other browsers are logged out"
     assert Browser(server).send("/login", name="ben", password=PASSWORD)[0] == 200
     assert sql(url, "SELECT password FROM person WHERE name = 'ben'")[0][0].startswith("$argon2id$")

@@ -80,7 +80,7 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     wait_for(lambda: runs(url, loop))
     good = post(server, people["ben"], GOOD)
     following = people["tutor"].follow("/queue/events")
-    page = wait_for(lambda: (p := people["tutor"].open("/queue")[1]).count("perhaps an endless loop") and p)
+    page = wait_for(lambda: (p := people["tutor"].open("/queue")[1]).count("possibly an endless loop") and p)
     assert re.search(r"⏱ \d+ s in one scene", page)
     assert f"/submissions/{loop}" in page and f"/submissions/{good}" in page and "Waiting: 1" in page and "Running: 1" in page
     assert 'data-live="/queue/events"' in page and "<noscript>" in page and before[0][0] in page

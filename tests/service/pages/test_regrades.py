@@ -85,7 +85,7 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
     own, give = f"/submissions/{id}", f"/submissions/{id}/overrides"
     for other in (tutor, ann):
         assert other.send(give, own, check="c2", points="1", reason="please")[0] == 403
-        assert "Give points by hand" not in other.open(own)[1]
+        assert "Override score" not in other.open(own)[1]
     reason = "Her figure shows it <b>&</b> more.\nSee you."
     assert prof.send(give, own, check="c2", points="1", reason=reason, seen="0") == (303, f"{own}#points")
     page = ann.open(own)[1]

@@ -131,5 +131,5 @@ async def _outage(request: Request, error: Exception) -> Response:
 def internal_error() -> JSONResponse:
     """Return the response to an unexpected exception."""
     return problem_response(
-        500, "fault", "polhode failed and logged the error: try again, or contact the course staff if it persists"
+        500, "fault", "polhode failed (our error): try again later; contact the course staff if the error persists"
     )

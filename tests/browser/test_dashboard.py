@@ -259,12 +259,17 @@ def test_a_checks_victims_are_graded_again_looked_at_and_let_count(seen_by, sent
     page.get_by_label("best submissions that do not pass this check").check()
     page.get_by_label("Check", exact=True).select_option("2-energy")
     page.get_by_role("button", name="Regrade (preview)").click()
-    assert heading(page).startswith("Regrade of") and "best submissions that do not pass 2-energy" in page.locator("main").inner_text()
+    assert (
+        heading(page).startswith("Regrade of") and "best submissions that do not pass 2-energy" in page.locator("main").inner_text()
+    )
     page.evaluate("window.been = true")
     page.get_by_text("3 of 3 graded").wait_for()
     page.get_by_text("2 gain, 1 lose, 0 keep their points").wait_for()
     assert page.evaluate("window.been"), "told without being loaded again"
-    assert page.get_by_role("button", name="Apply").count() == 0 and page.get_by_text("Only an instructor can apply the regrade.").is_visible()
+    assert (
+        page.get_by_role("button", name="Apply").count() == 0
+        and page.get_by_text("Only an instructor can apply the regrade.").is_visible()
+    )
     lost = page.locator("[role=region][aria-label=Lose] tbody").inner_text()
     assert lost.startswith("dan") and "1 of 2 → 0 of 5" in lost and "✓ → !" in lost
     ann.reload()

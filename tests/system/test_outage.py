@@ -64,7 +64,7 @@ def test_an_outage(out_s, sleep_s, workers, settings, new_server, tmp_path):
 
 
 def _out(url, body, seconds):
-    """Ask again and again while the database is out: every answer says that, and when to come back."""
+    """Ask again and again while database unavailable: every answer says that, and when to come back."""
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         for target, document in ((PATH, body), ("/readyz", None)):

@@ -71,8 +71,8 @@ async def all_zip(slug: str, request: Request, person: Staff) -> Response:
 
 def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     """Return the CSV with checks in the assignment's order, followed by checks of older versions only."""
-    known = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
-    return grades_csv.assignment_csv(rows, [*known, *sorted({check for row in rows for check in row.checks} - known.keys())])
+    current = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
+    return grades_csv.assignment_csv(rows, [*current, *sorted({check for row in rows for check in row.checks} - current.keys())])
 
 
 def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:

@@ -23,9 +23,9 @@ SWEEP_WAIT_S = 50.0
 @router.get("/v1/submissions/{id}/figures/{name}.{form}")
 async def figure(stored: Submission, name: str, form: Literal["png", "svg"], request: Request) -> Response:
     """Return a figure of the report; render it on the first request and store it."""
-    known = {f.name for f in stored.report.figures} if stored.report else set()
-    if name not in known or find_figure(find_assignment(stored.assignment), name) is None:
-        raise Problem(404, "not-found", f"the report has no figure {name[:80]}")
+    names = {f.name for f in stored.report.figures} if stored.report else set()
+    if name not in names or find_figure(find_assignment(stored.assignment), name) is None:
+        raise Problem(404, "not-found", f"the report has no figure {name[:80]}: check the address")
 
     async def render(packed: bytes) -> bytes:
         image: bytes = await request.app.state.renderer.figure(stored, name, packed, form)
@@ -80,11 +80,11 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
 @router.get("/v1/submissions/{id}/animations/{name}.png")
 async def animation(stored: Submission, name: str, request: Request) -> Response:
     """Return the contact sheet of an animation."""
-    known = {a.name for a in stored.report.animations} if stored.report else set()
+    names = {a.name for a in stored.report.animations} if stored.report else set()
     database = request.app.state.database
-    found = await find_artefact(database, stored.attempt, f"animations/{name}.png") if name in known else None
+    found = await find_artefact(database, stored.attempt, f"animations/{name}.png") if name in names else None
     if found is None:
-        raise Problem(404, "not-found", f"the report has no animation {name[:80]}")
+        raise Problem(404, "not-found", f"the report has no animation {name[:80]}: check the address")
     return _cached(request, found, FORMATS["png"])
 
 
@@ -92,7 +92,7 @@ def _cached(request: Request, found: tuple[bytes, str], media_type: str) -> Resp
     content, digest = found
     # A regrade replaces the picture at the same URL, so clients must revalidate.
     headers = {"ETag": f'"{digest}"', "Cache-Control": "private, no-cache"}
-    wanted = {tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")}
-    if wanted & {headers["ETag"], "*"}:
+    tags = {tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")}
+    if tags & {headers["ETag"], "*"}:
         return Response(status_code=304, headers=headers)
     return Response(content, media_type=media_type, headers=headers)

@@ -157,10 +157,10 @@ def _uuid(text: str) -> uuid.UUID | None:
 
 
 def _document(stored: SubmissionRecord) -> dict[str, Any]:
-    found = _summary(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
-    found |= {"report": document(stored.report) if stored.report else None}
-    found |= {"fault": stored.fault} if stored.fault else {}
-    return found | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
+    result = _summary(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
+    result |= {"report": document(stored.report) if stored.report else None}
+    result |= {"fault": stored.fault} if stored.fault else {}
+    return result | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
 
 
 def _summary(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:
@@ -185,8 +185,8 @@ def _database(request: Request) -> Database:
 
 
 def _seconds(prefer: str | None) -> float:
-    wanted = re.search(r'\bwait\s*=\s*"?(\d{1,300})\b', prefer or "", re.IGNORECASE)
-    return min(float(wanted[1]), LONGEST_WAIT_S) if wanted else 0.0
+    match = re.search(r'\bwait\s*=\s*"?(\d{1,300})\b', prefer or "", re.IGNORECASE)
+    return min(float(match[1]), LONGEST_WAIT_S) if match else 0.0
 
 
 @router.get("/v1/submissions/{id}/report.txt")

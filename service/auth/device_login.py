@@ -69,9 +69,9 @@ async def me(request: Request) -> dict[str, object]:
 async def revoke(request: Request) -> Response:
     """Revoke the token in the request's Authorization header."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()
-    known = await tokens.find(request.app.state.database, token)
-    if known is None:
+    info = await tokens.find(request.app.state.database, token)
+    if info is None:
         raise Problem(401, "nobody", "the request has no valid token of this server: run ecp.login()")
     async with request.app.state.database.begin() as connection:
-        await tokens.revoke(connection, id=known.id)
+        await tokens.revoke(connection, id=info.id)
     return Response(status_code=204)

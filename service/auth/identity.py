@@ -64,12 +64,12 @@ async def by_token(request: Request, token: str) -> Person:
         if (name := await hub.user(token)) is not None:
             return Person(name, frozenset(tokens.NOTEBOOK))
         raise Problem(401, "nobody", "this is not a token of this server: check it, or log in again to get a new one")
-    known = await tokens.find(request.app.state.database, token)
-    if known is None:
+    info = await tokens.find(request.app.state.database, token)
+    if info is None:
         raise Problem(401, "nobody", "this token is not valid here: check it, or log in again to get a new one")
-    if known.over:
-        raise Problem(401, "nobody", f"this token {known.over}: log in again to get a new one")
-    return Person(known.person, known.scopes)
+    if info.over:
+        raise Problem(401, "nobody", f"this token {info.over}: log in again to get a new one")
+    return Person(info.person, info.scopes)
 
 
 def same_origin(request: Request) -> None:
@@ -121,11 +121,11 @@ def _by_header(request: Request) -> Person | None:
 async def _by_cookie(request: Request) -> Person | None:
     if (secret := sessions.read_session(request)) is None:
         return None
-    known = await tokens.find(request.app.state.database, secret)
-    if known is None or known.over is not None:
+    info = await tokens.find(request.app.state.database, secret)
+    if info is None or info.over is not None:
         return None
-    request.state.session = known
-    return Person(known.person, known.scopes)
+    request.state.session = info
+    return Person(info.person, info.scopes)
 
 
 def _single_user(request: Request) -> Person:

@@ -36,10 +36,10 @@ async def start_session(request: Request, response: Response, name: str, method:
     ``method`` is how they logged in.
     """
     database, previous = request.app.state.database, read_session(request)
-    known = None if previous is None else await tokens.find(database, previous)
+    info = None if previous is None else await tokens.find(database, previous)
     async with database.begin() as connection:
-        if known is not None:
-            await tokens.revoke(connection, id=known.id)
+        if info is not None:
+            await tokens.revoke(connection, id=info.id)
         label = f"{_browser(request)}, by {method}"
         secret = await tokens.create_session(connection, name, label=label, seconds=SESSION_S)
         if method == "password":

@@ -40,11 +40,11 @@ _HISTOGRAM = "SELECT {} , count(*), coalesce(sum(s), 0) FROM ({}) AS measured"
 async def exposition(database: Database) -> bytes:
     """Return all metrics in Prometheus's text format."""
     registry = CollectorRegistry()
-    registry.register(_Fixed(await _from_tables(database)))
+    registry.register(_StaticCollector(await _from_tables(database)))
     return generate_latest(PROCESS) + generate_latest(registry)
 
 
-class _Fixed:
+class _StaticCollector:
     """A collector of metrics that have already been read."""
 
     def __init__(self, metrics: Sequence[Metric]) -> None:

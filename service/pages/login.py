@@ -49,9 +49,9 @@ async def logout(request: Request, person: OptionalUser) -> Response:
     same_origin(request)  # checked for expired sessions too, whose form has no valid token
     if person is not None:
         await checked_form(request)
-        if known := getattr(request.state, "session", None):
+        if session := getattr(request.state, "session", None):
             async with request.app.state.database.begin() as connection:
-                await tokens.revoke(connection, id=known.id)
+                await tokens.revoke(connection, id=session.id)
     return sessions.clear_session(RedirectResponse("/login?out=1", 303))
 
 

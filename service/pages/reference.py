@@ -29,8 +29,8 @@ async def reference(request: Request) -> HTMLResponse:
 @router.get("/reference/{kind}/{number}.svg")
 async def chart(kind: Literal["work-precision", "stability"], number: int, request: Request) -> Response:
     """Return a chart of the reference page as SVG."""
-    known = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
-    if not 0 <= number < known:
+    count = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
+    if not 0 <= number < count:
         raise Problem(404, "not-found", f"no chart {number}: see /reference for the charts")
     return Response(await request.app.state.renderer.chart(kind, number), media_type="image/svg+xml")
 

@@ -1,4 +1,4 @@
-"""Regrade pages: start a regrade, preview its changes, then apply or discard it."""
+"""Regrade pages: start a regrade, preview its changes, then apply or drop it."""
 
 import weakref
 from collections import Counter, defaultdict
@@ -96,12 +96,12 @@ async def apply(request: Request, person: Instructor, form: Form, regrade: Found
 
 @router.post("/regrades/{id}/drop")
 async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> Response:
-    """Discard a regrade and keep the shown results."""
+    """Drop a regrade and keep the shown results."""
     if request.state.role != "instructor" and person.name != regrade.asked_by:
         raise Problem(
             403,
             "not-allowed",
-            "you don't have permission: only instructors and the person who requested the regrade can discard it",
+            "you don't have permission: only instructors and the person who requested the regrade can drop it",
         )
     try:
         await regrades.drop(request.app.state.database, regrade.id, person.name)

@@ -71,9 +71,9 @@ def _marks(scene_ends: Iterable[SceneEnd]) -> dict[SourceLocation, list[Mark]]:
     marks: dict[SourceLocation, list[Mark]] = {}
     for number, scene_end in enumerate(scene_ends):
         for depth, place in enumerate(reversed(source_locations(scene_end))):
-            known = marks.setdefault(place, [])
-            if all((mark.sentence, mark.raised) != (scene_end.sentence, depth == 0) for mark in known):
-                known.append(Mark(number, depth == 0, scene_end.sentence))
+            marked = marks.setdefault(place, [])
+            if all((mark.sentence, mark.raised) != (scene_end.sentence, depth == 0) for mark in marked):
+                marked.append(Mark(number, depth == 0, scene_end.sentence))
     return marks
 
 

@@ -60,13 +60,13 @@ def _report_context(stored: SubmissionRecord) -> dict[str, Any]:
     """Return the part of the context that is slow to compute: source lines, failing lines and motions."""
     scene_ends = stored.report.scene_ends if stored.report else []
     shown = cells(stored.submission, scene_ends)
-    known = {cell.name: cell.place for cell in shown}
+    places = {cell.name: cell.place for cell in shown}
     assignment = assignments().get(stored.assignment)
     return {
         "cells": shown,
         "lines": sum(len(cell.lines) for cell in shown),
         "stops": [
-            (number, scene_end, [(known[p.cell], p) for p in source_locations(scene_end) if p.cell in known])
+            (number, scene_end, [(places[p.cell], p) for p in source_locations(scene_end) if p.cell in places])
             for number, scene_end in enumerate(scene_ends)
             if scene_end.traceback
         ],
@@ -102,7 +102,7 @@ async def motion(person: CurrentUser, stored: Submission, name: str, request: Re
     available = playable_motions(assignment, stored.report) if assignment and stored.report else {}
     requested = next((m for motions in available.values() for m in motions if m.name == name), None)
     if assignment is None or requested is None:
-        raise Problem(404, "not-found", f"the report has no motion {name[:80]}")
+        raise Problem(404, "not-found", f"the report has no motion {name[:80]}: check the address")
 
     def compute(packed: bytes) -> bytes:
         return motion_data.to_json(assignment, requested, rendering.unpack(packed).get(requested.scene, {}), stored.seed)

@@ -114,10 +114,10 @@ WITH people AS (
     FROM assignment x, people p, (SELECT 'def euler_eqs(t, w, I):' || chr(10) || '    return w * ' || %(n)s AS source) s
     RETURNING id
 ), tried AS (
-    INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs)
+    INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)
     SELECT gen_random_uuid(), id, 1, 'interactive', 7, 3 FROM sent RETURNING id
 )
-INSERT INTO result (attempt_id, report, score, max_score, version, walls, grading_s)
+INSERT INTO result (grading_id, report, score, max_score, version, isolation, grading_s)
 SELECT id, CAST(%(report)s AS jsonb), %(score)s, %(most)s, '1', 'tier A', 1.0 FROM tried
 """
 
@@ -127,8 +127,8 @@ INSERT INTO member SELECT c.id, prof.id, 'instructor' FROM course c, prof
 """
 
 _OUTCOMES = """
-INSERT INTO outcome (attempt_id, check_id, state, counted, margin, codes, causes)
-SELECT r.attempt_id, o->>'id', o->>'verdict', true, (o->>'margin')::float8 * (0.5 + random()),
+INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes)
+SELECT r.grading_id, o->>'id', o->>'verdict', true, (o->>'margin')::float8 * (0.5 + random()),
     ARRAY(SELECT d->>'code' FROM jsonb_array_elements(o->'diagnosis') d),
     ARRAY(SELECT d->>'sentence' FROM jsonb_array_elements(o->'diagnosis') d)
 FROM result r, jsonb_array_elements(r.report->'exercises') e, jsonb_array_elements(e->'outcomes') o

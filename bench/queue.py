@@ -106,7 +106,7 @@ def starting(url: str, data: Path, count: int = 60) -> None:
             answered[id] = time.time()
             wait(lambda id=id: client.get(f"{url}/v1/submissions/{id}").json()["status"] == "graded")
             time.sleep(0.05)
-    began = "SELECT submission_id::text, extract(epoch FROM started_at) FROM run JOIN attempt a ON a.id = attempt_id"
+    began = "SELECT submission_id::text, extract(epoch FROM started_at) FROM run JOIN grading a ON a.id = grading_id"
     times = [max(0.0, float(s) - answered[id]) for id, s in query(data, began)]
     line("accepted to begun", 1e3 * statistics.median(times), "ms", f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 5 and 20")
 
@@ -132,7 +132,7 @@ def takeover(url: str, data: Path, count: int = 6) -> None:
     times = []
     for _ in range(count):
         id = httpx2.post(url + PATH, json=SLOW, headers=ME, timeout=30).json()["id"]
-        runs = f"SELECT worker FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = '{id}' ORDER BY run.started_at"
+        runs = f"SELECT worker FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = '{id}' ORDER BY run.started_at"
         (worker,) = wait(lambda runs=runs: query(data, runs))[0]
         time.sleep(0.8)
         began = time.perf_counter()

@@ -49,7 +49,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Row:
-    """One attempt as the database tells it; times are seconds since the epoch."""
+    """One grading as the database tells it; times are seconds since the epoch."""
 
     person: str
     requested: float
@@ -131,7 +131,7 @@ async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
 
 
 def results(database: str, accepted: int, until: float) -> list[Row]:
-    """Every attempt in the order of acceptance, once so many have a result, or at ``until``."""
+    """Every grading in the order of acceptance, once so many have a result, or at ``until``."""
     with psycopg.connect(database, autocommit=True) as connection:
         while time.monotonic() < until and connection.execute("SELECT count(*) FROM result").fetchone()[0] < accepted:
             time.sleep(1.0)
@@ -141,9 +141,9 @@ def results(database: str, accepted: int, until: float) -> list[Row]:
 _ROWS = """
 SELECT p.name, extract(epoch FROM a.requested_at)::float, extract(epoch FROM min(u.started_at))::float,
     extract(epoch FROM r.finished_at)::float, r.grading_s, r.fault, count(u.id), max(u.worker) FILTER (WHERE u.id = r.run_id)
-FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-    LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN run u ON u.attempt_id = a.id
-GROUP BY p.name, a.id, r.attempt_id ORDER BY a.requested_at, a.id
+FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN run u ON u.grading_id = a.id
+GROUP BY p.name, a.id, r.grading_id ORDER BY a.requested_at, a.id
 """
 
 
@@ -232,7 +232,7 @@ def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int)
         try:
             if httpx2.get(f"{url}/readyz", trust_env=False).status_code == 200 and (database := running_url(data)):
                 with psycopg.connect(database) as connection:
-                    if connection.execute("SELECT count(*) FROM worker WHERE walls IS NOT NULL").fetchone()[0] >= workers:
+                    if connection.execute("SELECT count(*) FROM worker WHERE isolation IS NOT NULL").fetchone()[0] >= workers:
                         return database
         except httpx2.HTTPError:
             continue

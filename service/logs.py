@@ -1,4 +1,4 @@
-"""Logs: one JSON object a line on stderr, with the ids of the request and of the attempt it is about."""
+"""Logs: one JSON object a line on stderr, with the ids of the request and of the grading it is about."""
 
 import logging
 import sys
@@ -9,7 +9,7 @@ from pythonjsonlogger.core import RESERVED_ATTRS
 from pythonjsonlogger.json import JsonFormatter
 
 request_id: ContextVar[str | None] = ContextVar("request_id", default=None)
-attempt_id: ContextVar[str | None] = ContextVar("attempt_id", default=None)
+grading_id: ContextVar[str | None] = ContextVar("grading_id", default=None)
 
 
 def install(level: str) -> None:
@@ -36,7 +36,7 @@ def handler(stream: TextIO) -> logging.Handler:
 
 
 def _with_ids(record: logging.LogRecord) -> bool:
-    for name, value in (("request", request_id.get()), ("attempt", attempt_id.get())):
+    for name, value in (("request", request_id.get()), ("attempt", grading_id.get()), ("grading", grading_id.get())):
         if value is not None:
             setattr(record, name, value)
     return True

@@ -37,7 +37,7 @@ async def events(
             continue
         id = " ".join(str(value) for value in progress.values())
         if id != sent:
-            yield ServerSentEvent(event=progress["status"], id=id, data=progress)
+            yield ServerSentEvent(event=progress["status"], id=id, data=progress | {"grading": progress["attempt"]})
             sent = id
         if progress["status"] in ("graded", "faulted"):
             return
@@ -50,5 +50,5 @@ async def _progress(request: Request, stored: SubmissionRecord, listener: Listen
     if row.finished:
         return progress | {"score": row.score, "max_score": row.max_score, "total": row.total}
     if row.status == "queued":
-        return progress | {"position": await listener.position(str(row.attempt))}
+        return progress | {"position": await listener.position(str(row.grading))}
     return progress | {"phase": row.phase, "scene": row.scene, "scenes": row.scenes}

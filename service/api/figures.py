@@ -42,8 +42,8 @@ async def cached_artefact(
     Raises Problem 404 if the arrays are gone or cannot be drawn, and 503 if rendering fails.
     """
     database = request.app.state.database
-    if (found := await find_artefact(database, stored.attempt, name)) is None:
-        packed = await find_artefact(database, stored.attempt, "arrays.npz")
+    if (found := await find_artefact(database, stored.grading, name)) is None:
+        packed = await find_artefact(database, stored.grading, "arrays.npz")
         if packed is None:
             raise Problem(
                 404, "not-found", "the arrays of this submission are no longer stored: ask the course staff for a regrade"
@@ -54,8 +54,8 @@ async def cached_artefact(
             raise Problem(404, "not-found", f"the figure cannot be drawn from these numbers: {error}") from error
         except RenderFailed as error:
             raise Problem(503, "busy", "rendering the figure failed: reload the page to try again") from error
-        await store_artefacts(database, stored.attempt, {name: content})
-        found = await find_artefact(database, stored.attempt, name)
+        await store_artefacts(database, stored.grading, {name: content})
+        found = await find_artefact(database, stored.grading, name)
         assert found is not None
     return _cached(request, found, media_type)
 
@@ -69,11 +69,11 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
         raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
     database = request.app.state.database
     async for _ in request.app.state.listener.wait_for_changes(str(stored.id), SWEEP_WAIT_S):
-        if found := await find_artefact(database, stored.attempt, f"sweep.{form}"):
+        if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
-        if failure := await find_artefact(database, stored.attempt, "sweep.refused"):
+        if failure := await find_artefact(database, stored.grading, "sweep.refused"):
             raise Problem(404, "not-found", f"the speed vs accuracy measurement failed: {failure[0].decode()}")
-        await sweeps.request(database, stored.attempt)
+        await sweeps.request(database, stored.grading)
     raise Problem(503, "busy", "the speed vs accuracy measurement is still running: try again later")
 
 
@@ -82,7 +82,7 @@ async def animation(stored: Submission, name: str, request: Request) -> Response
     """Return the contact sheet of an animation."""
     names = {a.name for a in stored.report.animations} if stored.report else set()
     database = request.app.state.database
-    found = await find_artefact(database, stored.attempt, f"animations/{name}.png") if name in names else None
+    found = await find_artefact(database, stored.grading, f"animations/{name}.png") if name in names else None
     if found is None:
         raise Problem(404, "not-found", f"the report has no animation {name[:80]}: check the address")
     return _cached(request, found, FORMATS["png"])

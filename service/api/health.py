@@ -13,7 +13,8 @@ router = APIRouter()
 CACHED_S = 1.0
 
 _WORKERS = """
-SELECT name, walls, refusal FROM worker WHERE seen_at > now() - interval '10 s' ORDER BY refusal IS NOT NULL, name
+SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at > now() - interval '10 s'
+ORDER BY unavailable_reason IS NOT NULL, name
 """
 
 
@@ -26,16 +27,17 @@ async def livez() -> dict[str, str]:
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
     """Report whether submissions can be graded, with the result of each check."""
-    checks = {"walls": "no worker is running: start one with polhode worker", "database": "ok"}
+    checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}
     # A broken assignment does not make the server unready: the others can be graded.
     invalid = {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     try:
         await request.app.state.database.ping()
-        walls, refusal = await request.app.state.worker_status.current()
-        checks["walls"] = walls or refusal or checks["walls"]
+        isolation, reason = await request.app.state.worker_status.current()
+        checks["isolation"] = isolation or reason or checks["isolation"]
     except Exception as error:
-        walls, checks = None, {"walls": "unknown", "database": type(error).__name__}
-    if walls is None:
+        isolation, checks = None, {"isolation": "unknown", "database": type(error).__name__}
+    checks["walls"] = checks["isolation"]  # the name of API v1
+    if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
 
@@ -61,8 +63,8 @@ class WorkerStatus:
         if now - self._read_at > CACHED_S:
             workers = await self._database.rows(_WORKERS)
             self._current = (
-                next((w.walls for w in workers if w.walls), None),
-                next((w.refusal for w in workers if w.refusal), None),
+                next((w.isolation for w in workers if w.isolation), None),
+                next((w.unavailable_reason for w in workers if w.unavailable_reason), None),
             )
             self._read_at = now
         return self._current

@@ -36,7 +36,7 @@ class Renderer:
 
         Raises ArithmeticError or ValueError if its numbers cannot be drawn.
         """
-        key = stored.attempt, name, form
+        key = stored.grading, name, form
         return await self._once(key, grader.draw_one, stored.assignment, name, packed, stored.seed, form)
 
     async def chart(self, kind: str, number: int) -> bytes:

@@ -81,10 +81,10 @@ async def submit(
     """
     arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
     person = await authenticate(request, "submit")
-    walls, refusal = await request.app.state.worker_status.current()
-    if refusal and not walls:
+    isolation, reason = await request.app.state.worker_status.current()
+    if reason and not isolation:
         raise Problem(
-            503, "no-walls", f"the sandbox is unavailable, so submissions are not accepted: contact the course staff ({refusal})"
+            503, "no-walls", f"the sandbox is unavailable, so submissions are not accepted: contact the course staff ({reason})"
         )
     parsed = await parse_submission.parse_submission(request, assignment)
     new = NewSubmission(uuid.uuid4(), slug, person.name, parsed.submission, parsed.exercises, secrets.randbits(48), arrived)
@@ -159,7 +159,7 @@ def _uuid(text: str) -> uuid.UUID | None:
 def _document(stored: SubmissionRecord) -> dict[str, Any]:
     result = _summary(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
     result |= {"report": document(stored.report) if stored.report else None}
-    result |= {"fault": stored.fault} if stored.fault else {}
+    result |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
     return result | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
 
 

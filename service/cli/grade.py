@@ -112,4 +112,8 @@ def _told(file: "GradedFile") -> dict[str, Any]:
     from ecp.document import document
 
     told: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
-    return told | ({"error": file.refused} if file.refused else {}) | ({"fault": file.fault} if file.fault else {})
+    return (
+        told
+        | ({"error": file.refused} if file.refused else {})
+        | ({"fault": file.fault, "system_fault": file.fault} if file.fault else {})
+    )

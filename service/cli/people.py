@@ -140,7 +140,7 @@ def _lines(rows: Any) -> Iterator[str]:
     for row in rows:
         state = "revoked" if row.revoked_at else "expired" if row.expired else f"good until {row.expires_at:%Y-%m-%d}"
         used = f"used {row.used_at:%Y-%m-%d}" if row.used_at else "never used"
-        yield f"{row.id}  {row.start}…  {row.name}  {','.join(row.scopes)}  {state}, {used}  {row.label}"
+        yield f"{row.id}  {row.prefix}…  {row.name}  {','.join(row.scopes)}  {state}, {used}  {row.label}"
 
 
 def _days(text: str) -> float:

@@ -62,7 +62,9 @@ def show(queue: "QueueSnapshot") -> str:
     busy = {g.worker for g in queue.going}
     for w in queue.workers:
         if w.name not in busy:
-            lines.append(f"{w.name:28} {'':8} {w.silent_s:5.1f} s  {'refuses: ' + w.refusal if w.refusal else 'idle'}")
+            lines.append(
+                f"{w.name:28} {'':8} {w.silent_s:5.1f} s  {'refuses: ' + w.unavailable_reason if w.unavailable_reason else 'idle'}"
+            )
     lines += [f"fault   {f.submission}  {f.person}  {f.finished_at:%Y-%m-%d %H:%M}  {f.fault}" for f in queue.faults]
     return "\n".join(lines)
 

@@ -67,7 +67,7 @@ class Listener:
             if not self._waiting[submission]:
                 del self._waiting[submission]
 
-    async def position(self, attempt: str) -> int | None:
+    async def position(self, grading: str) -> int | None:
         """Return the position in the queue, None if it is not queued.
 
         All requests share a cache of half a second.
@@ -76,7 +76,7 @@ class Listener:
             loop = asyncio.get_running_loop()
             if loop.time() - self._positions[0] > POSITIONS_CACHED_S:
                 self._positions = loop.time(), await positions(self._database)
-        return self._positions[1].get(attempt)
+        return self._positions[1].get(grading)
 
     async def _listen(self) -> None:
         logged = False  # this outage

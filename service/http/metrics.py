@@ -24,15 +24,15 @@ SELECT count(*) FILTER (WHERE fault IS NULL) AS graded,
     count(*) FILTER (WHERE fault IS NOT NULL AND cancelled_by IS NULL) AS faulted, count(cancelled_by) AS cancelled,
     coalesce(sum(score), 0) AS passed, coalesce(sum(max_score - score), 0) AS others FROM result
 """
-_RUNS = "SELECT ending, count(*) AS n FROM run WHERE ending IS NOT NULL GROUP BY 1"
+_RUNS = "SELECT end_reason, count(*) AS n FROM run WHERE end_reason IS NOT NULL GROUP BY 1"
 _WORKERS = """
-SELECT count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND refusal IS NULL) AS ready,
-    count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND refusal IS NOT NULL) AS refusing,
-    coalesce(sum(zygotes), 0) AS zygotes FROM worker
+SELECT count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND unavailable_reason IS NULL) AS ready,
+    count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND unavailable_reason IS NOT NULL) AS refusing,
+    coalesce(sum(zygote_restarts), 0) AS zygotes FROM worker
 """
 _WAITS = """
 SELECT extract(epoch FROM first.at - a.requested_at) AS s
-FROM attempt a JOIN LATERAL (SELECT min(started_at) AS at FROM run WHERE run.attempt_id = a.id) first ON first.at IS NOT NULL
+FROM grading a JOIN LATERAL (SELECT min(started_at) AS at FROM run WHERE run.grading_id = a.id) first ON first.at IS NOT NULL
 """
 _HISTOGRAM = "SELECT {} , count(*), coalesce(sum(s), 0) FROM ({}) AS measured"
 
@@ -70,7 +70,7 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
         family.add_metric([name], value)
     runs = GaugeMetricFamily("polhode_runs", "Runs by ending; a lost run may still report a result.", labels=["ending"])
     for row in await database.rows(_RUNS):
-        runs.add_metric([row.ending], row.n)
+        runs.add_metric([row.end_reason], row.n)
     (counts,) = await database.rows(_WORKERS)
     workers = GaugeMetricFamily("polhode_workers", "Workers seen in the last ten seconds.", labels=["state"])
     workers.add_metric(["ready"], counts.ready)

@@ -114,8 +114,8 @@ async def _page(request: Request, person: Person, problem: Problem | None = None
     context = {
         "person": person,
         "about": about,
-        "sessions": [row for row in rows if row.start.startswith(tokens.SESSION)],
-        "tokens": [row for row in rows if row.start.startswith(tokens.PREFIX)],
+        "sessions": [row for row in rows if row.prefix.startswith(tokens.SESSION)],
+        "tokens": [row for row in rows if row.prefix.startswith(tokens.PREFIX)],
         "current": current and current.id,
         "provider": request.app.state.settings.oidc_name if request.app.state.oidc else None,
         "shortest": passwords.SHORTEST,

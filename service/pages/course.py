@@ -24,13 +24,13 @@ LATEST = 100
 async def index(request: Request, person: CurrentUser) -> Response:
     """Show the assignments and the latest submissions: all of them to staff, their own to students."""
     database, staff = request.app.state.database, request.state.role in STAFF
-    walls, refusal = await request.app.state.worker_status.current()
+    isolation, reason = await request.app.state.worker_status.current()
     context = {
         "staff": staff,
         "rows": await recent(database, LATEST, None if staff else person.name),
         "assignments": assignments(),
         "overview": await gradebook.overview(database),
-        "walls": walls or refusal or "no worker is running",
+        "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
 

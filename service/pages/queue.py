@@ -37,11 +37,11 @@ async def events(
         yield event
 
 
-@router.post("/queue/{attempt}/cancel")
-async def cancel(attempt: str, request: Request, person: Staff, form: Form) -> Response:
+@router.post("/queue/{grading}/cancel")
+async def cancel(grading: str, request: Request, person: Staff, form: Form) -> Response:
     """Cancel a waiting or running grading. It does not count against the student."""
     try:
-        found = await gradings.cancel(request.app.state.database, identifier(attempt), person.name)
+        found = await gradings.cancel(request.app.state.database, identifier(grading), person.name)
     except gradings.AlreadyFinished:
         raise Problem(
             409, "changed-meanwhile", "the grading already has a result and cannot be cancelled: reload the page"
@@ -110,5 +110,5 @@ def _going(run: Row[Any], lease_s: float) -> dict[str, Any]:
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
         progress["stuck"] = f"{format_seconds(run.scene_s)} {where}: possibly an endless loop; the time limit will stop it"
-    columns = ("attempt", "kind", "number", "held", "submission", "person", "assignment", "worker")
+    columns = ("grading", "kind", "number", "preview", "submission", "person", "assignment", "worker")
     return {name: getattr(run, name) for name in columns} | progress

@@ -51,7 +51,7 @@ async def create(slug: str, request: Request, person: Staff, form: Form) -> Resp
     """Start a preview regrade of the selected submissions. Shown results do not change."""
     which, check, description = await _selection(request, find_assignment(slug), field(form, "which"), field(form, "check"))
     try:
-        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, told=description)
+        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, description=description)
     except regrades.NothingToGrade:
         raise Problem(
             409, "not-ready", f"nothing to regrade ({description}): no submission matches, or all are being graded"
@@ -68,7 +68,7 @@ async def page(request: Request, person: Staff, regrade: Found) -> Response:
     assignment = find_assignment(regrade.assignment)
     context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
     role = request.state.role
-    context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.asked_by)
+    context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.requested_by)
     context["may_apply"] = regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
     return templates.TemplateResponse(request, "regrade.html", context)
 
@@ -97,7 +97,7 @@ async def apply(request: Request, person: Instructor, form: Form, regrade: Found
 @router.post("/regrades/{id}/drop")
 async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> Response:
     """Drop a regrade and keep the shown results."""
-    if request.state.role != "instructor" and person.name != regrade.asked_by:
+    if request.state.role != "instructor" and person.name != regrade.requested_by:
         raise Problem(
             403,
             "not-allowed",
@@ -145,19 +145,19 @@ def diff(pairs: Sequence[Row[Any]], changes: Iterable[Row[Any]], labels: Mapping
     """Return the finished submissions by group, the most frequently changed checks, and the compared
     versions.
     """
-    by_attempt: dict[UUID, list[dict[str, str]]] = defaultdict(list)
+    by_grading: dict[UUID, list[dict[str, str]]] = defaultdict(list)
     kinds: Counter[tuple[str, str]] = Counter()
     for change in changes:
         marks = f"{_mark(change.was)} → {_mark(change.now)}"
         check = {"check": change.check_id, "label": labels.get(change.check_id, "")}
-        by_attempt[change.attempt].append(
+        by_grading[change.grading].append(
             check | {"marks": marks, "description": f"{_label(change.was)}, now {_label(change.now)}"}
         )
         kinds[change.check_id, marks] += 1
     groups: dict[str, list[dict[str, Any]]] = {name: [] for name in GROUPS}
     for row in pairs:
         if row.finished:
-            groups[_group(row)].append(row._asdict() | {"flips": by_attempt[row.attempt]})
+            groups[_group(row)].append(row._asdict() | {"flips": by_grading[row.grading]})
     most_changed = [
         {"check": id, "label": labels.get(id, ""), "marks": marks, "count": count}
         for (id, marks), count in kinds.most_common(MOST_CHANGED)

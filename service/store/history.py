@@ -1,4 +1,4 @@
-"""A person's submissions to an assignment with what became of each: what a student looks back on; and the attempts at one."""
+"""A person's submissions to an assignment with what became of each: what a student looks back on; and the gradings at one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -46,14 +46,14 @@ class TimelineEntry:
 
 @dataclass(frozen=True)
 class GradingRecord:
-    """An attempt: why it was made, when it was asked for, when the run that counts was started, where and with what result.
+    """A grading: why it was made, when it was asked for, when the run that counts was started, where and with what result.
 
-    ``runs`` is how many were begun. A ``held`` one belongs to a regrade that has not been applied.
+    ``runs`` is how many were begun. A ``preview`` one belongs to a regrade that has not been applied.
     """
 
     number: int
     kind: str
-    held: bool
+    preview: bool
     requested_at: datetime
     started_at: datetime | None
     worker: str | None
@@ -78,7 +78,7 @@ async def previous(database: Database, submission: UUID) -> UUID | None:
 
 
 async def gradings(database: Database, submission: UUID) -> Sequence[GradingRecord]:
-    """All attempts at a submission, the first one first."""
+    """All gradings at a submission, the first one first."""
     return [GradingRecord(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
 
 
@@ -114,10 +114,11 @@ WHERE s.id = :submission AND (b.submitted_at, b.id) < (s.submitted_at, s.id) ORD
 """
 
 _GRADINGS = """
-SELECT a.number, a.kind, a.held, a.requested_at, r.started_at, r.worker, (SELECT count(*) FROM run WHERE attempt_id = a.id) AS runs,
+SELECT a.number, a.kind, a.preview, a.requested_at, r.started_at, r.worker,
+    (SELECT count(*) FROM run WHERE grading_id = a.id) AS runs,
     v.finished_at, v.score, v.max_score, v.version, v.fault, v.cancelled_by
-FROM attempt a LEFT JOIN result v ON v.attempt_id = a.id LEFT JOIN LATERAL (
-    SELECT started_at, worker FROM run WHERE run.attempt_id = a.id AND coalesce(run.id = v.run_id, true)
+FROM grading a LEFT JOIN result v ON v.grading_id = a.id LEFT JOIN LATERAL (
+    SELECT started_at, worker FROM run WHERE run.grading_id = a.id AND coalesce(run.id = v.run_id, true)
     ORDER BY started_at DESC LIMIT 1
 ) r ON true
 WHERE a.submission_id = :submission ORDER BY a.number

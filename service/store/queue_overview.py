@@ -17,7 +17,7 @@ from service.store.tables import assignment
 
 @dataclass(frozen=True)
 class QueueSnapshot:
-    """Waiting jobs by kind, the first of them one by one, runs under way, workers, and attempts that ended in a fault."""
+    """Waiting jobs by kind, the first of them one by one, runs under way, workers, and gradings that ended in a fault."""
 
     waiting: Sequence[Row[tuple[object, ...]]]
     places: Sequence[Row[tuple[object, ...]]]
@@ -32,7 +32,7 @@ class Rules:
 
     due_at: datetime | None
     grace_s: float
-    most_submissions: int | None
+    submission_limit: int | None
 
 
 async def snapshot(database: Database) -> QueueSnapshot:
@@ -41,7 +41,7 @@ async def snapshot(database: Database) -> QueueSnapshot:
 
 
 async def regrade(database: Database, which: Sequence[UUID] | str, who: str, *, faults: bool = False) -> int:
-    """A new attempt with the same seed for these submissions, for "faults" (those without a report) or for "all"; how many.
+    """A new grading with the same seed for these submissions, for "faults" (those without a report) or for "all"; how many.
 
     With ``faults``, of these submissions only those without a report. What is being graded is left alone. What was shown stays
     until the new result is there.
@@ -75,47 +75,47 @@ async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bo
 
 _WAITING = """
 SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch FROM now() - min(a.requested_at)) AS waited_s
-FROM procrastinate_jobs j JOIN attempt a ON a.id::text = j.args->>'attempt'
+FROM procrastinate_jobs j JOIN grading a ON a.id::text = j.args->>'attempt'
 WHERE j.status = 'todo' AND j.task_name = 'grade' GROUP BY a.kind ORDER BY max(j.priority) DESC
 """
 
 MOST_PLACES = 200
 
 _PLACES = f"""
-SELECT j.position, j.total, a.id AS attempt, a.kind, a.number, a.held, a.requested_at, s.id AS submission, p.name AS person,
+SELECT j.position, j.total, a.id AS grading, a.kind, a.number, a.preview, a.requested_at, s.id AS submission, p.name AS person,
     x.slug AS assignment
 FROM (
-    SELECT (args->>'attempt')::uuid AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position,
+    SELECT (args->>'attempt')::uuid AS grading, row_number() OVER (ORDER BY priority DESC, id) AS position,
         count(*) OVER () AS total
     FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade' ORDER BY priority DESC, id LIMIT {MOST_PLACES}
-) j JOIN attempt a ON a.id = j.attempt JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+) j JOIN grading a ON a.id = j.grading JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id
 ORDER BY j.position
 """
 
 _GOING = """
-SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS attempt, a.kind, a.number, a.held, s.id AS submission,
+SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS grading, a.kind, a.number, a.preview, s.id AS submission,
     p.name AS person, x.slug AS assignment, extract(epoch FROM now() - run.started_at) AS running_s,
-    extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch FROM now() - run.beat_at) AS silent_s
-FROM run JOIN attempt a ON a.id = run.attempt_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch FROM now() - run.heartbeat_at) AS silent_s
+FROM run JOIN grading a ON a.id = run.grading_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id
-WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.attempt_id = a.id) ORDER BY run.started_at
+WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.grading_id = a.id) ORDER BY run.started_at
 """
 
 _WORKERS = """
-SELECT name, walls, refusal, zygotes, extract(epoch FROM now() - seen_at) AS silent_s FROM worker
+SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM now() - seen_at) AS silent_s FROM worker
 WHERE seen_at > now() - interval '30 s' ORDER BY name
 """
 
-# A held attempt is not one that counts: neither as the last one nor as one with a report.
+# A preview grading is not one that counts: neither as the last one nor as one with a report.
 _LAST = """
-LATERAL (SELECT * FROM attempt WHERE submission_id = s.id AND NOT held ORDER BY number DESC LIMIT 1) a ON true
-    JOIN result r ON r.attempt_id = a.id
+LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.grading_id = a.id
 """
 
 _HAS_REPORT = """EXISTS (
-    SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
-    WHERE b.submission_id = s.id AND NOT b.held AND q.report IS NOT NULL)
+    SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
+    WHERE b.submission_id = s.id AND NOT b.preview AND q.report IS NOT NULL)
 """
 
 _FAULTS = f"""

@@ -15,7 +15,7 @@ from ecp.document import read as read_document
 from ecp.report import Report
 from service.grading.submission import Submission
 from service.store.database import Database
-from service.store.tables import artefact, kept
+from service.store.tables import artefact, grading_artefact
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class NewSubmission:
 class SubmissionRecord:
     """A submission as accepted, with the result shown for it, if there is one: a report, or the fault that kept us from making it.
 
-    ``attempt`` is the one shown: the last with a report, else the last one. ``status`` is queued, running, graded or faulted.
+    ``grading`` is the one shown: the last with a report, else the last one. ``status`` is queued, running, graded or faulted.
     ``cancelled_by`` tells who of the staff stopped it, ``points`` the score but for what an instructor gave instead.
     """
 
@@ -52,7 +52,7 @@ class SubmissionRecord:
     exercises: list[str] | None
     submitted_at: datetime
     late: bool
-    attempt: UUID
+    grading: UUID
     number: int
     seed: int
     report: Report | None
@@ -86,31 +86,31 @@ class SubmissionRow:
     total: int | None = None
 
 
-def points(given: str, attempt: str, score: str) -> str:
-    """SQL to join, as ``given``, the ``points`` of that attempt of submission ``s``: its score, but for what an instructor gave
+def points(given: str, grading: str, score: str) -> str:
+    """SQL to join, as ``given``, the ``points`` of that grading of submission ``s``: its score, but for what an instructor gave
     instead; and whether anything was given, ``overridden``."""
     return f"""LATERAL (
     SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
         {score} + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
-    FROM override o LEFT JOIN outcome v ON v.attempt_id = {attempt} AND v.check_id = o.check_id AND v.counted
+    FROM override o LEFT JOIN outcome v ON v.grading_id = {grading} AND v.check_id = o.check_id AND v.counted
     WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
 ) {given} ON true"""
 
 
-# The attempt shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was, and
-# one that is held is not shown.
+# The grading shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was, and
+# one that is preview is not shown.
 SHOWN = f"""
 LATERAL (
-    SELECT a.id AS attempt, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
+    SELECT a.id AS grading, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
         coalesce(CAST(r.report->>'total' AS int), r.max_score) AS total,
-        r.attempt_id IS NOT NULL AS finished, r.finished_at, r.version
-    FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
-    WHERE a.submission_id = s.id AND NOT a.held ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
+        r.grading_id IS NOT NULL AS finished, r.finished_at, r.version
+    FROM grading a LEFT JOIN result r ON r.grading_id = a.id
+    WHERE a.submission_id = s.id AND NOT a.preview ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
 ) shown ON true
-LEFT JOIN {points("given", "shown.attempt", "shown.score")}
+LEFT JOIN {points("given", "shown.grading", "shown.score")}
 LEFT JOIN LATERAL (
     SELECT phase, scene, scenes FROM run
-    WHERE run.attempt_id = shown.attempt AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
+    WHERE run.grading_id = shown.grading AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
 ) going ON true
 """
 
@@ -137,12 +137,12 @@ WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DES
 """
 
 _STATE = f"""
-SELECT s.id, shown.finished, shown.score, shown.max_score, shown.total, shown.attempt, shown.number, going.phase, going.scene,
+SELECT s.id, shown.finished, shown.score, shown.max_score, shown.total, shown.grading, shown.number, going.phase, going.scene,
     going.scenes, {STATUS} FROM submission s JOIN {SHOWN} WHERE s.id = :id
 """
 
 _POSITIONS = """
-SELECT args->>'attempt' AS attempt, row_number() OVER (ORDER BY priority DESC, id) AS position
+SELECT args->>'attempt' AS grading, row_number() OVER (ORDER BY priority DESC, id) AS position
 FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 """
 
@@ -162,37 +162,40 @@ async def recent(database: Database, most: int, person: str | None = None) -> Se
 
 
 async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
-    """What of a submission changes while it is graded: a row with ``finished``, ``status``, scores, ``attempt`` and progress."""
+    """What of a submission changes while it is graded: a row with ``finished``, ``status``, scores, ``grading`` and progress."""
     rows = await database.rows(_STATE, {"id": id})
     return rows[0] if rows else None
 
 
 async def positions(database: Database) -> Mapping[str, int]:
-    """By attempt, which place in the queue it has; the next to start is at 1."""
-    return {row.attempt: row.position for row in await database.rows(_POSITIONS)}
+    """By grading, which place in the queue it has; the next to start is at 1."""
+    return {row.grading: row.position for row in await database.rows(_POSITIONS)}
 
 
-async def find_artefact(database: Database, attempt: UUID, name: str) -> tuple[bytes, str] | None:
+async def find_artefact(database: Database, grading: UUID, name: str) -> tuple[bytes, str] | None:
     """Content and SHA-256 of an artefact, or None."""
-    query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, kept)
-    rows = await database.rows(query.where(kept.c.attempt_id == attempt, kept.c.name == name))
+    query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, grading_artefact)
+    rows = await database.rows(query.where(grading_artefact.c.grading_id == grading, grading_artefact.c.name == name))
     return (rows[0].content, rows[0].sha256) if rows else None
 
 
-async def store_artefacts(database: Database, attempt: UUID, artefacts: Mapping[str, bytes]) -> None:
+async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
     """Keep artefacts made later, such as a figure drawn when somebody looked."""
     async with database.begin() as connection:
-        for statement in artefact_statements(attempt, artefacts):
+        for statement in artefact_statements(grading, artefacts):
             await connection.execute(statement)
 
 
-def artefact_statements(attempt: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
-    """The statements that keep them, each content once however many attempts share it."""
+def artefact_statements(grading: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
+    """The statements that keep them, each content once however many gradings share it."""
     marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
     contents = {marks[name]: content for name, content in artefacts.items()}
     return [
         *(insert(artefact).values(sha256=mark, content=contents[mark]).on_conflict_do_nothing() for mark in sorted(contents)),
-        *(insert(kept).values(attempt_id=attempt, name=n, sha256=mark).on_conflict_do_nothing() for n, mark in marks.items()),
+        *(
+            insert(grading_artefact).values(grading_id=grading, name=n, sha256=mark).on_conflict_do_nothing()
+            for n, mark in marks.items()
+        ),
     ]
 
 
@@ -205,7 +208,7 @@ def _stored(row: Row[tuple[object, ...]]) -> SubmissionRecord:
         exercises=row.exercises,
         submitted_at=row.submitted_at,
         late=row.late,
-        attempt=row.attempt,
+        grading=row.grading,
         number=row.number,
         seed=row.seed,
         report=None if row.report is None else read_document(Report, row.report),

@@ -1,4 +1,4 @@
-"""Grading again with a look first: a regrade's attempts are held, so that nothing shown changes until it is applied."""
+"""Grading again with a look first: a regrade's gradings are preview, so that nothing shown changes until it is applied."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from service.store.course import grades
 from service.store.course.people import record_audit
 from service.store.database import Database
 from service.store.gradings import cancel_all_of
-from service.store.queue import lock_persons, send_attempts
+from service.store.queue import lock_persons, send_gradings
 from service.store.records import LATE, SHOWN, points
-from service.store.submissions import MOST_RUNS
+from service.store.submissions import MAX_RUNS
 from service.store.tables import regrade
 
 AT_ONCE = 50
@@ -32,19 +32,19 @@ class RegradeClosed(Exception):
 
 
 class RegradeIncomplete(Exception):
-    """It cannot be applied yet; the message says how many attempts have no result."""
+    """It cannot be applied yet; the message says how many gradings have no result."""
 
 
 @dataclass(frozen=True)
 class Regrade:
-    """A regrade: what it is about (``told``), who asked, what became of it, and of its attempts, how many are finished
+    """A regrade: what it is about (``description``), who asked, what became of it, and of its gradings, how many are finished
     and how many of these have a report (``graded``)."""
 
     id: UUID
     assignment: str
-    told: str
-    asked_by: str
-    asked_at: datetime
+    description: str
+    requested_by: str
+    requested_at: datetime
     decided: str | None
     decided_by: str | None
     decided_at: datetime | None
@@ -53,18 +53,18 @@ class Regrade:
     total: int
 
 
-async def create(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, told: str) -> UUID:
-    """Grade again, held: one submission by its id, the best or every one of everybody; with ``check``, those without ✓ at it.
+async def create(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, description: str) -> UUID:
+    """Grade again, preview: one submission by its id, the best or every one of everybody; with ``check``, those without ✓ at it.
 
-    Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``told`` says to people what is
-    meant.
+    Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``description`` is what
+    pages show for it.
     """
     if isinstance(which, UUID):
         query, asked = _ONE, {"slug": slug, "one": which}
     else:
         query, asked = _MEANT[which], {"slug": slug, "check": check}
     async with database.begin() as connection:
-        made = (await connection.execute(_BEGIN, {"slug": slug, "told": told, "who": who})).one().id
+        made = (await connection.execute(_BEGIN, {"slug": slug, "description": description, "actor": who})).one().id
         meant = (await connection.execute(query, asked)).all()
     count, ids = 0, [row.id for row in meant]
     for start in range(0, len(ids), AT_ONCE):
@@ -72,7 +72,7 @@ async def create(database: Database, slug: str, which: UUID | str, who: str, *, 
     async with database.begin() as connection:
         if count:
             await record_audit(
-                connection, who, "regrade begun", str(made), {"assignment": slug, "what": told, "submissions": count}
+                connection, who, "regrade begun", str(made), {"assignment": slug, "what": description, "submissions": count}
             )
             return UUID(str(made))
         await connection.execute(delete(regrade).where(regrade.c.id == made))
@@ -80,14 +80,14 @@ async def create(database: Database, slug: str, which: UUID | str, who: str, *, 
 
 
 async def _add(database: Database, made: UUID, submissions: Sequence[UUID]) -> int:
-    """Held attempts of those that are not being graded, unless the regrade has been decided meanwhile; how many."""
+    """Held gradings of those that are not being graded, unless the regrade has been decided meanwhile; how many."""
     async with database.begin() as connection:
         await lock_persons(connection, submissions)
         if (await connection.execute(_UNDECIDED, {"id": made})).first() is None:
             return 0
-        values = {"regrade": made, "submissions": list(submissions), "most_runs": MOST_RUNS}
+        values = {"regrade": made, "submissions": list(submissions), "max_runs": MAX_RUNS}
         added = [row.id for row in (await connection.execute(_ADD, values)).all()]
-        await send_attempts(connection, added)
+        await send_gradings(connection, added)
     return len(added)
 
 
@@ -103,7 +103,7 @@ async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
 
 
 async def apply(database: Database, id: UUID, who: str) -> int:
-    """Let what was graded count, all of it at once; how many submissions show the new result. Faults are left held.
+    """Let what was graded count, all of it at once; how many submissions show the new result. Faults are left preview.
 
     Raises Decided where somebody was first, Unfinished while a result is missing.
     """
@@ -120,7 +120,7 @@ async def apply(database: Database, id: UUID, who: str) -> int:
 
 
 async def drop(database: Database, id: UUID, who: str) -> int:
-    """Leave everything as it is for good, and grade no more for it; how many attempts were cancelled. Raises Decided."""
+    """Leave everything as it is for good, and grade no more for it; how many gradings were cancelled. Raises Decided."""
     async with database.begin() as connection:
         if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "who": who})).rowcount:
             raise RegradeClosed(await _by_whom(database, id))
@@ -135,11 +135,12 @@ async def _by_whom(database: Database, id: UUID) -> str:
 
 
 _BEGIN = text("""
-INSERT INTO regrade (assignment_id, told, asked_by) SELECT id, :told, :who FROM assignment WHERE slug = :slug RETURNING id
+INSERT INTO regrade (assignment_id, description, requested_by) SELECT id, :description, :actor FROM assignment
+WHERE slug = :slug RETURNING id
 """)
 
 _EVERY = f"""
-SELECT s.id, s.person_id, shown.attempt, shown.score
+SELECT s.id, s.person_id, shown.grading, shown.score
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} WHERE x.slug = :slug
 """
 
@@ -151,7 +152,7 @@ _MEANT = {
     which: text(f"""
 SELECT id FROM ({query}) meant
 WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
-    SELECT 1 FROM outcome o WHERE o.attempt_id = meant.attempt AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
+    SELECT 1 FROM outcome o WHERE o.grading_id = meant.grading AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
 ORDER BY person_id
 """)
     for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
@@ -160,21 +161,21 @@ ORDER BY person_id
 _UNDECIDED = text("SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE")
 
 _ADD = text("""
-INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at, regrade_id, held)
-SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM attempt b WHERE b.submission_id = s.id), 'regrade', a.seed, :most_runs,
+INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at, regrade_id, preview)
+SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
     clock_timestamp(), :regrade, true
 FROM submission s
-    JOIN LATERAL (SELECT * FROM attempt WHERE submission_id = s.id AND NOT held ORDER BY number DESC LIMIT 1) a ON true
-    JOIN result r ON r.attempt_id = a.id
+    JOIN LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.grading_id = a.id
 WHERE s.id = ANY(:submissions) RETURNING id
 """)
 
 _FIND = """
-SELECT g.id, x.slug AS assignment, g.told, g.asked_by, g.asked_at, g.decided, g.decided_by, g.decided_at,
-    count(r.attempt_id) AS finished, count(r.score) AS graded, count(a.id) AS total
-FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN attempt a ON a.regrade_id = g.id
-    LEFT JOIN result r ON r.attempt_id = a.id
-WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug ORDER BY g.asked_at DESC LIMIT 100
+SELECT g.id, x.slug AS assignment, g.description, g.requested_by, g.requested_at, g.decided, g.decided_by, g.decided_at,
+    count(r.grading_id) AS finished, count(r.score) AS graded, count(a.id) AS total
+FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN grading a ON a.regrade_id = g.id
+    LEFT JOIN result r ON r.grading_id = a.id
+WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug ORDER BY g.requested_at DESC LIMIT 100
 """
 
 _DECIDE = text("""
@@ -182,15 +183,15 @@ UPDATE regrade SET decided = :how, decided_by = :who, decided_at = clock_timesta
 """)
 
 _OPEN = text("""
-SELECT count(*) FROM attempt a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = a.id)
+SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = a.id)
 """)
 
 # What was graded again since, and is shown, stays.
 _RELEASE = text("""
-UPDATE attempt a SET held = false FROM result r
-WHERE a.regrade_id = :id AND r.attempt_id = a.id AND r.report IS NOT NULL AND NOT EXISTS (
-    SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
-    WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL)
+UPDATE grading a SET preview = false FROM result r
+WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT EXISTS (
+    SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
+    WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL)
 RETURNING a.submission_id
 """)
 
@@ -198,44 +199,44 @@ RETURNING a.submission_id
 async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
     """By submission, what counts without this regrade (``was``) and what with it, points given by an instructor included.
 
-    Rows also have ``overridden``, and ``overtaken`` where a later attempt is shown already.
+    Rows also have ``overridden``, and ``overtaken`` where a later grading is shown already.
     """
     return await database.rows(_PAIRS, {"id": id})
 
 
 async def check_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """Every check whose state is another than before: ``attempt``, ``check_id``, ``was`` and ``now``, None where there was none."""
+    """Every check whose state is another than before: ``grading``, ``check_id``, ``was`` and ``now``, None where there was none."""
     return await database.rows(_FLIPS, {"id": id})
 
 
-# The attempt that counts without this regrade: the last before it with a report.
+# The grading that counts without this regrade: the last before it with a report.
 _BEFORE = """
 LATERAL (
-    SELECT b.id AS attempt, q.score, q.max_score, q.version FROM attempt b JOIN result q ON q.attempt_id = b.id
-    WHERE b.submission_id = a.submission_id AND b.number < a.number AND NOT b.held AND q.report IS NOT NULL
+    SELECT b.id AS grading, q.score, q.max_score, q.version FROM grading b JOIN result q ON q.grading_id = b.id
+    WHERE b.submission_id = a.submission_id AND b.number < a.number AND NOT b.preview AND q.report IS NOT NULL
     ORDER BY b.number DESC LIMIT 1
 ) was ON true
 """
 
 _PAIRS = f"""
-SELECT a.id AS attempt, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.attempt_id IS NOT NULL AS finished, r.fault,
+SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.grading_id IS NOT NULL AS finished, r.fault,
     r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
     before.points AS was_points, given.points, given.overridden, EXISTS (
-        SELECT 1 FROM attempt b JOIN result q ON q.attempt_id = b.id
-        WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.held AND q.report IS NOT NULL) AS overtaken
-FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
-    JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.attempt_id = a.id LEFT JOIN {_BEFORE}
-    LEFT JOIN {points("before", "was.attempt", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}
+        SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
+        WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL) AS overtaken
+FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
+    JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN {_BEFORE}
+    LEFT JOIN {points("before", "was.grading", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}
 WHERE a.regrade_id = :id ORDER BY p.name, s.submitted_at
 """
 
 _FLIPS = f"""
-SELECT attempt, check_id, max(state) FILTER (WHERE old) AS was, max(state) FILTER (WHERE NOT old) AS now
+SELECT grading, check_id, max(state) FILTER (WHERE old) AS was, max(state) FILTER (WHERE NOT old) AS now
 FROM (
-    SELECT a.id AS attempt, o.check_id, o.state, told.old
-    FROM attempt a JOIN result r ON r.attempt_id = a.id AND r.report IS NOT NULL JOIN {_BEFORE},
-        LATERAL (VALUES (was.attempt, true), (a.id, false)) AS told (attempt, old), outcome o
-    WHERE a.regrade_id = :id AND o.attempt_id = told.attempt
+    SELECT a.id AS grading, o.check_id, o.state, side.old
+    FROM grading a JOIN result r ON r.grading_id = a.id AND r.report IS NOT NULL JOIN {_BEFORE},
+        LATERAL (VALUES (was.grading, true), (a.id, false)) AS side (grading, old), outcome o
+    WHERE a.regrade_id = :id AND o.grading_id = side.grading
 ) both_sides
-GROUP BY attempt, check_id HAVING count(*) = 1 OR min(state) <> max(state) ORDER BY check_id
+GROUP BY grading, check_id HAVING count(*) = 1 OR min(state) <> max(state) ORDER BY check_id
 """

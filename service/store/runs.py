@@ -1,4 +1,4 @@
-"""A worker's side of an attempt: claim it, tell that it is alive and how far it is, and write the one result.
+"""A worker's side of a grading: claim it, tell that it is alive and how far it is, and write the one result.
 
 Every function is one transaction and harmless to repeat, because a lost connection leaves open whether it was committed.
 """
@@ -17,7 +17,7 @@ from ecp.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.database import Database
-from service.store.queue import send_attempt, send_next
+from service.store.queue import send_grading, send_next
 from service.store.records import artefact_statements
 from service.store.tables import outcome, result, run
 
@@ -26,9 +26,9 @@ CHANNEL = "polhode"
 
 @dataclass(frozen=True)
 class GradingJob:
-    """What an attempt asks: everything that grading it needs, so that no more is read while it runs."""
+    """What a grading asks: everything that grading it needs, so that no more is read while it runs."""
 
-    attempt: UUID
+    grading: UUID
     submission_id: UUID
     assignment: str
     submission: Submission
@@ -38,38 +38,38 @@ class GradingJob:
 
 @dataclass(frozen=True)
 class Claim(GradingJob):
-    """An attempt that this worker grades, as its run ``run``."""
+    """A grading that this worker grades, as its run ``run``."""
 
     run: UUID
 
 
-async def claim(database: Database, attempt: UUID, new_run: UUID, worker: str) -> Claim | None:
-    """Begin run ``new_run`` of the attempt; None where there is nothing to do, as it has its result.
+async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
+    """Begin run ``new_run`` of the grading; None where there is nothing to do, as it has its result.
 
     Where too many runs were lost or failed, the result is a fault, with what is known of them.
     """
     async with database.begin() as connection:
-        found = (await connection.execute(_CLAIM, {"attempt": attempt})).first()
+        found = (await connection.execute(_CLAIM, {"grading": grading})).first()
         if found is None or found.finished:
             return None
-        if found.lost >= found.most_runs:
-            lost = (await connection.execute(_LOST, {"attempt": attempt})).all()
+        if found.lost >= found.max_runs:
+            lost = (await connection.execute(_LOST, {"grading": grading})).all()
             known = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
             fault = f"grading was begun {len(lost)} times and never ended ({known})"
-            await connection.execute(insert(result).values(attempt_id=attempt, fault=fault).on_conflict_do_nothing())
-            await send_next(connection, attempt, found.submission_id)
+            await connection.execute(insert(result).values(grading_id=grading, fault=fault).on_conflict_do_nothing())
+            await send_next(connection, grading, found.submission_id)
             await notify_in(connection, found.submission_id)
             return None
-        values = {"id": new_run, "attempt_id": attempt, "worker": worker, "phase": "starting"}
+        values = {"id": new_run, "grading_id": grading, "worker": worker, "phase": "starting"}
         await connection.execute(insert(run).values(values).on_conflict_do_nothing())
         await notify_in(connection, found.submission_id)
-    return Claim(**_asked(attempt, found), run=new_run)
+    return Claim(**_asked(grading, found), run=new_run)
 
 
-async def read_grading(database: Database, attempt: UUID) -> GradingJob:
-    """What an attempt asks, without claiming it."""
+async def read_grading(database: Database, grading: UUID) -> GradingJob:
+    """What a grading asks, without claiming it."""
     async with database.begin() as connection:
-        return GradingJob(**_asked(attempt, (await connection.execute(_CLAIM, {"attempt": attempt})).one()))
+        return GradingJob(**_asked(grading, (await connection.execute(_CLAIM, {"grading": grading})).one()))
 
 
 async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
@@ -87,46 +87,46 @@ async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, 
 
 async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
     """Write the result and its artefacts together. False if another run was first: then nothing of this one is kept."""
-    of = {"attempt": claimed.attempt}
+    of = {"grading": claimed.grading}
     values = {
-        "attempt_id": claimed.attempt,
+        "grading_id": claimed.grading,
         "run_id": claimed.run,
         "report": document(report),
         "score": report.score,
         "max_score": report.max_score,
         "version": report.version,
-        "walls": report.provenance.walls,
+        "isolation": report.provenance.walls,
         "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
     }
     async with database.begin() as connection:
         written = insert(result).values(values).on_conflict_do_nothing().returning(result.c.run_id)
         owner = (await connection.execute(written)).scalar() or (await connection.execute(_OWNER, of)).scalar()
         first = owner == claimed.run
-        kept = [*artefact_statements(claimed.attempt, artefacts), *_by_check(claimed.attempt, report)]
+        kept = [*artefact_statements(claimed.grading, artefacts), *_by_check(claimed.grading, report)]
         for statement in kept if first else []:
             await connection.execute(statement)
-        await connection.execute(_END, {"run": claimed.run, "ending": "finished" if first else "superseded"})
+        await connection.execute(_END, {"run": claimed.run, "end_reason": "finished" if first else "superseded"})
         if first:
-            await send_next(connection, claimed.attempt, claimed.submission_id)
+            await send_next(connection, claimed.grading, claimed.submission_id)
             await notify_in(connection, claimed.submission_id)
         return first
 
 
-async def release(database: Database, claimed: Claim, ending: str, note: str) -> None:
-    """End a run without result: "released" when the worker stops, "failed" by a failure of ours; the attempt is queued again."""
+async def release(database: Database, claimed: Claim, end_reason: str, note: str) -> None:
+    """End a run without result: "released" when the worker stops, "failed" by a failure of ours; the grading is queued again."""
     async with database.begin() as connection:
-        values = {"run": claimed.run, "ending": ending, "note": note[:600]}
+        values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600]}
         open = (await connection.execute(_END_IF_OPEN, values)).rowcount  # else it was lost, and is queued already
-        if open and (await connection.execute(_OWNER, {"attempt": claimed.attempt})).first() is None:
-            await connection.execute(_DROP_JOBS, {"attempt": str(claimed.attempt)})
-            await send_attempt(connection, claimed.attempt, begun=ending == "released")
+        if open and (await connection.execute(_OWNER, {"grading": claimed.grading})).first() is None:
+            await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
+            await send_grading(connection, claimed.grading, begun=end_reason == "released")
             await notify_in(connection, claimed.submission_id)
 
 
 async def supersede(database: Database, claimed: Claim) -> None:
-    """End a run whose attempt has its result from elsewhere."""
+    """End a run whose grading has its result from elsewhere."""
     async with database.begin() as connection:
-        await connection.execute(_END, {"run": claimed.run, "ending": "superseded"})
+        await connection.execute(_END, {"run": claimed.run, "end_reason": "superseded"})
 
 
 async def notify(database: Database, submission_id: UUID) -> None:
@@ -135,9 +135,9 @@ async def notify(database: Database, submission_id: UUID) -> None:
         await notify_in(connection, submission_id)
 
 
-def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
+def _asked(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
     return {
-        "attempt": attempt,
+        "grading": grading,
         "submission_id": row.submission_id,
         "assignment": row.assignment,
         "submission": Submission(row.source, row.filename),
@@ -146,8 +146,8 @@ def _asked(attempt: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
     }
 
 
-def _by_check(attempt: UUID, report: Report) -> list[Executable]:
-    rows = outcome_rows(attempt, report)
+def _by_check(grading: UUID, report: Report) -> list[Executable]:
+    rows = outcome_rows(grading, report)
     return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
 
 
@@ -157,46 +157,47 @@ async def notify_in(connection: AsyncConnection, submission_id: UUID) -> None:
 
 
 _CLAIM = text("""
-SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.most_runs,
-    r.attempt_id IS NOT NULL AS finished,
-    (SELECT count(*) FROM run WHERE run.attempt_id = a.id AND ending IN ('lost', 'failed')) AS lost
-FROM attempt a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
-    LEFT JOIN result r ON r.attempt_id = a.id
-WHERE a.id = :attempt FOR NO KEY UPDATE OF a
+SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
+    r.grading_id IS NOT NULL AS finished,
+    (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason IN ('lost', 'failed')) AS lost
+FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
+    LEFT JOIN result r ON r.grading_id = a.id
+WHERE a.id = :grading FOR NO KEY UPDATE OF a
 """)
 
 # A run that came back late is no loss: its worker lives, it was only slow.
 _LOST = text("""
 SELECT started_at, worker, note FROM run
-WHERE attempt_id = :attempt AND ending IN ('lost', 'failed') ORDER BY started_at
+WHERE grading_id = :grading AND end_reason IN ('lost', 'failed') ORDER BY started_at
 """)
 
 _BEAT = text("""
 WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
-UPDATE run SET beat_at = now(), phase = :phase, scene = :scene, scenes = :scenes, ended_at = NULL, ending = NULL, note = NULL,
+UPDATE run SET heartbeat_at = now(), phase = :phase, scene = :scene, scenes = :scenes,
+    ended_at = NULL, end_reason = NULL, note = NULL,
     scene_at = CASE WHEN (before.phase, before.scene) = (:phase, :scene) THEN scene_at ELSE now() END
-FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.ending = 'lost')
-    AND NOT EXISTS (SELECT 1 FROM result r WHERE r.attempt_id = run.attempt_id)
+FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.end_reason = 'lost')
+    AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = run.grading_id)
 RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
 """)
 
-_OWNER = text("SELECT run_id FROM result WHERE attempt_id = :attempt")
+_OWNER = text("SELECT run_id FROM result WHERE grading_id = :grading")
 
 _END = text("""
-UPDATE run SET ended_at = now(), ending = :ending, note = NULL
-WHERE id = :run AND coalesce(ending, '') NOT IN ('finished', 'cancelled')
+UPDATE run SET ended_at = now(), end_reason = :end_reason, note = NULL
+WHERE id = :run AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
 """)
 
-_END_IF_OPEN = text("UPDATE run SET ended_at = now(), ending = :ending, note = :note WHERE id = :run AND ended_at IS NULL")
+_END_IF_OPEN = text("UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note WHERE id = :run AND ended_at IS NULL")
 
-_DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :attempt AND task_name = 'grade'")
+_DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'")
 
 
-def outcome_rows(attempt: UUID, report: Report) -> list[dict[str, Any]]:
+def outcome_rows(grading: UUID, report: Report) -> list[dict[str, Any]]:
     """A row of the table ``outcome`` for each check of the report."""
     return [
         {
-            "attempt_id": attempt,
+            "grading_id": grading,
             "check_id": outcome.id,
             "state": state(outcome, report.scene_ends),
             "counted": outcome.counted,

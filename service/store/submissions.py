@@ -1,4 +1,4 @@
-"""Accepting a submission: it, its first attempt and its job in one transaction, where limits and deadline are decided too."""
+"""Accepting a submission: it, its first grading and its job in one transaction, where limits and deadline are decided too."""
 
 import json
 import time
@@ -16,11 +16,11 @@ from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Database
-from service.store.queue import PERSON_LOCK, lock_person, priority_of, send, send_attempt
+from service.store.queue import PERSON_LOCK, lock_person, priority_of, send, send_grading
 from service.store.records import LATE, NewSubmission
-from service.store.tables import assignment, assignment_version, attempt, course
+from service.store.tables import assignment, assignment_version, course, grading
 
-MOST_RUNS = 3  # of one attempt that end without result, before it is a fault
+MAX_RUNS = 3  # of one grading that end without result, before it is a fault
 
 
 class KeyReused(Exception):
@@ -88,28 +88,28 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
             "at": rules.at,
             "fingerprint": new.fingerprint,
             "key": key,
-            "attempt": uuid4(),
+            "grading": uuid4(),
             "seed": new.seed,
-            "most_runs": MOST_RUNS,
+            "max_runs": MAX_RUNS,
             "kind": kind,
         }
         stored = (await connection.execute(_STORE, values)).first()
         if stored is None:
             return await _known(connection, new, who, key)
         await _check(connection, rules, who)
-        await send(connection, values["attempt"], priority=priority_of(kind, stored.open))
+        await send(connection, values["grading"], priority=priority_of(kind, stored.open))
     database.persons[new.person] = who  # only now is it certain that the person is entered
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
 async def add_grading(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
-    """The next attempt of a submission, with its job."""
+    """The next grading of a submission, with its job."""
     await lock_person(connection, of)
-    id, numbers = uuid4(), select(func.coalesce(func.max(attempt.c.number), 0) + 1).where(attempt.c.submission_id == of)
-    values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "most_runs": MOST_RUNS}
+    id, numbers = uuid4(), select(func.coalesce(func.max(grading.c.number), 0) + 1).where(grading.c.submission_id == of)
+    values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "max_runs": MAX_RUNS}
     values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
-    await connection.execute(insert(attempt).values(values | {"number": numbers.scalar_subquery()}))
-    await send_attempt(connection, id)
+    await connection.execute(insert(grading).values(values | {"number": numbers.scalar_subquery()}))
+    await send_grading(connection, id)
     return id
 
 
@@ -121,7 +121,7 @@ async def _person(connection: AsyncConnection, database: Database, name: str) ->
 # A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two
 # at once cannot both be the last.
 _RULES = text(f"""
-SELECT a.id, until.due_at, a.grace_s, a.most_submissions, at, coalesce(at > until.due_at, false) AS late,
+SELECT a.id, until.due_at, a.grace_s, a.submission_limit, at, coalesce(at > until.due_at, false) AS late,
     coalesce(at > until.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
 FROM assignment a JOIN course c ON c.id = a.course_id
     LEFT JOIN extension e ON e.assignment_id = a.id AND e.person_id = CAST(:person AS uuid)
@@ -138,11 +138,11 @@ WITH stored AS (
     VALUES (:id, :assignment, :person, :source, :sha256, :filename, CAST(:exercises AS jsonb), :late, :at, :fingerprint, :key)
     ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
 )
-INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, requested_at)
-SELECT :attempt, id, 1, :kind, :seed, :most_runs, clock_timestamp() FROM stored
+INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
+SELECT :grading, id, 1, :kind, :seed, :max_runs, clock_timestamp() FROM stored
 RETURNING (
-    SELECT count(*) FROM attempt b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.attempt_id = b.id
-    WHERE t.person_id = :person AND b.kind = :kind AND r.attempt_id IS NULL
+    SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
+    WHERE t.person_id = :person AND b.kind = :kind AND r.grading_id IS NULL
 ) AS open
 """)
 
@@ -153,8 +153,8 @@ WHERE s.person_id = :person AND s.idempotency_key = :key
 
 _USED = text("""
 SELECT count(*) FROM submission s
-    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
-        WHERE a.submission_id = s.id AND NOT a.held) fault ON NOT fault.ours
+    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM grading a LEFT JOIN result r ON r.grading_id = a.id
+        WHERE a.submission_id = s.id AND NOT a.preview) fault ON NOT fault.ours
 WHERE s.person_id = :person AND s.assignment_id = :assignment
 """)
 
@@ -164,10 +164,10 @@ async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], wh
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
         raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
-    if rules.most_submissions is not None:
+    if rules.submission_limit is not None:
         used = (await connection.execute(_USED, {"person": who, "assignment": rules.id})).scalar_one()
-        if used > rules.most_submissions:
-            raise SubmissionRejected("none-left", f"all {rules.most_submissions} submissions allowed have been used")
+        if used > rules.submission_limit:
+            raise SubmissionRejected("none-left", f"all {rules.submission_limit} submissions allowed have been used")
 
 
 async def _known(connection: AsyncConnection, new: NewSubmission, who: UUID, key: str | None) -> Accepted:

@@ -1,7 +1,7 @@
-"""The tables. A submission is never altered, an attempt has one result, artefacts belong to the result's transaction.
+"""The tables. A submission is never altered, a grading has one result, artefacts belong to the result's transaction.
 
-An *attempt* is one grading of a submission, a *run* is one worker's try at it: the first run that ends gives the result.
-A *held* attempt belongs to a regrade that has not been applied: nothing of it is shown for the submission. An *override* gives
+An *grading* is one grading of a submission, a *run* is one worker's try at it: the first run that ends gives the result.
+A *preview* grading belongs to a regrade that has not been applied: nothing of it is shown for the submission. An *override* gives
 points for a check (1 or 0) or, without one, for the whole submission; of each kind one is in force.
 """
 
@@ -69,7 +69,7 @@ token = Table(
     _id(),
     Column("person_id", Uuid, ForeignKey("person.id"), nullable=False),
     Column("digest", Text, nullable=False, unique=True),
-    Column("start", Text, nullable=False),
+    Column("prefix", Text, nullable=False),
     Column("label", Text, nullable=False),
     Column("scopes", ARRAY(Text), nullable=False),
     _at("created_at", now=True),
@@ -80,8 +80,8 @@ token = Table(
 
 Index("token_person", token.c.person_id)
 
-sign_in = Table(
-    "sign_in",
+oidc_account = Table(
+    "oidc_account",
     metadata,
     Column("issuer", Text, primary_key=True),
     Column("subject", Text, primary_key=True),
@@ -89,8 +89,8 @@ sign_in = Table(
     _at("since", now=True),
 )
 
-login = Table(
-    "login",
+device_login = Table(
+    "device_login",
     metadata,
     Column("device_digest", Text, primary_key=True),
     Column("user_code", Text, nullable=False, unique=True),
@@ -109,7 +109,7 @@ assignment = Table(
     Column("slug", Text, nullable=False),
     _at("due_at"),
     Column("grace_s", Float, nullable=False, server_default="0"),
-    Column("most_submissions", Integer, nullable=True),
+    Column("submission_limit", Integer, nullable=True),
     UniqueConstraint("course_id", "slug"),
 )
 
@@ -156,59 +156,59 @@ regrade = Table(
     metadata,
     _id(),
     Column("assignment_id", Uuid, ForeignKey("assignment.id"), nullable=False),
-    Column("told", Text, nullable=False),
-    Column("asked_by", Text, nullable=False),
-    _at("asked_at", now=True),
+    Column("description", Text, nullable=False),
+    Column("requested_by", Text, nullable=False),
+    _at("requested_at", now=True),
     Column("decided", Text, nullable=True),
     Column("decided_by", Text, nullable=True),
     _at("decided_at"),
 )
 
-attempt = Table(
-    "attempt",
+grading = Table(
+    "grading",
     metadata,
     Column("id", Uuid, primary_key=True),
     Column("submission_id", Uuid, ForeignKey("submission.id"), nullable=False),
     Column("number", Integer, nullable=False),
     Column("kind", Text, nullable=False),
     Column("seed", BigInteger, nullable=False),
-    Column("most_runs", Integer, nullable=False),
+    Column("max_runs", Integer, nullable=False),
     _at("requested_at", now=True),
     Column("regrade_id", Uuid, ForeignKey("regrade.id"), nullable=True),
-    Column("held", Boolean, nullable=False, server_default="false"),
+    Column("preview", Boolean, nullable=False, server_default="false"),
     UniqueConstraint("submission_id", "number"),
 )
-Index("attempt_regrade", attempt.c.regrade_id, postgresql_where=attempt.c.regrade_id.is_not(None))
+Index("grading_regrade", grading.c.regrade_id, postgresql_where=grading.c.regrade_id.is_not(None))
 
 run = Table(
     "run",
     metadata,
     Column("id", Uuid, primary_key=True),
-    Column("attempt_id", Uuid, ForeignKey("attempt.id"), nullable=False, index=True),
+    Column("grading_id", Uuid, ForeignKey("grading.id"), nullable=False, index=True),
     Column("worker", Text, nullable=False),
     _at("started_at", now=True),
-    _at("beat_at", now=True),
+    _at("heartbeat_at", now=True),
     Column("phase", Text, nullable=False, server_default=""),
     Column("scene", Integer, nullable=False, server_default="0"),
     Column("scenes", Integer, nullable=False, server_default="0"),
     _at("scene_at", now=True),
     _at("ended_at"),
-    Column("ending", Text, nullable=True),
+    Column("end_reason", Text, nullable=True),
     Column("note", Text, nullable=True),
 )
-Index("run_open", run.c.beat_at, postgresql_where=run.c.ended_at.is_(None))
+Index("run_open", run.c.heartbeat_at, postgresql_where=run.c.ended_at.is_(None))
 
 result = Table(
     "result",
     metadata,
-    Column("attempt_id", Uuid, ForeignKey("attempt.id"), primary_key=True),
+    Column("grading_id", Uuid, ForeignKey("grading.id"), primary_key=True),
     Column("run_id", Uuid, ForeignKey("run.id"), nullable=True),
     Column("report", JSONB(none_as_null=True), nullable=True),
     Column("fault", Text, nullable=True),
     Column("score", Integer, nullable=True),
     Column("max_score", Integer, nullable=True),
     Column("version", Text, nullable=True),
-    Column("walls", Text, nullable=True),
+    Column("isolation", Text, nullable=True),
     Column("grading_s", Float, nullable=True),
     Column("cancelled_by", Text, nullable=True),
     _at("finished_at", now=True),
@@ -217,7 +217,7 @@ result = Table(
 outcome = Table(
     "outcome",
     metadata,
-    Column("attempt_id", Uuid, ForeignKey("attempt.id"), primary_key=True),
+    Column("grading_id", Uuid, ForeignKey("grading.id"), primary_key=True),
     Column("check_id", Text, primary_key=True),
     Column("state", Text, nullable=False),
     Column("counted", Boolean, nullable=False),
@@ -248,10 +248,10 @@ artefact = Table(
     "artefact", metadata, Column("sha256", Text, primary_key=True), Column("content", LargeBinary, nullable=False),
 )  # fmt: skip
 
-kept = Table(
-    "kept",
+grading_artefact = Table(
+    "grading_artefact",
     metadata,
-    Column("attempt_id", Uuid, ForeignKey("attempt.id"), primary_key=True),
+    Column("grading_id", Uuid, ForeignKey("grading.id"), primary_key=True),
     Column("name", Text, primary_key=True),
     Column("sha256", Text, ForeignKey("artefact.sha256"), nullable=False),
 )
@@ -260,9 +260,9 @@ worker = Table(
     "worker",
     metadata,
     Column("name", Text, primary_key=True),
-    Column("walls", Text, nullable=True),
-    Column("refusal", Text, nullable=True),
-    Column("zygotes", Integer, nullable=False, server_default="0"),
+    Column("isolation", Text, nullable=True),
+    Column("unavailable_reason", Text, nullable=True),
+    Column("zygote_restarts", Integer, nullable=False, server_default="0"),
     _at("since", now=True),
     _at("seen_at", now=True),
 )
@@ -272,7 +272,7 @@ audit = Table(
     metadata,
     Column("id", BigInteger, primary_key=True),
     _at("at", now=True),
-    Column("who", Text, nullable=False),
+    Column("actor", Text, nullable=False),
     Column("action", Text, nullable=False),
     Column("subject", Text, nullable=False),
     Column("detail", JSONB, nullable=False, server_default="{}"),

@@ -118,8 +118,8 @@ class Worker:
             await asyncio.sleep(0.3)
 
     async def _grade(self, attempt: str) -> None:
-        """The job of an attempt."""
-        logs.attempt_id.set(attempt)
+        """The job of a grading."""
+        logs.grading_id.set(attempt)
         claim = partial(runs.claim, self._database, uuid.UUID(attempt), uuid.uuid4(), self.name)
         claimed = await patiently(claim, PATIENCE_S)
         if claimed is None:
@@ -133,7 +133,7 @@ class Worker:
             first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
             log.info("graded" if first else "came second")
         except Cancelled:
-            log.info("stopped, as the attempt has its result")
+            log.info("stopped, as the grading has its result")
             await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
@@ -152,7 +152,7 @@ class Worker:
             artefacts = {"sweep.json": document.encode(), "sweep.svg": chart}
         except SweepFailed as reason:
             artefacts = {"sweep.refused": str(reason).encode()}
-        await patiently(partial(store_artefacts, self._database, asked.attempt, artefacts), PATIENCE_S)
+        await patiently(partial(store_artefacts, self._database, asked.grading, artefacts), PATIENCE_S)
         await patiently(partial(runs.notify, self._database, asked.submission_id), PATIENCE_S)
 
     def _tell(self, phase: str, scene: int, scenes: int) -> None:

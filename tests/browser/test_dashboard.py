@@ -317,4 +317,4 @@ def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server
     page.get_by_role("heading", name="Failed or cancelled: 1").wait_for()
     ann = seen_by("ann", f"/submissions/{waiting}")
     ann.locator(".outcomes li.pass").first.wait_for()
-    assert sql(url, "SELECT count(*) FROM attempt WHERE submission_id = %s", waiting) == [(2,)]
+    assert sql(url, "SELECT count(*) FROM grading WHERE submission_id = %s", waiting) == [(2,)]

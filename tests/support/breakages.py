@@ -552,8 +552,8 @@ STORE = [
     Breakage(
         "the idempotency key is lost",
         "service/store/submissions.py",
-        '"key": key,\n            "attempt"',
-        '"key": None,\n            "attempt"',
+        '"key": key,\n            "grading"',
+        '"key": None,\n            "grading"',
         ("tests/service/store/test_submissions.py",),
     ),
     Breakage(
@@ -581,27 +581,27 @@ STORE = [
         "a second result overwrites the first",
         "service/store/runs.py",
         "insert(result).values(values).on_conflict_do_nothing().returning",
-        'insert(result).values(values).on_conflict_do_update(index_elements=["attempt_id"], set_=values).returning',
+        'insert(result).values(values).on_conflict_do_update(index_elements=["grading_id"], set_=values).returning',
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
-        "a worker does not learn that its attempt was cancelled",
+        "a worker does not learn that its grading was cancelled",
         "service/store/runs.py",
         "return row is not None\n",
         "return True\n",
         ("tests/service/store/test_gradings.py",),
     ),
     Breakage(
-        "an attempt whose workers die is begun for ever",
+        "a grading whose workers die is begun for ever",
         "service/store/runs.py",
-        "if found.lost >= found.most_runs:",
+        "if found.lost >= found.max_runs:",
         "if found.lost < 0:",
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
-        "an attempt that was given back has no job",
+        "a grading that was given back has no job",
         "service/store/runs.py",
-        'await send_attempt(connection, claimed.attempt, begun=ending == "released")',
+        'await send_grading(connection, claimed.grading, begun=end_reason == "released")',
         "pass",
         ("tests/service/store/test_runs.py",),
     ),
@@ -613,10 +613,10 @@ STORE = [
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
-        "an attempt without a job never gets one",
+        "a grading without a job never gets one",
         "service/store/workers.py",
-        "for attempt in found:",
-        "for attempt in found[:0]:",
+        "for grading in found:",
+        "for grading in found[:0]:",
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
@@ -678,7 +678,7 @@ STORE = [
     Breakage(
         "a regrade is shown before it is applied",
         "service/store/records.py",
-        "WHERE a.submission_id = s.id AND NOT a.held ORDER BY",
+        "WHERE a.submission_id = s.id AND NOT a.preview ORDER BY",
         "WHERE a.submission_id = s.id ORDER BY",
         ("tests/service/store/test_regrades.py",),
     ),
@@ -795,8 +795,8 @@ WEB = [
     Breakage(
         "a form's handler does not check it",
         "service/pages/queue.py",
-        "async def cancel(attempt: str, request: Request, person: Staff, form: Form)",
-        "async def cancel(attempt: str, request: Request, person: Staff)",
+        "async def cancel(grading: str, request: Request, person: Staff, form: Form)",
+        "async def cancel(grading: str, request: Request, person: Staff)",
         ("tests/service/auth/test_roles.py::test_every_form_is_checked",),
     ),
     Breakage(

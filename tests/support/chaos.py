@@ -55,7 +55,7 @@ class Chaos:
         data.parent.mkdir(parents=True, exist_ok=True)
         self.data, self.port, self.draw = data, port, random.Random(seed)
         self.sent: dict[str, str | None] = {}  # by key, the id that was answered
-        self.seen: dict[str, str] = {}  # by attempt, the digest of its result
+        self.seen: dict[str, str] = {}  # by grading, the digest of its result
         self.graded: set[str] = set()
         self.changed: list[str] = []
         self.done: Counter[str] = Counter()
@@ -199,10 +199,10 @@ class Chaos:
         except psycopg.Error:
             return
         with self._lock:
-            for submission, attempt, told in rows:
+            for submission, grading, told in rows:
                 digest = hashlib.sha256(told.encode()).hexdigest()
-                if self.seen.setdefault(str(attempt), digest) != digest:
-                    self.changed.append(str(attempt))
+                if self.seen.setdefault(str(grading), digest) != digest:
+                    self.changed.append(str(grading))
                 self.graded.add(str(submission))
 
     def _count(self) -> dict[str, object]:
@@ -266,15 +266,15 @@ class Chaos:
             time.sleep(0.3)
 
 
-_OPEN = "SELECT count(*) FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id WHERE r.attempt_id IS NULL"
+_OPEN = "SELECT count(*) FROM grading a LEFT JOIN result r ON r.grading_id = a.id WHERE r.grading_id IS NULL"
 _LOOK = (
     f"{_OPEN.replace('count(*)', 'a.*')} LIMIT 5",
     "SELECT * FROM run WHERE ended_at IS NULL LIMIT 9",
     "SELECT id, task_name, priority, status, args, worker_id FROM procrastinate_jobs LIMIT 9",
     "SELECT *, now() FROM worker ORDER BY seen_at DESC LIMIT 9",
 )
-_RESULTS = "SELECT submission_id, attempt_id, coalesce(report::text, fault) FROM result JOIN attempt ON id = attempt_id"
-_RIGHT = "SELECT DISTINCT submission_id::text FROM attempt JOIN result ON attempt_id = id WHERE score = max_score"
+_RESULTS = "SELECT submission_id, grading_id, coalesce(report::text, fault) FROM result JOIN grading ON id = grading_id"
+_RIGHT = "SELECT DISTINCT submission_id::text FROM grading JOIN result ON grading_id = id WHERE score = max_score"
 
 
 def lost(told: dict[str, object]) -> list[str]:

@@ -23,7 +23,7 @@ SOURCE = """def euler_eqs(t, w, I):
 def precession_rate(t, w):
     raise ValueError("not yet")
 """
-_LATEST = "SELECT id FROM attempt WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+_LATEST = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
 
 
 def fill(url, sandbox, source=SOURCE, **texts):
@@ -45,9 +45,9 @@ async def _fill(database, url, sandbox, source, texts):
     await deadlines.extend(database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof")
     await overrides.give(database, first, "prof", check="2-energy", points=0, reason=words, seen=0)
     await overrides.give(database, bad, "prof", check=None, points=3, reason=words, seen=0)
-    decided = await regrades.create(database, ASSIGNMENT.slug, bad, "tutor", told=words)
+    decided = await regrades.create(database, ASSIGNMENT.slug, bad, "tutor", description=words)
     await submissions.grade(database, bad, {"2-energy": "✓", "2-momentum": ("✗", 0.1)}, version="2")
-    regrade = await regrades.create(database, ASSIGNMENT.slug, first, "prof", told="one submission")
+    regrade = await regrades.create(database, ASSIGNMENT.slug, first, "prof", description="one submission")
     await submissions.grade(database, first, {"2-energy": ("✗", 0.1), "2-momentum": "✓"}, version="2")
     await regrades.apply(database, decided, "prof")
     going = await _queue(database, url, name)
@@ -70,15 +70,17 @@ async def _played(database, name, source, filename, sandbox):
 async def _queue(database, url, name):
     """One runs for ever, one waits, one was cancelled, one is a fault of ours; the one that waits."""
     ids = [await hand_in(database, who, None) for who in (name, "ben", name, "ben")]
-    attempts = [(await database.rows(_LATEST, {"id": id}))[0].id for id in ids]
-    await gradings.cancel(database, attempts[0], "tutor")
-    claimed = [await runs.claim(database, attempts[k], uuid.uuid4(), "test worker") for k in (1, 2)]
+    grading_ids = [(await database.rows(_LATEST, {"id": id}))[0].id for id in ids]
+    await gradings.cancel(database, grading_ids[0], "tutor")
+    claimed = [await runs.claim(database, grading_ids[k], uuid.uuid4(), "test worker") for k in (1, 2)]
     await runs.heartbeat(database, claimed[0], "playing", 2, 5)
-    ended = "INSERT INTO result (attempt_id, run_id, fault) VALUES (%s, %s, %s)"
-    sql(url, ended, attempts[2], claimed[1].run, f"the worker of {name} was lost")
-    sql(url, "UPDATE run SET ended_at = now(), scene_end = 'failed' WHERE id = %s", claimed[1].run)
-    sql(url, "UPDATE run SET scene_at = now() - interval '8 s', beat_at = now() + interval '1 h' WHERE id = %s", claimed[0].run)
-    sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)", [str(attempts[k]) for k in (0, 1, 2)])
+    ended = "INSERT INTO result (grading_id, run_id, fault) VALUES (%s, %s, %s)"
+    sql(url, ended, grading_ids[2], claimed[1].run, f"the worker of {name} was lost")
+    sql(url, "UPDATE run SET ended_at = now(), end_reason = 'failed' WHERE id = %s", claimed[1].run)
+    sql(
+        url, "UPDATE run SET scene_at = now() - interval '8 s', heartbeat_at = now() + interval '1 h' WHERE id = %s", claimed[0].run
+    )
+    sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)", [str(grading_ids[k]) for k in (0, 1, 2)])
     for worker, refusal in (("test worker", None), ("another worker", "no user namespaces")):
         await workers.register_worker(database, worker, None if refusal else "tier A: namespaces", refusal)
     sql(url, "UPDATE worker SET seen_at = now() + interval '1 h'")

@@ -7,7 +7,7 @@ import time
 import uuid
 
 from exercises.catalogue import assignments
-from service.grading import grade as grading
+from service.grading import grade as core
 from service.grading import rendering
 from service.grading.submission import Submission
 from service.store import runs
@@ -30,60 +30,60 @@ async def hand_in(
 
 
 async def grade(database, submission, marks, **about):
-    """Give the last attempt of a submission a report of those marks."""
-    query = "SELECT id FROM attempt WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
-    attempt = (await database.rows(query, {"id": submission}))[0].id
-    claimed = await runs.claim(database, attempt, uuid.uuid4(), "test worker")
+    """Give the last grading of a submission a report of those marks."""
+    query = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+    grading = (await database.rows(query, {"id": submission}))[0].id
+    claimed = await runs.claim(database, grading, uuid.uuid4(), "test worker")
     assert await runs.finish(database, claimed, report_of_marks(marks, **about), {"arrays.npz": b"none"})
 
 
 async def grade_really(database, submission, sandbox, phases_ms):
-    """Grade the last attempt of a submission in the sandbox and keep its arrays."""
-    query = "SELECT id FROM attempt WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
-    attempt = (await database.rows(query, {"id": submission}))[0].id
-    claimed = await runs.claim(database, attempt, uuid.uuid4(), "test worker")
+    """Grade the last grading of a submission in the sandbox and keep its arrays."""
+    query = "SELECT id FROM grading WHERE submission_id = :id ORDER BY number DESC LIMIT 1"
+    id = (await database.rows(query, {"id": submission}))[0].id
+    claimed = await runs.claim(database, id, uuid.uuid4(), "test worker")
     asked = claimed.submission, assignments()[claimed.assignment], sandbox, claimed.seed, claimed.exercises
-    graded = grading.grade(*asked)
+    graded = core.grade(*asked)
     graded.report.provenance.phases_ms = phases_ms
     assert await runs.finish(database, claimed, graded.report, rendering.pack(graded))
 
 
 def submitted(url, person="ann", **more):
-    """Store a submission that waits; return its id and its attempt's."""
+    """Store a submission that waits; return its id and its grading's."""
     one = new(person, **more)
     run(url, lambda d: accept(d, one))
-    return one.id, sql(url, "SELECT id FROM attempt WHERE submission_id = %s", one.id)[0][0]
+    return one.id, sql(url, "SELECT id FROM grading WHERE submission_id = %s", one.id)[0][0]
 
 
-def claim(url, attempt, worker="w1"):
-    """Begin a run of the attempt."""
-    return run(url, lambda d: runs.claim(d, attempt, uuid.uuid4(), worker))
+def claim(url, grading, worker="w1"):
+    """Begin a run of the grading."""
+    return run(url, lambda d: runs.claim(d, grading, uuid.uuid4(), worker))
 
 
-def finish(url, attempt, verdicts="", version="1", **more):
-    """Give the attempt a report of those verdicts, such as "+-?"; ``more`` sets other fields of the report."""
-    sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %s", str(attempt))
-    claimed = claim(url, attempt)
+def finish(url, grading, verdicts="", version="1", **more):
+    """Give the grading a report of those verdicts, such as "+-?"; ``more`` sets other fields of the report."""
+    sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = %s", str(grading))
+    claimed = claim(url, grading)
     return run(url, lambda d: runs.finish(d, claimed, report_of_verdicts(verdicts, version=version, **more), {}))
 
 
 def graded(url, person, verdicts="", version="1", **more):
     """Store a submission with a report of those verdicts; ``more`` sets other fields of the report. Return its id."""
-    id, attempt = submitted(url, person)
-    assert finish(url, attempt, verdicts, version, **more)
+    id, grading = submitted(url, person)
+    assert finish(url, grading, verdicts, version, **more)
     return id
 
 
-def open_attempts(url):
-    """Return submission and attempt of each attempt without result, oldest first."""
+def open_gradings(url):
+    """Return submission and grading of each grading without result, oldest first."""
     query = (
-        "SELECT submission_id, id FROM attempt a WHERE NOT EXISTS (SELECT 1 FROM result WHERE attempt_id = a.id) ORDER BY number"
+        "SELECT submission_id, id FROM grading a WHERE NOT EXISTS (SELECT 1 FROM result WHERE grading_id = a.id) ORDER BY number"
     )
     return sql(url, query)
 
 
 def grade_open(url, verdicts_by_submission, version="2"):
-    """Grade every open attempt of the submissions named."""
-    for submission, attempt in open_attempts(url):
+    """Grade every open grading of the submissions named."""
+    for submission, grading in open_gradings(url):
         if submission in verdicts_by_submission:
-            finish(url, attempt, verdicts_by_submission[submission], version)
+            finish(url, grading, verdicts_by_submission[submission], version)

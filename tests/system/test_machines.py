@@ -91,7 +91,7 @@ def site(tmp_path_factory, new_server):
         server = new_server(folder / "data", "/livez", POLHODE_DATABASE_URL=url, POLHODE_WORKERS="0")
         for machine in machines:
             machine.start(postgres.url.format(machine.ours))
-        wait_for(lambda: len(rows(url, "SELECT name FROM worker WHERE walls IS NOT NULL")) == 2, 60)
+        wait_for(lambda: len(rows(url, "SELECT name FROM worker WHERE isolation IS NOT NULL")) == 2, 60)
         yield server, url, machines, postgres
         server.stop()
     finally:
@@ -101,8 +101,8 @@ def site(tmp_path_factory, new_server):
 
 
 def of(url, id):
-    """Worker and ending of each run of a submission, in order."""
-    query = "SELECT worker, ending FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s ORDER BY started_at"
+    """Worker and end reason of each run of a submission, in order."""
+    query = "SELECT worker, end_reason FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s ORDER BY started_at"
     return rows(url, query, id)
 
 

@@ -212,7 +212,7 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
     course = run(database_url, give)
 
     def codes():
-        return {code for (code,) in sql(database_url, "SELECT user_code FROM login")}
+        return {code for (code,) in sql(database_url, "SELECT user_code FROM device_login")}
 
     before = codes()
 

@@ -53,7 +53,7 @@ def rows(url, query, *values):
 
 def running(database_url, id, but=()):
     """Name and process of the worker that runs this submission now."""
-    query = "SELECT worker FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s AND ended_at IS NULL"
+    query = "SELECT worker FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s AND ended_at IS NULL"
     names = [name for (name,) in rows(database_url, query, id) if name not in but]
     return (names[0], int(names[0].split("/")[1])) if names else None
 
@@ -69,13 +69,13 @@ def front(new_server, tmp_path_factory, url):
 
 def run_of(url, id, worker, column):
     """A column of that worker's run of a submission, or None before it begins."""
-    query = f"SELECT {column} FROM run JOIN attempt a ON a.id = attempt_id WHERE a.submission_id = %s AND worker = %s"
+    query = f"SELECT {column} FROM run JOIN grading a ON a.id = grading_id WHERE a.submission_id = %s AND worker = %s"
     return (rows(url, query, id, worker) or [(None,)])[0][0]
 
 
 def beaten(url, id, worker):
     """Whether that worker has given a sign of life since it began."""
-    return run_of(url, id, worker, "beat_at > started_at + interval '0.1 s'")
+    return run_of(url, id, worker, "heartbeat_at > started_at + interval '0.1 s'")
 
 
 @pytest.mark.slow  # that a killed worker's work is begun elsewhere is in the next test too
@@ -94,15 +94,15 @@ def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
         if how == signal.SIGSTOP:
             os.kill(pid, signal.SIGCONT)
     if how == signal.SIGSTOP:
-        wait_for(lambda: run_of(url, id, name, "ending") == "superseded")  # late, and nothing changes
+        wait_for(lambda: run_of(url, id, name, "end_reason") == "superseded")  # late, and nothing changes
         assert get(front.url, id) == document
 
 
 @pytest.mark.parametrize("before", [2, pytest.param(0, marks=pytest.mark.slow)], ids=["two lost before", "none lost before"])
 def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(before, front, url, monkeypatch, capsys):
     id, seen = post(front.url, SLOW.format(1))["id"], []
-    lost = "INSERT INTO run (id, attempt_id, worker, started_at, ended_at, phase, scene_end, note) "
-    lost += "SELECT gen_random_uuid(), id, 'x/1', now(), now(), 'playing', 'lost', 'x' FROM attempt WHERE submission_id = %s"
+    lost = "INSERT INTO run (id, grading_id, worker, started_at, ended_at, phase, end_reason, note) "
+    lost += "SELECT gen_random_uuid(), id, 'x/1', now(), now(), 'playing', 'lost', 'x' FROM grading WHERE submission_id = %s"
     for _ in range(before):
         rows(url, lost, id)
     for _ in range(3 - before):
@@ -125,7 +125,7 @@ def crew(database_url):
     environment = os.environ | QUICK | {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "2", "POLHODE_DRAIN": "3"}
     process = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
     try:
-        ready = "SELECT split_part(name, '/', 2)::int FROM worker WHERE walls IS NOT NULL"
+        ready = "SELECT split_part(name, '/', 2)::int FROM worker WHERE isolation IS NOT NULL"
         process.workers = wait_for(lambda: len(found := rows(database_url, ready)) == 2 and [pid for (pid,) in found], 60)
         yield process
     finally:
@@ -141,10 +141,10 @@ def test_a_stopped_worker_finishes_or_gives_back(crew, database_url):
     names = [wait_for(lambda id=id: running(database_url, id))[0] for id in (brief, long)]
     crew.terminate()
     assert crew.wait(15) == 0
-    assert [run_of(database_url, *run, "ending") for run in zip((brief, long), names, strict=True)] == ["finished", "released"]
-    results = "SELECT submission_id, score = max_score FROM result JOIN attempt a ON a.id = attempt_id"
+    assert [run_of(database_url, *run, "end_reason") for run in zip((brief, long), names, strict=True)] == ["finished", "released"]
+    results = "SELECT submission_id, score = max_score FROM result JOIN grading a ON a.id = grading_id"
     assert rows(database_url, results) == [(brief, True)]
-    jobs = "SELECT submission_id, status::text FROM procrastinate_jobs JOIN attempt a ON a.id::text = args->>'attempt'"
+    jobs = "SELECT submission_id, status::text FROM procrastinate_jobs JOIN grading a ON a.id::text = args->>'attempt'"
     assert rows(database_url, jobs) == [(long, "todo")], "nothing is lost, and nothing graded twice"
 
 
@@ -166,7 +166,7 @@ def test_what_a_stopped_worker_gives_back_is_graded_by_another(crew, database_ur
     id, _ = submitted(database_url, source=SLOW.format(4), exercises=["2"])
     worker, _ = wait_for(lambda: running(database_url, id))
     crew.terminate()
-    assert crew.wait(15) == 0 and run_of(database_url, id, worker, "ending") == "released"
+    assert crew.wait(15) == 0 and run_of(database_url, id, worker, "end_reason") == "released"
     environment = os.environ | {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "1"}
     another = subprocess.Popen([sys.executable, "-m", "service.cli", "worker"], env=environment)
     try:
@@ -217,9 +217,9 @@ def test_metrics(front, url):
 
 
 def test_the_queue_as_a_table(database_url, monkeypatch, capsys):
-    waits, (runs, attempt) = submitted(database_url, "ann")[0], submitted(database_url, "bob")
-    sql(database_url, "UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'attempt' = %s", str(attempt))
-    claim(database_url, attempt, "here/7")
+    waits, (runs, grading) = submitted(database_url, "ann")[0], submitted(database_url, "bob")
+    sql(database_url, "UPDATE procrastinate_jobs SET status = 'doing' WHERE args->>'attempt' = %s", str(grading))
+    claim(database_url, grading, "here/7")
     monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
     assert main(["queue"]) == 0
     told = capsys.readouterr().out

@@ -16,8 +16,8 @@ async def entries(database: Database, subject: str | None = None, before: int | 
 
 
 _TRAIL = f"""
-SELECT id, at, who, action, subject, detail FROM audit
-WHERE (CAST(:subject AS text) IS NULL OR CAST(:subject AS text) IN (subject, who, detail->>'person'))
+SELECT id, at, actor, action, subject, detail FROM audit
+WHERE (CAST(:subject AS text) IS NULL OR CAST(:subject AS text) IN (subject, actor, detail->>'person'))
     AND id < coalesce(CAST(:before AS bigint), 9223372036854775807)
 ORDER BY id DESC LIMIT {MOST}
 """

@@ -73,14 +73,14 @@ async def unlink(connection: AsyncConnection, name: str, *, by: str) -> bool:
 
 _ABOUT = """
 SELECT p.full_name, p.email, p.student_id, p.password IS NOT NULL AS has_password, s.issuer
-FROM person p LEFT JOIN sign_in s ON s.person_id = p.id WHERE p.name = :name
+FROM person p LEFT JOIN oidc_account s ON s.person_id = p.id WHERE p.name = :name
 """
 _SET = text("UPDATE person SET password = :kept WHERE name = :name RETURNING id")
 _RENEW = text("UPDATE person SET password = :kept WHERE name = :name AND password = :before")
 _OF_SUBJECT = text("""
-SELECT p.name FROM sign_in s JOIN person p ON p.id = s.person_id WHERE s.issuer = :issuer AND s.subject = :subject
+SELECT p.name FROM oidc_account s JOIN person p ON p.id = s.person_id WHERE s.issuer = :issuer AND s.subject = :subject
 """)
 _LOCK = text("SELECT password IS NOT NULL FROM person WHERE id = :person FOR UPDATE")
-_OF_PERSON = text("SELECT issuer, subject FROM sign_in WHERE person_id = :person")
-_LINK = text("INSERT INTO sign_in (issuer, subject, person_id) VALUES (:issuer, :subject, :person)")
-_UNLINK = text("DELETE FROM sign_in s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING s.subject")
+_OF_PERSON = text("SELECT issuer, subject FROM oidc_account WHERE person_id = :person")
+_LINK = text("INSERT INTO oidc_account (issuer, subject, person_id) VALUES (:issuer, :subject, :person)")
+_UNLINK = text("DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING s.subject")

@@ -43,7 +43,7 @@ class StudentRow:
     student_id: str
     submissions: int
     submission: UUID | None
-    attempt: UUID | None
+    grading: UUID | None
     filename: str | None
     submitted_at: datetime | None
     finished_at: datetime | None
@@ -74,12 +74,12 @@ class StudentRow:
 async def student_rows(database: Database, slug: str) -> list[StudentRow]:
     """Every student of the course, by name, also those who sent nothing."""
     found = await students(database, slug)
-    values = {"attempts": [s.attempt for s in found if s.score is not None]}  # others may get their outcomes between two queries
-    cells = {row.attempt_id: _cells(row) for row in await database.rows(_CELLS, values)}
+    values = {"gradings": [s.grading for s in found if s.score is not None]}  # others may get their outcomes between two queries
+    cells = {row.grading_id: _cells(row) for row in await database.rows(_CELLS, values)}
     for row in await database.rows(_MORE, values):
-        own = cells[row.attempt_id]
+        own = cells[row.grading_id]
         own[row.check_id] = own[row.check_id]._replace(given=row.points, causes=tuple(zip(row.codes, row.causes, strict=True)))
-    return [replace(s, cells=cells[s.attempt]) if s.attempt in cells else s for s in found]
+    return [replace(s, cells=cells[s.grading]) if s.grading in cells else s for s in found]
 
 
 def _cells(row: Row[Any]) -> dict[str, Cell]:
@@ -105,9 +105,10 @@ async def rules(database: Database, slug: str) -> Row[Any]:
 
 _STANDINGS = f"""
 WITH best AS MATERIALIZED ({BEST})
-SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.attempts, 0) AS submissions, best.id AS submission, best.filename,
-    best.submitted_at, best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'nothing sent') AS status,
-    best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.attempt
+SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0) AS submissions, best.id AS submission,
+    best.filename, best.submitted_at,
+    best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'nothing sent') AS status,
+    best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.grading
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
 WHERE c.slug = :course AND m.role = 'student' AND {SOMEBODY}
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
@@ -115,20 +116,20 @@ ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 
 # A row for every student rather than for every check: a class has tens of thousands of these.
 _CELLS = """
-SELECT attempt_id, array_agg(check_id) AS checks, array_agg(state) AS states, array_agg(counted) AS counted,
+SELECT grading_id, array_agg(check_id) AS checks, array_agg(state) AS states, array_agg(counted) AS counted,
     array_agg(margin) AS margins
-FROM outcome WHERE attempt_id = ANY(CAST(:attempts AS uuid[])) GROUP BY attempt_id
+FROM outcome WHERE grading_id = ANY(CAST(:gradings AS uuid[])) GROUP BY grading_id
 """
 
 _MORE = """
-SELECT v.attempt_id, v.check_id, v.codes, v.causes, o.points
-FROM outcome v JOIN attempt a ON a.id = v.attempt_id
+SELECT v.grading_id, v.check_id, v.codes, v.causes, o.points
+FROM outcome v JOIN grading a ON a.id = v.grading_id
     LEFT JOIN override o ON o.submission_id = a.submission_id AND o.check_id = v.check_id AND o.withdrawn_at IS NULL
-WHERE v.attempt_id = ANY(CAST(:attempts AS uuid[])) AND (v.state <> 'pass' AND v.causes <> '{}' OR o.points IS NOT NULL)
+WHERE v.grading_id = ANY(CAST(:gradings AS uuid[])) AND (v.state <> 'pass' AND v.causes <> '{}' OR o.points IS NOT NULL)
 """
 
 _OVERVIEW = f"""
-SELECT x.slug, x.due_at, x.grace_s, x.most_submissions, coalesce(class.students, 0) AS students,
+SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades
@@ -140,8 +141,9 @@ FROM assignment x JOIN course c ON c.id = x.course_id
         SELECT s.assignment_id, count(*) AS submissions, count(DISTINCT s.person_id) FILTER (WHERE m.role = 'student') AS people,
             count(*) FILTER (WHERE state.open) AS open, count(*) FILTER (WHERE NOT state.open AND state.fault) AS faults
         FROM submission s LEFT JOIN member m ON m.person_id = s.person_id
-            JOIN LATERAL (SELECT coalesce(bool_or(r.attempt_id IS NULL), false) AS open, bool_and(r.fault IS NOT NULL) AS fault
-                FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id WHERE a.submission_id = s.id AND NOT a.held) state ON true
+            JOIN LATERAL (SELECT coalesce(bool_or(r.grading_id IS NULL), false) AS open, bool_and(r.fault IS NOT NULL) AS fault
+                FROM grading a LEFT JOIN result r ON r.grading_id = a.id
+                WHERE a.submission_id = s.id AND NOT a.preview) state ON true
         GROUP BY s.assignment_id
     ) sent ON sent.assignment_id = x.id
 WHERE c.slug = :course ORDER BY x.slug

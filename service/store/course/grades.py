@@ -18,8 +18,8 @@ MANY = 2000  # of short lines
 # The best submission of each student who sent something: by points, of equals the newest; before anything is graded the newest.
 BEST = f"""
 SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE},
-    shown.attempt, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
-    count(*) OVER (PARTITION BY s.assignment_id, s.person_id) AS attempts
+    shown.grading, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
+    count(*) OVER (PARTITION BY s.assignment_id, s.person_id) AS submissions
 FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slug = CAST(:slug AS text), true) JOIN {SHOWN}
 ORDER BY s.assignment_id, s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC, s.id
 """
@@ -33,9 +33,9 @@ SELECT x.slug, x.due_at, p.name, p.full_name, p.email, p.student_id, b.*, measur
     CASE WHEN :detailed THEN r.report->'provenance'->'versions'->>'polhode' END AS polhode
 FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id JOIN assignment x ON x.course_id = c.id
     LEFT JOIN best b ON b.assignment_id = x.id AND b.person_id = p.id
-    LEFT JOIN result r ON r.attempt_id = b.attempt
+    LEFT JOIN result r ON r.grading_id = b.grading
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(v.check_id, v.state) AS checks FROM outcome v
-        WHERE :detailed AND v.attempt_id = b.attempt) measured ON true
+        WHERE :detailed AND v.grading_id = b.grading) measured ON true
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
         WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL AND o.withdrawn_at IS NULL) overridden ON true
 WHERE c.slug = :course AND m.role = 'student' AND coalesce(x.slug = CAST(:slug AS text), true)
@@ -49,7 +49,10 @@ FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p
 WHERE x.slug = :slug AND s.id > :after ORDER BY s.id LIMIT :most
 """
 
-_AUDIT = "SELECT id, at, who, action, subject, CAST(detail AS text) AS detail FROM audit WHERE id > :after ORDER BY id LIMIT :most"
+_AUDIT = """
+SELECT id, at, actor AS who, action, subject, CAST(detail AS text) AS detail FROM audit
+WHERE id > :after ORDER BY id LIMIT :most
+"""
 
 _OVERRIDES = """
 SELECT p.name AS student, o.submission_id, o.check_id, o.points, o.reason, o.given_by, o.given_at, o.withdrawn_by, o.withdrawn_at
@@ -111,7 +114,7 @@ def _row(found: Found[Any]) -> GradeRow:
         student=found.name,
         due_at=found.due_at,
         status=found.status or "none",
-        attempts=found.attempts or 0,
+        attempts=found.submissions or 0,
         submission=str(found.id) if found.id else None,
         graded_at=found.finished_at if found.score is not None else None,
         counted=found.max_score,

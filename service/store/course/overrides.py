@@ -70,7 +70,7 @@ async def give(
             raise OverrideRejected(
                 "changed-meanwhile", "somebody else changed these points meanwhile: load the page again, then decide"
             )
-        outcome = (await connection.execute(_OUTCOME, {"attempt": before.attempt, "check": check})).first()
+        outcome = (await connection.execute(_OUTCOME, {"grading": before.grading, "check": check})).first()
         _judge(before, outcome, check, points, reason)
         old = next((one for one in known if one.in_force and one.check == check), None)
         if old is not None:
@@ -138,11 +138,11 @@ FROM override WHERE submission_id = :id ORDER BY given_at, id
 _LOCK = text("SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE")
 
 _SHOWN = text(f"""
-SELECT p.name AS person, shown.attempt, shown.score, shown.max_score, given.points
+SELECT p.name AS person, shown.grading, shown.score, shown.max_score, given.points
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = :id
 """)
 
-_OUTCOME = text("SELECT state FROM outcome WHERE attempt_id = :attempt AND check_id = CAST(:check AS text) AND counted")
+_OUTCOME = text("SELECT state FROM outcome WHERE grading_id = :grading AND check_id = CAST(:check AS text) AND counted")
 
 _WITHDRAW = text("""
 UPDATE override SET withdrawn_by = :who, withdrawn_at = clock_timestamp()

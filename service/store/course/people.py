@@ -53,9 +53,9 @@ async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | No
         await connection.execute(statement, values)
 
 
-async def record_audit(connection: AsyncConnection, who: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
+async def record_audit(connection: AsyncConnection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
     """Enter into the audit trail who did what to whom."""
-    await connection.execute(insert(audit).values(who=who, action=action, subject=subject, detail=dict(detail)))
+    await connection.execute(insert(audit).values(actor=actor, action=action, subject=subject, detail=dict(detail)))
 
 
 async def role(database: Database, name: str) -> str:

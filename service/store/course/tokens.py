@@ -53,7 +53,7 @@ async def create_all(
     values = {
         "names": list(names),
         "digests": [_digest(token) for _, token in given],
-        "starts": [t[:SHOWN_CHARACTERS] for _, t in given],
+        "prefixes": [t[:SHOWN_CHARACTERS] for _, t in given],
     }
     await connection.execute(_GIVE_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
     return given
@@ -105,8 +105,8 @@ async def create_login(database: Database, label: str) -> tuple[str, str]:
     device, letters = secrets.token_urlsafe(32), [secrets.choice(LETTERS) for _ in range(8)]
     code = "".join(letters[:4]) + "-" + "".join(letters[4:])
     async with database.begin() as connection:
-        await connection.execute(text("DELETE FROM login WHERE expires_at < now()"))
-        if (await connection.execute(text("SELECT count(*) FROM login"))).scalar_one() >= MOST_OPEN:
+        await connection.execute(text("DELETE FROM device_login WHERE expires_at < now()"))
+        if (await connection.execute(text("SELECT count(*) FROM device_login"))).scalar_one() >= MOST_OPEN:
             raise TooManyLogins
         values = {"digest": _digest(device), "code": code, "label": label, "seconds": LOGIN_S}
         await connection.execute(_BEGIN, values)
@@ -140,7 +140,7 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
 
 async def _new(connection: AsyncConnection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
     token = prefix + secrets.token_urlsafe(32)
-    values = {"person": await add_person(connection, name), "digest": _digest(token), "start": token[:SHOWN_CHARACTERS]}
+    values = {"person": await add_person(connection, name), "digest": _digest(token), "prefix": token[:SHOWN_CHARACTERS]}
     await connection.execute(_GIVE, {**terms, **values})
     return token
 
@@ -155,13 +155,13 @@ def _tidy(code: str) -> str:
 
 
 _GIVE = text("""
-INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
-VALUES (:person, :digest, :start, :label, :scopes, now() + make_interval(secs => :seconds))
+INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
+VALUES (:person, :digest, :prefix, :label, :scopes, now() + make_interval(secs => :seconds))
 """)
 _GIVE_ALL = text("""
-INSERT INTO token (person_id, digest, start, label, scopes, expires_at)
-SELECT p.id, told.digest, told.start, :label, :scopes, now() + make_interval(secs => :seconds)
-FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:starts AS text[])) AS told (name, digest, start)
+INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
+SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
+FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest, prefix)
     JOIN person p USING (name)
 """)
 _FIND = text("""
@@ -180,25 +180,25 @@ WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t
 _END = text(f"""
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
-    AND starts_with(t.start, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
+    AND starts_with(t.prefix, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
 """)
-_FORGET = text("DELETE FROM login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
+_FORGET = text("DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
 _LIST = """
-SELECT t.id, p.name, t.start, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
+SELECT t.id, p.name, t.prefix, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
     t.expires_at < now() AS expired
 FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY t.created_at DESC
 """
 _BEGIN = text("""
-INSERT INTO login (device_digest, user_code, label, expires_at)
+INSERT INTO device_login (device_digest, user_code, label, expires_at)
 VALUES (:digest, :code, :label, now() + make_interval(secs => :seconds))
 """)
-_OPEN = "SELECT label FROM login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused"
+_OPEN = "SELECT label FROM device_login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused"
 _CONFIRM = text("""
-UPDATE login SET person_id = :person, refused = :refused
+UPDATE device_login SET person_id = :person, refused = :refused
 WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused RETURNING user_code
 """)
 _COLLECT = text("""
-DELETE FROM login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest AND l.expires_at > now()
+DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest AND l.expires_at > now()
 RETURNING p.name, l.label
 """)
-_WAITS = "SELECT 1 FROM login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"
+_WAITS = "SELECT 1 FROM device_login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"

@@ -84,26 +84,26 @@ def _run(url: str, program: Path, *arguments: str) -> None:
 
 
 _BROKEN = {
-    "submissions without an attempt": """
-        SELECT count(*) FROM submission s WHERE NOT EXISTS (SELECT 1 FROM attempt WHERE submission_id = s.id)""",
+    "submissions without a grading": """
+        SELECT count(*) FROM submission s WHERE NOT EXISTS (SELECT 1 FROM grading WHERE submission_id = s.id)""",
     "submissions whose source is not what was sent": """
         SELECT count(*) FROM submission WHERE encode(sha256(convert_to(source, 'UTF8')), 'hex') <> sha256""",
     "results that are neither a report nor a fault": "SELECT count(*) FROM result WHERE (report IS NULL) = (fault IS NULL)",
     "results without the arrays they were judged from": """
         SELECT count(*) FROM result r WHERE report IS NOT NULL AND NOT EXISTS (
-            SELECT 1 FROM kept k WHERE k.attempt_id = r.attempt_id AND k.name = 'arrays.npz')""",
+            SELECT 1 FROM grading_artefact k WHERE k.grading_id = r.grading_id AND k.name = 'arrays.npz')""",
     "reports whose checks one by one do not add up to their score": """
         SELECT count(*) FROM result r, LATERAL (
             SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted
-            FROM outcome o WHERE o.attempt_id = r.attempt_id AND o.counted) told
+            FROM outcome o WHERE o.grading_id = r.grading_id AND o.counted) told
         WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (told.passed, told.counted)""",
-    "attempts held for no regrade": "SELECT count(*) FROM attempt WHERE held AND regrade_id IS NULL",
+    "preview gradings without a regrade": "SELECT count(*) FROM grading WHERE preview AND regrade_id IS NULL",
     "artefacts that do not have the content their name says": """
         SELECT count(*) FROM artefact WHERE encode(sha256(content), 'hex') <> sha256""",
     "runs that gave a result and are told to have ended otherwise": """
-        SELECT count(*) FROM result JOIN run ON run.id = result.run_id WHERE run.ending IS DISTINCT FROM 'finished'""",
-    "open attempts older than a minute without a job": """
-        SELECT count(*) FROM attempt a LEFT JOIN result r ON r.attempt_id = a.id
-        WHERE r.attempt_id IS NULL AND a.requested_at < now() - interval '1 minute' AND NOT EXISTS (
+        SELECT count(*) FROM result JOIN run ON run.id = result.run_id WHERE run.end_reason IS DISTINCT FROM 'finished'""",
+    "open gradings older than a minute without a job": """
+        SELECT count(*) FROM grading a LEFT JOIN result r ON r.grading_id = a.id
+        WHERE r.grading_id IS NULL AND a.requested_at < now() - interval '1 minute' AND NOT EXISTS (
             SELECT 1 FROM procrastinate_jobs j WHERE j.status IN ('todo', 'doing') AND j.args->>'attempt' = a.id::text)""",
 }

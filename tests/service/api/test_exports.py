@@ -56,8 +56,8 @@ async def graded(database, who, made, source="x", filename="submission.py"):
     one = replace(new(who), submission=Submission(source, filename))
     await accept(database, one)
     if made is not None:
-        attempt = (await database.rows("SELECT id FROM attempt WHERE submission_id = :id", {"id": one.id}))[0].id
-        await runs.finish(database, await runs.claim(database, attempt, uuid.uuid4(), "w"), made, {})
+        grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": one.id}))[0].id
+        await runs.finish(database, await runs.claim(database, grading, uuid.uuid4(), "w"), made, {})
     return one.id
 
 
@@ -93,11 +93,11 @@ def sent(url):
     given = "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, %s, 'prof')"
     sql(url, given, found["given"], "2-energy", 1, "=1+1 is right")
     sql(url, given, found["given"], "9-nothing", 1, "of no effect")
-    of_old = "UPDATE result SET report = report - 'exercises' FROM attempt a WHERE a.id = attempt_id AND submission_id = %s"
+    of_old = "UPDATE result SET report = report - 'exercises' FROM grading a WHERE a.id = grading_id AND submission_id = %s"
     sql(url, "ALTER TABLE result DISABLE TRIGGER result_is_never_altered")
     sql(url, of_old, found["worse"])
     sql(url, "ALTER TABLE result ENABLE TRIGGER result_is_never_altered")
-    sql(url, "INSERT INTO audit (who, action, subject, detail) VALUES ('prof', 'roster', '=1', '{\"people\": 7}')")
+    sql(url, "INSERT INTO audit (actor, action, subject, detail) VALUES ('prof', 'roster', '=1', '{\"people\": 7}')")
     return found
 
 

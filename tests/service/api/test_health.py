@@ -13,7 +13,7 @@ def test_where_no_worker_has_walls_no_submission_is_taken_and_everything_says_wh
     app = new_app(database_url=database_url, identity="local")
     run(database_url, lambda database: workers.register_worker(database, "w1", None, REFUSAL))
     status, _, body = call(app, "/readyz")
-    assert (status, json.loads(body)["checks"]) == (503, {"walls": REFUSAL, "database": "ok"})
+    assert (status, json.loads(body)["checks"]) == (503, {"isolation": REFUSAL, "walls": REFUSAL, "database": "ok"})
     status, _, body = post(app, {"source": "x = 1"})
     problem = json.loads(body)
     assert status == 503 and problem["type"] == "urn:polhode:problem:no-walls" and REFUSAL in problem["detail"]

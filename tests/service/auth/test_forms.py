@@ -139,7 +139,7 @@ def test_rules_beyond_the_calendar_are_refused_and_the_pages_stay(server, url, b
     status, _, page = ask(server, boss, RULES, form(server, boss, field))
     assert status == 422 and "expected a " in page
     assert [ask(server, boss, path)[0] for path in ("/", CLASS, "/grades.csv")] == [200, 200, 200]
-    assert sql(url, "SELECT due_at, most_submissions FROM assignment WHERE slug = 'rigid-body'") == [(None, None)]
+    assert sql(url, "SELECT due_at, submission_limit FROM assignment WHERE slug = 'rigid-body'") == [(None, None)]
 
 
 def test_a_browser_is_told_everything_as_a_page(server, boss):

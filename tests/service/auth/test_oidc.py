@@ -58,7 +58,7 @@ def test_the_whole_dance(server, url, provider):
     status, page = browser.open(browser.at, sub="s-1")
     assert status == 200 and browser.at == "/assignments/rigid-body" and "Zoë" in page
     assert sql(url, "SELECT role FROM member m JOIN person p ON p.id = person_id WHERE name = 'Zoë'") == [("student",)]
-    assert sql(url, "SELECT issuer, subject FROM sign_in") == [(provider.url, "s-1")]
+    assert sql(url, "SELECT issuer, subject FROM oidc_account") == [(provider.url, "s-1")]
     assert "by Uni Ω <b>(this session)</b>" in browser.open("/account")[1] and browser.cookie("polhode_sign_in") is None
     assert browser.cookie("polhode_session").has_nonstandard_attr("HttpOnly")
 
@@ -84,7 +84,7 @@ def test_a_name_of_the_roster_is_claimed_with_its_role(server, url, provider):
     entered(url, "prof", "instructor")
     provider.user("s-4", preferred_username="prof")
     assert ">instructor</dd>" in sign_in(Browser(server), "s-4")[1]
-    assert sql(url, "SELECT action FROM audit WHERE who = 'prof'") == [("connect sign-in",)]
+    assert sql(url, "SELECT action FROM audit WHERE actor = 'prof'") == [("connect sign-in",)]
 
 
 def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, provider, monkeypatch, capsys):

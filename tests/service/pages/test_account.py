@@ -52,7 +52,10 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
     assert first.send("/account/password", present=PASSWORD, password=ANOTHER, again=ANOTHER)[0] == 200
     assert Browser(server).send("/login", name="ben", password=PASSWORD)[0] == 401
     assert Browser(server).send("/login", name="ben", password=ANOTHER)[0] == 200
-    assert [row[0] for row in sql(url, "SELECT action FROM audit WHERE who = 'ben' ORDER BY id")] == ["set password", "log in"] * 2
+    assert [row[0] for row in sql(url, "SELECT action FROM audit WHERE actor = 'ben' ORDER BY id")] == [
+        "set password",
+        "log in",
+    ] * 2
 
 
 @pytest.mark.parametrize(
@@ -80,7 +83,7 @@ def test_one_token_or_session_is_revoked_and_never_somebody_elses(server, url):
     others = re.findall(r'name="id" value="([^"]+)"', page)
     assert len(others) == 3
     (id,) = sql(
-        url, "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' AND starts_with(start, 'polhode_')"
+        url, "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' AND starts_with(prefix, 'polhode_')"
     )[0]
     assert theirs.send("/account/revoke", id=str(id))[0] == 404 and phone.open("/v1/me")[0] == 200
     assert browser.send("/account/revoke", id=str(id))[0] == 200 and Browser(server).send("/login", token=token)[0] == 401
@@ -89,7 +92,7 @@ def test_one_token_or_session_is_revoked_and_never_somebody_elses(server, url):
         url, "SELECT t.id FROM token t JOIN person p ON p.id = person_id WHERE name = 'hal' ORDER BY t.created_at DESC LIMIT 1"
     )
     assert browser.send("/account/revoke", id=str(newest[0][0]))[0] == 200 and phone.open("/v1/me")[0] == 401
-    assert sql(url, "SELECT subject FROM audit WHERE who = 'hal' AND action = 'revoke token'")[0] == (str(id),)
+    assert sql(url, "SELECT subject FROM audit WHERE actor = 'hal' AND action = 'revoke token'")[0] == (str(id),)
 
 
 def test_logging_out_everywhere_ends_every_browser_and_no_token(server, url):

@@ -34,7 +34,7 @@ def second(url):
 
 
 def sessions(url, name):
-    asked = "SELECT count(*) FROM token t JOIN person p ON p.id = t.person_id WHERE p.name = %s AND starts_with(start, 'session_')"
+    asked = "SELECT count(*) FROM token t JOIN person p ON p.id = t.person_id WHERE p.name = %s AND starts_with(prefix, 'session_')"
     return sql(url, asked + " AND revoked_at IS NULL", name)[0][0]
 
 
@@ -50,7 +50,7 @@ def test_a_password_logs_in_and_leads_back_to_where_they_were_going(server, url)
     assert browser.at == "/login?next=/assignments/rigid-body%3Fx%3D1"
     status, page = browser.send("/login", browser.at, name=" ann ", password=PASSWORD, next="/assignments/rigid-body?x=1")
     assert status == 200 and browser.at == "/assignments/rigid-body?x=1" and "ann" in page
-    assert sql(url, "SELECT action, subject FROM audit WHERE who = 'ann'") == [("log in", "ann")]
+    assert sql(url, "SELECT action, subject FROM audit WHERE actor = 'ann'") == [("log in", "ann")]
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_logging_out_holds_on_every_server(server, second, url):
 
 def test_a_session_is_over_after_its_time(server, url):
     browser = Browser(server).log_in(token=entered(url, "fin"))
-    sql(url, "UPDATE token SET expires_at = now() - interval '1 s' WHERE starts_with(start, 'session_')")
+    sql(url, "UPDATE token SET expires_at = now() - interval '1 s' WHERE starts_with(prefix, 'session_')")
     assert browser.open("/v1/me")[0] == 401
 
 

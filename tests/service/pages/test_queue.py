@@ -42,7 +42,7 @@ def worker(url):
     command = [sys.executable, "-m", "service.cli", "worker", "--with-parent", str(os.getpid())]
     environment = os.environ | {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1"}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL) as started:
-        wait_for(lambda: sql(url, "SELECT 1 FROM worker WHERE walls IS NOT NULL"), 60)
+        wait_for(lambda: sql(url, "SELECT 1 FROM worker WHERE isolation IS NOT NULL"), 60)
         yield
         started.terminate()
 
@@ -62,20 +62,20 @@ def post(server, person, source):
         return json.load(answer)["id"]
 
 
-def attempt_of(url, id):
-    return sql(url, "SELECT id FROM attempt WHERE submission_id = %s ORDER BY number DESC LIMIT 1", id)[0][0]
+def grading_of(url, id):
+    return sql(url, "SELECT id FROM grading WHERE submission_id = %s ORDER BY number DESC LIMIT 1", id)[0][0]
 
 
 def runs(url, id):
     query = (
-        "SELECT 1 FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s AND ended_at IS NULL AND phase = 'playing'"
+        "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s AND ended_at IS NULL AND phase = 'playing'"
     )
     return sql(url, query, id)
 
 
 @pytest.mark.slow  # test_cancelling.py: what runs is cancelled; test_stopping.py: its guest is free at once
 def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, people, worker):
-    before = sql(url, "SELECT name, zygotes FROM worker")
+    before = sql(url, "SELECT name, zygote_restarts FROM worker")
     loop = post(server, people["ann"], LOOP)
     wait_for(lambda: runs(url, loop))
     good = post(server, people["ben"], GOOD)
@@ -85,21 +85,26 @@ def test_an_endless_loop_is_seen_cancelled_and_its_worker_is_free(server, url, p
     assert f"/submissions/{loop}" in page and f"/submissions/{good}" in page and "Waiting: 1" in page and "Running: 1" in page
     assert 'data-live="/queue/events"' in page and "<noscript>" in page and before[0][0] in page
     began = time.monotonic()
-    assert people["tutor"].send(f"/queue/{attempt_of(url, loop)}/cancel", "/queue") == (303, "/queue")
+    assert people["tutor"].send(f"/queue/{grading_of(url, loop)}/cancel", "/queue") == (303, "/queue")
     assert f"/submissions/{good}" in people["tutor"].open("/queue")[1]  # at once: no answer older than what was done
-    wait_for(lambda: sql(url, "SELECT 1 FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s", good))
+    wait_for(lambda: sql(url, "SELECT 1 FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s", good))
     taken = time.monotonic() - began
     assert taken < 5.0, f"the worker was free after {taken:.1f} s"
     wait_for(lambda: people["ben"].json(f"/v1/submissions/{good}")["status"] == "graded", 10)
     told = people["ann"].json(f"/v1/submissions/{loop}")
-    assert (told["status"], told["fault"], told["cancelled_by"], told["report"]) == ("faulted", "cancelled by tutor", "tutor", None)
+    assert (told["status"], told["system_fault"], told["cancelled_by"], told["report"]) == (
+        "faulted",
+        "cancelled by tutor",
+        "tutor",
+        None,
+    )
     assert "Cancelled by tutor. It does not count" in people["ann"].open(f"/submissions/{loop}")[1]
-    assert sql(url, "SELECT name, zygotes FROM worker") == before, "the same worker with the same warm guest"
-    scene_ends = "SELECT ending FROM run JOIN attempt a ON a.id = attempt_id WHERE submission_id = %s"
+    assert sql(url, "SELECT name, zygote_restarts FROM worker") == before, "the same worker with the same warm guest"
+    scene_ends = "SELECT end_reason FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = %s"
     assert sql(url, scene_ends, loop) == [("cancelled",)] and sql(url, scene_ends, good) == [("finished",)]
-    sql(url, "UPDATE attempt SET requested_at = requested_at - interval '1 minute'")
+    sql(url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
     assert run(url, workers.recover) == run(url, workers.sweep) == []
-    assert sql(url, "SELECT count(*) FROM attempt WHERE submission_id = %s", loop) == [(1,)]
+    assert sql(url, "SELECT count(*) FROM grading WHERE submission_id = %s", loop) == [(1,)]
     wait_for(lambda: len(following.events) > 2)
     following.close()
     times, ids = zip(*following.events, strict=True)
@@ -117,13 +122,13 @@ def test_a_loop_outside_of_every_function_and_what_waits_can_be_cancelled_and_tr
     loop = post(server, people["ann"], LOADING)
     wait_for(lambda: sql(url, "SELECT 1 FROM run WHERE ended_at IS NULL"))
     waiting = post(server, people["ann"], GOOD)
-    assert people["prof"].send(f"/queue/{attempt_of(url, waiting)}/cancel", "/queue")[0] == 303
+    assert people["prof"].send(f"/queue/{grading_of(url, waiting)}/cancel", "/queue")[0] == 303
     began = time.monotonic()
-    assert people["prof"].send(f"/queue/{attempt_of(url, loop)}/cancel", "/queue")[0] == 303
+    assert people["prof"].send(f"/queue/{grading_of(url, loop)}/cancel", "/queue")[0] == 303
     assert people["prof"].send(f"/queue/{waiting}/retry", "/queue")[0] == 303
     wait_for(lambda: people["ann"].json(f"/v1/submissions/{waiting}")["status"] == "graded")
     assert time.monotonic() - began < 8.0  # far below the budget to load
-    again = people["prof"].send(f"/queue/{attempt_of(url, waiting)}/cancel", "/queue")
+    again = people["prof"].send(f"/queue/{grading_of(url, waiting)}/cancel", "/queue")
     assert again == (409, "the grading already has a result and cannot be cancelled: reload the page")
     assert people["prof"].send(f"/queue/{waiting}/retry", "/queue")[0] == 409
     for path in ("/queue/x/cancel", f"/queue/{waiting}/cancel"):
@@ -148,8 +153,8 @@ def test_students_are_kept_out(server, url, people):
         status, page = ann.open(path)
         assert status == 403 and "only course staff" in page, path
     sent = post(server, people["ben"], LOOP)  # a worker may have started it already, and cannot finish it
-    assert people["tutor"].send(f"/queue/{attempt_of(url, sent)}/cancel", "/account")[0] == 303
-    for path in (f"/queue/{attempt_of(url, sent)}/cancel", f"/queue/{sent}/retry", "/assignments/rigid-body/regrades"):
+    assert people["tutor"].send(f"/queue/{grading_of(url, sent)}/cancel", "/account")[0] == 303
+    for path in (f"/queue/{grading_of(url, sent)}/cancel", f"/queue/{sent}/retry", "/assignments/rigid-body/regrades"):
         assert ann.send(path, "/")[0] == 403, path
     assert people["prof"].send(f"/queue/{sent}/retry", "/audit")[0] == 403, "without the token of a form"
 
@@ -157,8 +162,8 @@ def test_students_are_kept_out(server, url, people):
 def test_a_regrade_by_a_real_worker(server, url, people, worker):
     sent = post(server, people["ben"], GOOD)
     wait_for(lambda: people["ben"].json(f"/v1/submissions/{sent}")["status"] == "graded")
-    count = sql(url, "SELECT count(DISTINCT person_id) FROM submission JOIN attempt a ON a.submission_id = submission.id "
-                "JOIN result r ON r.attempt_id = a.id WHERE report IS NOT NULL")[0][0]  # fmt: skip
+    count = sql(url, "SELECT count(DISTINCT person_id) FROM submission JOIN grading a ON a.submission_id = submission.id "
+                "JOIN result r ON r.grading_id = a.id WHERE report IS NOT NULL")[0][0]  # fmt: skip
     status, where = people["tutor"].send("/assignments/rigid-body/regrades", "/assignments/rigid-body/regrades", which="all")
     assert status == 303 and where.startswith("/regrades/")
     following = people["tutor"].follow(f"{where}/events")

@@ -6,7 +6,7 @@ import pytest
 
 from service.store import records
 from tests.support.database import run, sql
-from tests.support.submissions import grade_open, graded, open_attempts, submitted
+from tests.support.submissions import grade_open, graded, open_gradings, submitted
 from tests.support.visitor import Visitor, enter
 
 REGRADES = "/assignments/rigid-body/regrades"
@@ -21,7 +21,7 @@ def people(server, url):
 @pytest.fixture(autouse=True)
 def emptied(url):
     yield
-    sql(url, "TRUNCATE submission, attempt, result, outcome, run, override, regrade, kept, audit, procrastinate_jobs CASCADE")
+    sql(url, "TRUNCATE submission, grading, result, outcome, run, override, regrade, audit, procrastinate_jobs CASCADE")
 
 
 def row_of(page, person):
@@ -62,9 +62,9 @@ def test_one_of_them_and_a_checks_victims(server, url, people):
     assert "Regrade (preview)" in tutor.open(f"/submissions/{hers}")[1]
     assert "Regrade (preview)" not in people["ann"].open(f"/submissions/{hers}")[1]
     status, where = tutor.send(REGRADES, f"/submissions/{hers}", which=hers)
-    assert status == 303 and [s for s, _ in open_attempts(url)] == [hers] and "one submission of ann" in tutor.open(where)[1]
+    assert status == 303 and [s for s, _ in open_gradings(url)] == [hers] and "one submission of ann" in tutor.open(where)[1]
     assert people["ann"].send(f"{where}/drop", "/")[0] == 403
-    assert tutor.send(f"{where}/drop", where) == (303, where) and open_attempts(url) == []  # who asked may
+    assert tutor.send(f"{where}/drop", where) == (303, where) and open_gradings(url) == []  # who asked may
     _, where = prof.send(REGRADES, REGRADES, which="all")
     assert tutor.send(f"{where}/drop", where)[0] == 403 and prof.send(f"{where}/drop", where)[0] == 303
     for asked, status, why in (

@@ -244,7 +244,7 @@ def test_no_motion_is_larger_than_ten_kib(rigid_body):
 
 def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(server, ann, url, send):
     sent = send(ann, RIGHT + "# no report")
-    of = "attempt_id = (SELECT id FROM attempt WHERE submission_id = %s)"
+    of = "grading_id = (SELECT id FROM grading WHERE submission_id = %s)"
     sql(url, "ALTER TABLE result DISABLE TRIGGER USER")
     sql(url, f"UPDATE result SET report = report - 'provenance' WHERE {of}", sent["id"])
     sql(url, "ALTER TABLE result ENABLE TRIGGER USER")
@@ -255,7 +255,7 @@ def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(ser
 
 def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, rigid_body, send):
     sent = send(ann, RIGHT + "# forged", exercises=("6",))
-    attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]
+    grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", sent["id"])[0][0]
     path = f"/submissions/{sent['id']}/motions/precession.json"
 
     def put(**arrays):
@@ -263,7 +263,7 @@ def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, ri
         np.savez(stream, **arrays)
         mark = uuid.uuid4().hex
         sql(url, "INSERT INTO artefact (sha256, content) VALUES (%s, %s)", mark, stream.getvalue())
-        sql(url, "UPDATE kept SET sha256 = %s WHERE attempt_id = %s AND name = 'arrays.npz'", mark, attempt)
+        sql(url, "UPDATE grading_artefact SET sha256 = %s WHERE grading_id = %s AND name = 'arrays.npz'", mark, grading)
 
     put(**{"probes/wdot": np.zeros(3)})
     assert call(server, path, ann)[0] == 404
@@ -375,10 +375,10 @@ WITH s AS (
     SELECT gen_random_uuid(), assignment_id, person_id, source, sha256, filename, fingerprint FROM submission WHERE id = %s
     RETURNING id
 ), a AS (
-    INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs)
+    INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)
     SELECT gen_random_uuid(), id, 1, 'interactive', 1, 3 FROM s RETURNING id
 ), r AS (
-    INSERT INTO result (attempt_id, fault, cancelled_by) SELECT id, %s, %s FROM a
+    INSERT INTO result (grading_id, fault, cancelled_by) SELECT id, %s, %s FROM a
 ) SELECT id FROM s
 """
 
@@ -434,17 +434,19 @@ def test_a_strangers_text_stays_text(server, url, send):
     assert Tags(page(server, eve, sent)).tags.count("img") == sum(len(sent["report"][kind]) for kind in ("figures", "animations"))
 
 
-def test_pictures_and_motions_of_one_attempt_come_from_the_same_arrays(server, ann, rigid_body, url, send):
+def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, ann, rigid_body, url, send):
     sent = send(ann, RIGHT + "# same", exercises=("6",))
-    attempt = sql(url, "SELECT id FROM attempt WHERE submission_id = %s", sent["id"])[0][0]
+    grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", sent["id"])[0][0]
     packed = sql(
-        url, "SELECT content FROM artefact JOIN kept USING (sha256) WHERE attempt_id = %s AND name = 'arrays.npz'", attempt
+        url,
+        "SELECT content FROM artefact JOIN grading_artefact USING (sha256) WHERE grading_id = %s AND name = 'arrays.npz'",
+        grading,
     )[0][0]
     seen = rendering.unpack(packed)["precession"]
     made = motion_data.to_json(rigid_body, motion_data.find(rigid_body, "precession"), seen, sent["report"]["provenance"]["seed"])
     path = f"/submissions/{sent['id']}/motions/precession.json"
     assert call(server, path, ann)[2].encode() == made
-    assert sql(url, "SELECT 1 FROM kept WHERE attempt_id = %s AND name = 'motions/precession.json'", attempt) == [(1,)]
+    assert sql(url, "SELECT 1 FROM grading_artefact WHERE grading_id = %s AND name = 'motions/precession.json'", grading) == [(1,)]
 
 
 def test_points_are_out_of_all_there_are(server, url, ann):

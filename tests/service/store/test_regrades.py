@@ -1,4 +1,4 @@
-"""Regrades: held until they are applied, all at once, by one; what was shown stays, and nothing held counts anywhere."""
+"""Regrades: preview until they are applied, all at once, by one; what was shown stays, and nothing preview counts anywhere."""
 
 import asyncio
 
@@ -11,11 +11,11 @@ from service.store.queue_overview import regrade, snapshot
 from service.store.regrades import BEST, EVERY, NothingToGrade, RegradeClosed, RegradeIncomplete
 from service.store.submissions import accept
 from tests.support.database import new, run, sql
-from tests.support.submissions import claim, finish, grade_open, graded, open_attempts, submitted
+from tests.support.submissions import claim, finish, grade_open, graded, open_gradings, submitted
 
 
 def begin(url, which=BEST, check=None):
-    return run(url, lambda d: regrades.create(d, "rigid-body", which, "tutor", check=check, told="a test"))
+    return run(url, lambda d: regrades.create(d, "rigid-body", which, "tutor", check=check, description="a test"))
 
 
 def points(url, submission):
@@ -30,8 +30,8 @@ def test_nothing_shown_changes_until_it_is_applied(database_url):
     ann, ben, cleo = (graded(database_url, p, told) for p, told in (("ann", "+-"), ("ben", "++"), ("cleo", "--")))
     id = begin(database_url)
     assert read(database_url, regrades.find, id).total == 3 and read(database_url, regrades.find, id).finished == 0
-    assert len({submission for submission, _ in open_attempts(database_url)}) == 3
-    assert sql(database_url, "SELECT DISTINCT seed, kind, held FROM attempt WHERE number = 2") == [(7, "regrade", True)]
+    assert len({submission for submission, _ in open_gradings(database_url)}) == 3
+    assert sql(database_url, "SELECT DISTINCT seed, kind, preview FROM grading WHERE number = 2") == [(7, "regrade", True)]
     with pytest.raises(RegradeIncomplete, match="3 of its"):
         run(database_url, lambda d: regrades.apply(d, id, "prof"))
     grade_open(database_url, {ann: "++", ben: "+-", cleo: "--"})
@@ -51,24 +51,24 @@ def test_nothing_shown_changes_until_it_is_applied(database_url):
     assert flips == {(row.check_id, row.was, row.now) for row in read(database_url, regrades.check_changes, id)}
     applied = read(database_url, regrades.find, id)
     assert (applied.decided, applied.decided_by) == ("applied", "prof") and applied.decided_at is not None
-    assert sql(database_url, "SELECT count(*) FROM attempt") == [(6,)]  # the first ones are still there
-    assert sql(database_url, "SELECT who, action FROM audit ORDER BY id") == [
+    assert sql(database_url, "SELECT count(*) FROM grading") == [(6,)]  # the first ones are still there
+    assert sql(database_url, "SELECT actor, action FROM audit ORDER BY id") == [
         ("tutor", "regrade begun"),
         ("prof", "regrade applied"),
     ]
 
 
 def test_what_is_held_counts_nowhere(database_url):
-    id, attempt = submitted(database_url)
-    run(database_url, lambda d: cancel(d, attempt, "prof"))
+    id, grading = submitted(database_url)
+    run(database_url, lambda d: cancel(d, grading, "prof"))
     begin(database_url, id)
-    ((_, held),) = open_attempts(database_url)
+    ((_, preview),) = open_gradings(database_url)
     assert run(database_url, lambda d: records.read(d, id)).status == "faulted"
     assert [f.submission for f in run(database_url, snapshot).faults] == [id]
-    sql(database_url, "UPDATE assignment SET most_submissions = 1")
+    sql(database_url, "UPDATE assignment SET submission_limit = 1")
     one = new()
-    assert run(database_url, lambda d: accept(d, one)).fresh  # the fault, held attempt or not, used nothing up
-    finish(database_url, held, "++")
+    assert run(database_url, lambda d: accept(d, one)).fresh  # the fault, preview grading or not, used nothing up
+    finish(database_url, preview, "++")
     assert run(database_url, lambda d: records.read(d, id)).status == "faulted"
     assert run(database_url, lambda d: records.state(d, id)).number == 1
     assert [f.submission for f in run(database_url, snapshot).faults] == [id]
@@ -79,14 +79,14 @@ def test_what_is_held_counts_nowhere(database_url):
     assert run(database_url, lambda d: regrade(d, "faults", "x")) == 1  # the last one that counts is the fault
 
 
-def test_a_held_attempt_that_is_under_way_does_not_stop_an_immediate_regrade(database_url):
+def test_a_held_grading_that_is_under_way_does_not_stop_an_immediate_regrade(database_url):
     id = graded(database_url, "ann", "+-")
     made = begin(database_url, id)
-    ((_, held),) = open_attempts(database_url)
+    ((_, preview),) = open_gradings(database_url)
     assert run(database_url, lambda d: regrade(d, [id], "x")) == 1
-    later = next(attempt for _, attempt in open_attempts(database_url) if attempt != held)
+    later = next(grading for _, grading in open_gradings(database_url) if grading != preview)
     finish(database_url, later, "--", version="3")
-    finish(database_url, held, "++")
+    finish(database_url, preview, "++")
     assert points(database_url, id) == 0
     (row,) = read(database_url, regrades.score_changes, made)
     assert row.overtaken and (row.was_points, row.points) == (1, 2)
@@ -147,12 +147,14 @@ def test_a_fault_stays_held_and_the_others_are_applied(database_url):
     id = begin(database_url)
     grade_open(database_url, {ann: "+"})
     sql(
-        database_url, "INSERT INTO result (attempt_id, fault) SELECT id, 'ours' FROM attempt WHERE submission_id = %s AND held", ben
+        database_url,
+        "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading WHERE submission_id = %s AND preview",
+        ben,
     )
     assert run(database_url, lambda d: regrades.apply(d, id, "prof")) == 1
     assert (points(database_url, ann), points(database_url, ben)) == (1, 0)
     assert run(database_url, lambda d: records.read(d, ben)).status == "graded"
-    assert sql(database_url, "SELECT submission_id FROM attempt WHERE held") == [(ben,)]
+    assert sql(database_url, "SELECT submission_id FROM grading WHERE preview") == [(ben,)]
 
 
 def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
@@ -169,8 +171,8 @@ def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
         assert sum(isinstance(a, RegradeClosed) for a in answers) == 2, answers
         decided = read(database_url, regrades.find, id)
         assert [e for e in map(str, answers) if "already" in e] == [f"it was {decided.decided} by {decided.decided_by} already"] * 2
-        held = sql(database_url, "SELECT count(*) FROM attempt WHERE held AND regrade_id = %s", id)
-        assert held == [(int(decided.decided == "dropped"),)]
+        preview = sql(database_url, "SELECT count(*) FROM grading WHERE preview AND regrade_id = %s", id)
+        assert preview == [(int(decided.decided == "dropped"),)]
     assert sql(database_url, "SELECT count(*) FROM audit WHERE action IN ('regrade applied', 'regrade dropped')") == [(4,)]
 
 
@@ -178,13 +180,13 @@ def test_dropped_it_grades_no_more_and_stays_held(database_url):
     ann, ben = graded(database_url, "ann", "-"), graded(database_url, "ben", "-")
     id = begin(database_url)
     grade_open(database_url, {ann: "+"})
-    ((_, attempt),) = open_attempts(database_url)
-    claimed = claim(database_url, attempt)
+    ((_, grading),) = open_gradings(database_url)
+    claimed = claim(database_url, grading)
     assert run(database_url, lambda d: regrades.drop(d, id, "tutor")) == 1
-    assert sql(database_url, "SELECT ending FROM run WHERE id = %s", claimed.run) == [("cancelled",)]
-    assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)] and open_attempts(database_url) == []
+    assert sql(database_url, "SELECT end_reason FROM run WHERE id = %s", claimed.run) == [("cancelled",)]
+    assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)] and open_gradings(database_url) == []
     assert (points(database_url, ann), points(database_url, ben)) == (0, 0)
-    sql(database_url, "UPDATE attempt SET requested_at = requested_at - interval '1 minute'")
+    sql(database_url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
     assert run(database_url, workers.sweep) == []
     assert run(database_url, lambda d: regrade(d, "all", "x")) == 2
 
@@ -194,14 +196,14 @@ def test_begun_while_students_submit(database_url):
         graded(database_url, name, "+")
 
     async def at_once(database):
-        begun = regrades.create(database, "rigid-body", BEST, "tutor", told="a test")
+        begun = regrades.create(database, "rigid-body", BEST, "tutor", description="a test")
         sent = [accept(database, new(name)) for name in ("ann", "ben", "cleo", "ann", "ben", "cleo")]
         return await asyncio.wait_for(asyncio.gather(begun, *sent), 20)
 
     id, *accepted = run(database_url, at_once)
     assert all(a.fresh for a in accepted) and read(database_url, regrades.find, id).total == 3
     places = (
-        "SELECT min(priority), max(priority) FROM procrastinate_jobs JOIN attempt a ON a.id::text = args->>'attempt' WHERE kind = "
+        "SELECT min(priority), max(priority) FROM procrastinate_jobs JOIN grading a ON a.id::text = args->>'attempt' WHERE kind = "
     )
     (((first, _),), ((_, last),)) = (sql(database_url, places + kind) for kind in ("'interactive'", "'regrade'"))
     assert first > last  # who waits for a first result goes before

@@ -15,14 +15,14 @@ from service.store.workers import sweep
 from tests.support.database import new, run, sql
 
 
-def test_a_submission_its_attempt_and_its_job_are_there_together(database_url):
+def test_a_submission_its_grading_and_its_job_are_there_together(database_url):
     one = new(source="print('ω')", exercises=["2"])
     assert run(database_url, lambda d: accept(d, one)).id == one.id
     stored = run(database_url, lambda d: records.read(d, one.id))
     assert (stored.submission, stored.exercises, stored.person, stored.seed) == (one.submission, ["2"], "ann", 7)
     assert stored.status == "queued" and not stored.finished and not stored.late
     ((args, priority),) = sql(database_url, "SELECT args, priority FROM procrastinate_jobs")
-    assert args == {"attempt": str(stored.attempt)} and priority == 2000
+    assert args == {"attempt": str(stored.grading)} and priority == 2000
 
 
 def test_a_key_means_one_submission_for_one_person(database_url):
@@ -42,7 +42,7 @@ def test_twenty_at_once_with_one_key_are_one(database_url):
     assert (
         len({a.id for a in ids}) == 1
         and sum(a.fresh for a in ids) == 1
-        and sql(database_url, "SELECT count(*) FROM attempt") == [(1,)]
+        and sql(database_url, "SELECT count(*) FROM grading") == [(1,)]
     )
 
 
@@ -54,7 +54,7 @@ async def _count_refused(database, news):
 
 def test_the_limit_holds_for_many_at_once_and_faults_do_not_count(database_url):
     run(database_url, lambda d: d.ping())
-    sql(database_url, "UPDATE assignment SET most_submissions = 3")
+    sql(database_url, "UPDATE assignment SET submission_limit = 3")
     refused = run(database_url, lambda d: _count_refused(d, [new(seed=k) for k in range(10)]))
     assert refused == ["none-left"] * 7
     assert (
@@ -62,14 +62,14 @@ def test_the_limit_holds_for_many_at_once_and_faults_do_not_count(database_url):
         == sql(database_url, "SELECT count(*) FROM procrastinate_jobs")
         == [(3,)]
     )
-    sql(database_url, "INSERT INTO result (attempt_id, fault) SELECT id, 'ours' FROM attempt LIMIT 1")
+    sql(database_url, "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading LIMIT 1")
     assert run(database_url, lambda d: _count_refused(d, [new(), new()])) == ["none-left"]
 
 
 def test_a_repeated_request_is_answered_although_none_is_left(database_url):
     one = new()
     run(database_url, lambda d: accept(d, one, "k"))
-    sql(database_url, "UPDATE assignment SET most_submissions = 1, due_at = now() - interval '1 day'")
+    sql(database_url, "UPDATE assignment SET submission_limit = 1, due_at = now() - interval '1 day'")
     assert run(database_url, lambda d: accept(d, new(), "k")).id == one.id
 
 
@@ -122,12 +122,12 @@ def test_order_a_tenth_does_not_pass_anothers_first_and_regrades_wait(database_u
             await accept(database, new(name))
 
     run(database_url, fill)
-    sql(database_url, "UPDATE attempt SET kind = 'regrade' FROM submission s JOIN person p ON p.id = s.person_id "
+    sql(database_url, "UPDATE grading SET kind = 'regrade' FROM submission s JOIN person p ON p.id = s.person_id "
         "WHERE s.id = submission_id AND p.name = 'cleo'")  # fmt: skip
     sql(database_url, "DELETE FROM procrastinate_jobs")
-    sql(database_url, "UPDATE attempt SET requested_at = requested_at - interval '1 minute'")
+    sql(database_url, "UPDATE grading SET requested_at = requested_at - interval '1 minute'")
     assert len(run(database_url, sweep)) == 12
-    order = sql(database_url, "SELECT p.name FROM procrastinate_jobs j JOIN attempt a ON a.id::text = j.args->>'attempt' "
+    order = sql(database_url, "SELECT p.name FROM procrastinate_jobs j JOIN grading a ON a.id::text = j.args->>'attempt' "
                 "JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id "
                 "ORDER BY j.priority DESC, j.id")  # fmt: skip
     assert [name for (name,) in order] == ["ben", "dora", *["ben"] * 9, "cleo"]

@@ -1,4 +1,4 @@
-"""A worker in this process: what becomes of the attempt it takes, and how often it gives a sign of life."""
+"""A worker in this process: what becomes of the grading it takes, and how often it gives a sign of life."""
 
 import asyncio
 import contextlib
@@ -14,7 +14,7 @@ from tests.support.database import run, sql
 from tests.support.submissions import submitted
 
 SLOW = "def euler_eqs(t, w, I):\n    while True: pass\n"  # its scene is stopped after 2 s
-RUNS = "SELECT ending, phase, note FROM run WHERE attempt_id = %s"
+RUNS = "SELECT end_reason, phase, note FROM run WHERE grading_id = %s"
 JOBS = "SELECT status::text FROM procrastinate_jobs WHERE args->>'attempt' = %s AND status = 'todo'"
 
 
@@ -24,10 +24,10 @@ class Left(BaseException):
 
 @pytest.fixture
 def waiting(database_url):
-    """An attempt whose job a worker has taken."""
-    _, attempt = submitted(database_url, source=SLOW, exercises=["2"])
+    """A grading whose job a worker has taken."""
+    _, grading = submitted(database_url, source=SLOW, exercises=["2"])
     sql(database_url, "SELECT id FROM procrastinate_fetch_job_v2(NULL, NULL)")
-    return attempt
+    return grading
 
 
 @contextlib.asynccontextmanager
@@ -39,12 +39,12 @@ async def worker_on(url, **settings):
         await one._database.close()
 
 
-def grade(url, attempt):
-    """Grade the attempt as the function of its job does."""
+def grade(url, grading):
+    """Run the job of the grading."""
 
     async def graded(database):
         async with worker_on(url) as worker:
-            await worker._grade(str(attempt))
+            await worker._grade(str(grading))
 
     run(url, graded)
 
@@ -52,12 +52,12 @@ def grade(url, attempt):
 def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_url, waiting, sandbox, monkeypatch):
     monkeypatch.setattr(grader, "_sandbox", sandbox)
     grade(database_url, waiting)
-    ((ending, phase, _),) = sql(database_url, RUNS, waiting)
-    assert ending == "finished" and phase in ("playing", "judging"), "the run was begun as 'starting'"
-    assert sql(database_url, "SELECT score FROM result WHERE attempt_id = %s", waiting) == [(0,)]
+    ((end_reason, phase, _),) = sql(database_url, RUNS, waiting)
+    assert end_reason == "finished" and phase in ("playing", "judging"), "the run was begun as 'starting'"
+    assert sql(database_url, "SELECT score FROM result WHERE grading_id = %s", waiting) == [(0,)]
 
 
-def test_an_attempt_that_cannot_be_graded_is_given_back(database_url, waiting, monkeypatch):
+def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting, monkeypatch):
     monkeypatch.setattr(grader, "_sandbox", None)
     grade(database_url, waiting)
     assert sql(database_url, RUNS, waiting) == [("failed", "starting", "this worker was not started")]
@@ -76,13 +76,13 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
                 await asyncio.sleep(0.01)
             with pytest.raises(Left):
                 await worker._drain(taking)
-            given_back = await database.rows("SELECT ending FROM run")
+            given_back = await database.rows("SELECT end_reason FROM run")
             await grading  # a process would have ended before
             return given_back
 
     monkeypatch.setattr(grader, "_sandbox", sandbox)
     monkeypatch.setattr(os, "_exit", leave)
-    assert [row.ending for row in run(database_url, stopped)] == ["released"]
+    assert [row.end_reason for row in run(database_url, stopped)] == ["released"]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
 
 
@@ -93,7 +93,7 @@ def test_a_worker_that_has_no_walls_says_why_and_takes_nothing(database_url, mon
     async def started(database):
         async with worker_on(database_url, min_tier="A") as worker:
             trying = asyncio.create_task(worker._put_up_walls())
-            while not (known := await database.rows("SELECT walls, refusal FROM worker")):
+            while not (known := await database.rows("SELECT isolation, unavailable_reason FROM worker")):
                 await asyncio.sleep(0.02)
             worker._stopping.set()
             return tuple(known[0]), await trying

@@ -54,7 +54,8 @@ def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(data
     marks = {"2-energy": "✓", "2-momentum": ("✗", 0.5), "2-motion": "⏱", "2-pointwise": "!", "2-secret": "–"}
     run(database_url, lambda database: hand_in(database, "ann", marks))
     written = sql(database_url, "DELETE FROM outcome RETURNING *")
-    sql(database_url, importlib.import_module("service.store.migrations.versions.0004_dashboard").KNOWN)
+    of_0004 = importlib.import_module("service.store.migrations.versions.0004_dashboard").KNOWN
+    sql(database_url, of_0004.replace("attempt_id", "grading_id"))  # as revision 0006 calls it
     assert sorted(sql(database_url, "SELECT * FROM outcome")) == sorted(written) and len(written) == 5
 
 
@@ -89,13 +90,13 @@ def test_points_given_count_instead(database_url):
     assert (standing(database_url, "ann").points, standing(database_url, "ann").overridden) == (1, False)
 
 
-def test_a_held_attempt_changes_nothing(database_url):
+def test_a_held_grading_changes_nothing(database_url):
     run(database_url, lambda database: hand_in(database, "ann", BAD))
     sql(
         database_url,
-        """WITH one AS (INSERT INTO attempt (id, submission_id, number, kind, seed, most_runs, held)
+        """WITH one AS (INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, preview)
             SELECT gen_random_uuid(), id, 2, 'regrade', 7, 3, true FROM submission RETURNING id)
-        INSERT INTO result (attempt_id, score, max_score, report, version) SELECT one.id, 2, 2, r.report, '2' FROM one, result r""",
+        INSERT INTO result (grading_id, score, max_score, report, version) SELECT one.id, 2, 2, r.report, '2' FROM one, result r""",
     )
     assert (standing(database_url, "ann").points, standing(database_url, "ann").version) == (1, "1")
 

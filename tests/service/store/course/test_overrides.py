@@ -31,7 +31,7 @@ def known(url, submission):
 def trail(url):
     return [
         (who, action, d["check"], d["before"], d["after"], d["points"], d["reason"])
-        for who, action, d in sql(url, "SELECT who, action, detail FROM audit ORDER BY id")
+        for who, action, d in sql(url, "SELECT actor, action, detail FROM audit ORDER BY id")
     ]
 
 

@@ -42,7 +42,7 @@ def test_a_backup_has_every_row_of_every_table(database_url, empty_url, tmp_path
         sent = await hand_in(database, "ann", {"2-energy": "✓", "2-momentum": "✗"})
         await overrides.give(database, sent, "prof", check="2-energy", points=0, reason="copied")
         await deadlines.extend(database, "rigid-body", "ann", datetime.now(UTC), reason="was ill", by="prof")
-        await regrades.create(database, "rigid-body", sent, "prof", told="one submission")
+        await regrades.create(database, "rigid-body", sent, "prof", description="one submission")
         async with database.begin() as connection:
             await tokens.create(connection, "ann", label="test", scopes=["read"], seconds=1000.0)
 
@@ -82,12 +82,12 @@ def test_the_check_finds_what_does_not_fit(database_url):
     assert not any(backup.check(database_url).values())
     sql(database_url, "DELETE FROM outcome WHERE state = 'pass'")
     run(database_url, lambda d: accept(d, new()))
-    sql(database_url, "UPDATE attempt SET held = true WHERE NOT EXISTS (SELECT 1 FROM result WHERE attempt_id = id)")
+    sql(database_url, "UPDATE grading SET preview = true WHERE NOT EXISTS (SELECT 1 FROM result WHERE grading_id = id)")
     sql(database_url, "INSERT INTO artefact VALUES ('0123', 'x')")
     sql(database_url, "DELETE FROM procrastinate_jobs")
-    sql(database_url, "UPDATE attempt SET requested_at = now() - interval '1 hour'")
+    sql(database_url, "UPDATE grading SET requested_at = now() - interval '1 hour'")
     found = {sentence for sentence, count in backup.check(database_url).items() if count}
-    assert {s.split()[0] for s in found} == {"reports", "attempts", "artefacts", "open"}
+    assert {s.split()[0] for s in found} == {"reports", "preview", "artefacts", "open"}
 
 
 @pytest.mark.slow

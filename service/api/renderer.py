@@ -37,17 +37,17 @@ class Renderer:
         Raises ArithmeticError or ValueError if its numbers cannot be drawn.
         """
         key = stored.grading, name, form
-        return await self._once(key, grader.draw_one, stored.assignment, name, packed, stored.seed, form)
+        return await self._shared(key, grader.draw_one, stored.assignment, name, packed, stored.seed, form)
 
     async def chart(self, kind: str, number: int) -> bytes:
         """Return a chart of the reference methods as SVG, rendered once per server process."""
         if (kind, number) not in self._charts:
-            self._charts[kind, number] = await self._once((kind, number), grader.draw_chart, kind, number)
+            self._charts[kind, number] = await self._shared((kind, number), grader.draw_chart, kind, number)
         return self._charts[kind, number]
 
     async def class_sweep(self, documents: Sequence[dict[str, Any]]) -> bytes:
         """Return the chart of a class's sweeps over the reference methods as SVG."""
-        return await self._once(("class", len(documents), str(documents)), grader.draw_class, documents)
+        return await self._shared(("class", len(documents), str(documents)), grader.draw_class, documents)
 
     def stop(self) -> None:
         """Kill the rendering process."""
@@ -56,7 +56,7 @@ class Renderer:
                 process.kill()
             self._pool.shutdown(wait=True, cancel_futures=True)
 
-    async def _once(self, key: tuple[Any, ...], function: Callable[..., bytes], *args: Any) -> bytes:
+    async def _shared(self, key: tuple[Any, ...], function: Callable[..., bytes], *args: Any) -> bytes:
         """Render once for concurrent requests; a disconnecting client does not cancel the rendering."""
         if key not in self._tasks:
             self._tasks[key] = task = asyncio.ensure_future(self._call(function, *args))

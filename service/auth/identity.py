@@ -10,7 +10,7 @@ from fastapi import Request
 from service.auth import sessions
 from service.auth.jupyterhub import Hub
 from service.http.errors import Problem
-from service.http.requests import is_own_name, public_address
+from service.http.requests import is_own_host, public_address
 from service.settings import Settings
 from service.store.course import people, tokens
 
@@ -132,6 +132,6 @@ def _single_user(request: Request) -> Person:
     settings: Settings = request.app.state.settings
     if settings.identity != "local" or settings.person_header is not None:
         raise Problem(401, "nobody", "authentication required: run ecp.login() in the notebook, or log in on the web page")
-    if not is_own_name(request):
+    if not is_own_host(request):
         raise Problem(403, "not-allowed", "the request used an unknown host name: set POLHODE_PUBLIC_URL to the server's address")
     return Person(LOCAL, frozenset(tokens.SCOPES), single_user=True)

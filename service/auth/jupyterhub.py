@@ -36,7 +36,7 @@ class Hub:
         key, now = sha256(token.encode()).hexdigest(), time.monotonic()
         until, name = self._cache.get(key, (0.0, None))
         if now >= until:
-            name = await asyncio.get_running_loop().run_in_executor(self._threads, self._ask, token)
+            name = await asyncio.get_running_loop().run_in_executor(self._threads, self._request_user, token)
             if len(self._cache) >= MOST_CACHED:
                 self._cache = {k: entry for k, entry in self._cache.items() if entry[1] is not None and entry[0] > now}
             self._cache[key] = (now + (REFUSED_S if name is None else CACHED_S), name)
@@ -46,7 +46,7 @@ class Hub:
         """Cancel pending requests to the hub."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
-    def _ask(self, token: str) -> str | None:
+    def _request_user(self, token: str) -> str | None:
         assert self._url is not None
         try:
             request = urllib.request.Request(self._url, headers={"Authorization": f"token {token}"})  # noqa: S310

@@ -24,7 +24,7 @@ class InvalidPassword(ValueError):
 
 def normalize(password: str, name: str) -> str:
     """Return the password as it is hashed. Raises InvalidPassword if the person ``name`` may not set it."""
-    password = composed(password)
+    password = to_nfc(password)
     if not SHORTEST <= len(password) <= LONGEST:
         raise InvalidPassword(f"choose a password of {SHORTEST} to {LONGEST} characters")
     if password.strip().casefold() == name.casefold() or len(set(password)) == 1:
@@ -32,7 +32,7 @@ def normalize(password: str, name: str) -> str:
     return password
 
 
-def composed(password: str) -> str:
+def to_nfc(password: str) -> str:
     """Return the password in NFC, so that the keyboard's way of composing letters does not matter."""
     return unicodedata.normalize("NFC", password)
 
@@ -48,7 +48,7 @@ def matches(stored: str | None, password: str) -> bool:
     Without a valid hash, take the same time and return False.
     """
     try:
-        return _HASHER.verify(stored or dummy_hash(), composed(password)) and stored is not None
+        return _HASHER.verify(stored or dummy_hash(), to_nfc(password)) and stored is not None
     except InvalidHashError:
         return matches(None, password)
     except VerificationError:
@@ -92,7 +92,7 @@ class PasswordChecker:
         if not await self._run(matches, stored, password) or stored is None:
             raise Problem(401, "nobody", "name or password is wrong: try again, or log in with a token")
         if needs_rehash(stored):
-            renewed = await self.hash(composed(password))
+            renewed = await self.hash(to_nfc(password))
             async with self._database.begin() as connection:
                 await credentials.renew_hash(connection, name, stored, renewed)
 

@@ -17,7 +17,7 @@ from limits import RateLimitItem, RateLimitItemPerMinute
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
-from service.auth.sessions import known_as
+from service.auth.sessions import known_browser
 from service.http.errors import Problem
 
 BY_NAME, BY_ADDRESS = RateLimitItemPerMinute(10, 15), RateLimitItemPerMinute(100, 10)
@@ -59,7 +59,7 @@ class LoginRateLimiter:
 
 def keys_of(request: Request, name: str) -> list[Key]:
     """Return the keys that count a login as ``name`` from this browser."""
-    if (browser := known_as(request, name)) is not None:
+    if (browser := known_browser(request, name)) is not None:
         return [(BY_NAME, "browser", browser)]
     return [(BY_NAME, "name", name), (BY_ADDRESS, "address", network(request.client.host if request.client else ""))]
 

@@ -55,7 +55,7 @@ def clear_session(response: Response) -> Response:
     return response
 
 
-def known_as(request: Request, name: str) -> str | None:
+def known_browser(request: Request, name: str) -> str | None:
     """Return the browser's identifier if the person has logged in with it before, otherwise None."""
     try:
         owner, id = serializer(request, "known").loads(request.cookies.get(KNOWN, ""), max_age=KNOWN_S)

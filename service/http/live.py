@@ -126,7 +126,7 @@ class ChangeFeed(Generic[T]):
         self._valid_until = float("-inf")
         self._changes = 0
 
-    async def now(self) -> Any:
+    async def current(self) -> Any:
         """Return the page's data, at most a second old."""
         clock = asyncio.get_running_loop().time
         async with self._lock:
@@ -136,7 +136,7 @@ class ChangeFeed(Generic[T]):
                 self._valid_until = clock() + 0.95 * EVERY_S if changes == self._changes else float("-inf")
             return self._data
 
-    def changed(self) -> None:
+    def invalidate(self) -> None:
         """Discard the cached data after a change."""
         self._changes += 1
         self._valid_until = float("-inf")
@@ -147,7 +147,7 @@ class ChangeFeed(Generic[T]):
         """
         async for _ in self._listener.wait_for_changes("", LONGEST_S, EVERY_S):
             try:
-                id = sha256(repr(await self.now()).encode()).hexdigest()[:16]
+                id = sha256(repr(await self.current()).encode()).hexdigest()[:16]
             except Exception as error:
                 if not is_outage(error):
                     raise

@@ -68,7 +68,7 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
         (verdicts, "pass", sums.passed), (verdicts, "other", sums.others),
     ):  # fmt: skip
         family.add_metric([name], value)
-    runs = GaugeMetricFamily("polhode_runs", "Runs by ending; a lost run may still report a result.", labels=["ending"])
+    runs = GaugeMetricFamily("polhode_runs", "Runs by end reason; a lost run may still report a result.", labels=["ending"])
     for row in await database.rows(_RUNS):
         runs.add_metric([row.end_reason], row.n)
     (counts,) = await database.rows(_WORKERS)

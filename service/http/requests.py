@@ -21,7 +21,7 @@ def local_path(path: str) -> str:
     return path if inside and path.isascii() and path.isprintable() and " " not in path else ""
 
 
-def is_own_name(request: Request) -> bool:
+def is_own_host(request: Request) -> bool:
     """Return whether the Host header is an IP address, localhost or a configured name of this server.
 
     Rejecting other names prevents DNS rebinding.

@@ -43,14 +43,14 @@ class CheckStats:
     bins: Sequence[int]
 
     @property
-    def made(self) -> int:
+    def count(self) -> int:
         """The number of students that the check was made for."""
         return self.states.total()
 
     @property
     def rate(self) -> float | None:
         """The fraction of these students who passed."""
-        return self.states["pass"] / self.made if self.made else None
+        return self.states["pass"] / self.count if self.count else None
 
     @property
     def small(self) -> bool:

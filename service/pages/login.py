@@ -59,16 +59,16 @@ async def _authenticated(request: Request, form: FormData) -> tuple[str, str]:
     """Return the name and the login method, "" for an existing session. Raises Problem 401, 403 or 429."""
     token, password = field(form, "token"), raw_field(form, "password")
     if token:
-        return _may_log_in(await by_token(request, token)), "token"
+        return _check_login_scope(await by_token(request, token)), "token"
     name = _normalized(field(form, "name"))
     if not name and not password:
-        return _may_log_in(await authenticate(request, "login")), ""
+        return _check_login_scope(await authenticate(request, "login")), ""
     with request.app.state.login_limiter.guard(*keys_of(request, name)):
         await request.app.state.password_checker.check(name, password)
     return name, "password"
 
 
-def _may_log_in(person: Person) -> str:
+def _check_login_scope(person: Person) -> str:
     if "login" not in person.scopes:
         raise Problem(403, "not-allowed", "a notebook's token cannot log in here: use the token from your course")
     return person.name

@@ -25,7 +25,9 @@ SILENT_S = 5.0  # workers send a heartbeat every three seconds
 @router.get("/queue", response_class=HTMLResponse)
 async def page(request: Request, person: Staff) -> Response:
     """Show the queue."""
-    return templates.TemplateResponse(request, "queue.html", {"queue": await request.app.state.queue.now(), "most": MOST_PLACES})
+    return templates.TemplateResponse(
+        request, "queue.html", {"queue": await request.app.state.queue.current(), "most": MOST_PLACES}
+    )
 
 
 @router.get("/queue/events", response_class=EventSourceResponse)
@@ -48,7 +50,7 @@ async def cancel(grading: str, request: Request, person: Staff, form: Form) -> R
         ) from None
     if found is None:
         raise Problem(404, "not-found", "no such grading: reload the queue")
-    request.app.state.queue.changed()
+    request.app.state.queue.invalidate()
     return RedirectResponse("/queue", 303)
 
 
@@ -61,7 +63,7 @@ async def retry(submission: str, request: Request, person: Staff, form: Form) ->
             "changed-meanwhile",
             "nothing to retry: the submission has a report, is being graded or does not exist; reload the queue",
         )
-    request.app.state.queue.changed()
+    request.app.state.queue.invalidate()
     return RedirectResponse("/queue", 303)
 
 
@@ -83,7 +85,7 @@ def snapshot(queue: QueueSnapshot, lease_s: float = LEASE_S) -> dict[str, Any]:
         "total": queue.places[0].total if queue.places else 0,
         "kinds": [(kind.n, kind.kind) for kind in queue.waiting],
         "places": [row._asdict() for row in queue.places],
-        "going": [_going(run, lease_s) for run in queue.going],
+        "going": [_run_to_json(run, lease_s) for run in queue.going],
         "workers": [w._asdict() | {"silent_s": _silence(w.silent_s, SILENT_S), "busy": w.name in busy} for w in queue.workers],
         "faults": [row._asdict() for row in queue.faults],
     }
@@ -103,7 +105,7 @@ def _silence(seconds: float, usual: float) -> str:
     return f"silent for {format_seconds(seconds)}" if seconds > usual else "responding"
 
 
-def _going(run: Row[Any], lease_s: float) -> dict[str, Any]:
+def _run_to_json(run: Row[Any], lease_s: float) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
     progress = {"phase": phase, "running": format_seconds(run.running_s), "in_scene": format_seconds(run.scene_s), "stuck": ""}
     progress["silent"] = _silence(run.silent_s, lease_s)

@@ -41,7 +41,7 @@ Found = Annotated[Regrade, Depends(_find)]
 async def list_regrades(slug: str, request: Request, person: Staff) -> Response:
     """Show the regrades of an assignment and the form that starts one."""
     assignment = find_assignment(slug)
-    context = {"assignment": assignment, "labels": labels_of(assignment)}
+    context = {"assignment": assignment, "labels": check_labels(assignment)}
     context["regrades"] = await regrades.of_assignment(request.app.state.database, slug)
     return templates.TemplateResponse(request, "regrades.html", context)
 
@@ -56,7 +56,7 @@ async def create(slug: str, request: Request, person: Staff, form: Form) -> Resp
         raise Problem(
             409, "not-ready", f"nothing to regrade ({description}): no submission matches, or all are being graded"
         ) from None
-    request.app.state.queue.changed()
+    request.app.state.queue.invalidate()
     return RedirectResponse(f"/regrades/{id}", 303)
 
 
@@ -66,7 +66,7 @@ async def page(request: Request, person: Staff, regrade: Found) -> Response:
     database = request.app.state.database
     pairs, flips = await regrades.score_changes(database, regrade.id), await regrades.check_changes(database, regrade.id)
     assignment = find_assignment(regrade.assignment)
-    context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
+    context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, check_labels(assignment))}
     role = request.state.role
     context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.requested_by)
     context["may_apply"] = regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
@@ -107,7 +107,7 @@ async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> R
         await regrades.drop(request.app.state.database, regrade.id, person.name)
     except regrades.RegradeClosed as error:
         raise Problem(409, "changed-meanwhile", str(error)) from None
-    request.app.state.queue.changed()
+    request.app.state.queue.invalidate()
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
 
@@ -116,7 +116,7 @@ async def _selection(request: Request, assignment: Assignment, which: str, check
     description.
     """
     if which == "check":
-        if check not in labels_of(assignment):
+        if check not in check_labels(assignment):
             raise Problem(422, "invalid-request", f"the assignment has no check {check[:80]}: select another", "/check")
         return BEST, check, f"best submissions that do not pass {check}"
     if which in (BEST, EVERY):
@@ -166,7 +166,7 @@ def diff(pairs: Sequence[Row[Any]], changes: Iterable[Row[Any]], labels: Mapping
     return {"groups": groups, "changed_checks": most_changed, "from": versions["was_version"], "to": versions["version"]}
 
 
-def labels_of(assignment: Assignment) -> dict[str, str]:
+def check_labels(assignment: Assignment) -> dict[str, str]:
     """Return the labels of all checks, with their exercise, by check id."""
     return {c.id: f"{e.number}: {c.label}" for e in assignment.exercises for c in e.checks}
 

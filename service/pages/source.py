@@ -113,7 +113,7 @@ def difference(before: Submission, now: Submission) -> list[list[Changed]]:
     tail = _common_prefix(old[head:][::-1], new[head:][::-1])
     first = max(0, head - CONTEXT)
     a, b = (lines[first : len(lines) - max(0, tail - CONTEXT)] for lines in (old, new))
-    if max(len(a), len(b)) > MOST_LINES or _work(a, b) > MOST_WORK:
+    if max(len(a), len(b)) > MOST_LINES or _comparison_steps(a, b) > MOST_WORK:
         raise TooLong
     groups = difflib.SequenceMatcher(None, a, b).get_grouped_opcodes(CONTEXT)
     return [[line for block in group for line in _changed_lines(block, a, b, first + 1)] for group in groups]
@@ -131,7 +131,7 @@ def _common_prefix(a: Sequence[str], b: Sequence[str]) -> int:
     return next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
 
 
-def _work(a: Sequence[str], b: Sequence[str]) -> float:
+def _comparison_steps(a: Sequence[str], b: Sequence[str]) -> float:
     """Return an upper bound of difflib's steps: pairs of equal lines, without those it ignores as too
     common, once per match.
     """

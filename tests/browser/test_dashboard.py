@@ -101,7 +101,7 @@ def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, nam
     page, password = page(), f"a polhode rolls for {name}"
     log_in(page, f"{server.url}/", token=tokens[name])
     page.locator("nav .me").click()
-    page.get_by_label("New password").fill(password)
+    page.get_by_label("New password (").fill(password)
     page.get_by_label("Repeat new password").fill(password)
     page.get_by_role("button", name="Save password").click()
     assert page.get_by_role("status").first.inner_text() == "✓ Password saved. Other browsers are logged out."

@@ -75,7 +75,7 @@ def test_a_student_sets_a_password_sees_a_motion_and_no_page_of_the_staff(seen_b
     for path in (*STAFF_ONLY, paths["failed"]):
         assert show(page, server.url + path).status == 403 and heading(page) == "Permission denied", path
     page.locator("nav .me").click()
-    page.get_by_label("New password").fill(password)
+    page.get_by_label("New password (").fill(password)
     page.get_by_label("Repeat new password").fill(password)
     page.get_by_role("button", name="Save password").click()
     assert page.get_by_role("status").first.inner_text() == "✓ Password saved. Other browsers are logged out."

@@ -203,7 +203,7 @@ def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch
         asked.clear()
         class_ = run(url, lambda database: student_rows(database, "rigid-body"))
         counts.append(len(asked))
-        assert len(class_) == 5 + more and class_stats.by_check(ASSIGNMENT, class_)[5].made == 3 + more
+        assert len(class_) == 5 + more and class_stats.by_check(ASSIGNMENT, class_)[5].count == 3 + more
     assert counts == [3, 3]
 
 

@@ -788,8 +788,8 @@ WEB = [
     Breakage(
         "every session has the same CSRF token",
         "service/auth/forms.py",
-        'whose = f"session {session.id}"',
-        'whose = "session"',
+        'owner = f"session {session.id}"',
+        'owner = "session"',
         ("tests/service/auth/test_forms.py::test_the_token_of_a_form_is_of_one_session_person_or_visit",),
     ),
     Breakage(
@@ -851,21 +851,21 @@ WEB = [
     Breakage(
         "a login leads to another site",
         "service/http/requests.py",
-        'told.startswith("/") and not told.startswith("//") and "\\\\" not in told',
-        'told.startswith("/") and "\\\\" not in told',
+        'path.startswith("/") and not path.startswith("//") and "\\\\" not in path',
+        'path.startswith("/") and "\\\\" not in path',
         ("tests/service/pages/test_login.py::test_nobody_is_led_elsewhere_after_logging_in",),
     ),
     Breakage(
         "passwords can be guessed without limit",
         "service/auth/rate_limit.py",
-        "if left <= self._tried[key]:",
+        "if left <= self._pending[key]:",
         "if left < 0:",
         ("tests/service/auth/test_rate_limit.py",),
     ),
     Breakage(
         "a password is changed without the present one",
         "service/pages/account.py",
-        'await _check_present(request, person.name, raw_field(form, "present"))',
+        'await _check_current_password(request, person.name, raw_field(form, "present"))',
         "pass",
         ("tests/service/pages/test_account.py::test_a_token_logs_in_once_and_then_there_is_a_password",),
     ),

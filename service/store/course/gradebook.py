@@ -61,13 +61,12 @@ class StudentRow:
     cells: Mapping[str, Cell] = field(default_factory=dict)
 
     @property
-    def called(self) -> str:
-        """Return the name to show: the full name, or else the login name."""
+    def display_name(self) -> str:
+        """The full name, or the login name without one."""
         return self.full_name or self.name
 
     def matching_cells(self, check: str | None, cause: str | None) -> list[tuple[str, Cell, str]]:
-        """Return id, cell and first diagnosis of that check or, if None, of each failed check with the
-        diagnosis ``cause``."""
+        """Return the cell of ``check``, or without it the cells with ``cause``; each with its check id and first cause."""
         if check is not None:
             found = {check: self.cells[check]} if check in self.cells else {}
         else:
@@ -90,8 +89,8 @@ async def student_rows(database: Database, slug: str) -> list[StudentRow]:
 
 
 def _cells(row: Row[Any]) -> dict[str, Cell]:
-    cells = itertools.starmap(Cell, zip(row.states, row.counted, row.margins, strict=True))
-    return dict(zip(row.checks, cells, strict=True))
+    cells = zip(row.states, row.counted, row.margins, strict=True)
+    return dict(zip(row.checks, itertools.starmap(Cell, cells), strict=True))
 
 
 async def students(database: Database, slug: str) -> list[StudentRow]:
@@ -114,7 +113,7 @@ _STANDINGS = f"""
 WITH best AS MATERIALIZED ({BEST})
 SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0) AS submissions, best.id AS submission,
     best.filename, best.submitted_at,
-    best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'nothing sent') AS status,
+    best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'no submission') AS status,
     best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.grading
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
 WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}

@@ -1,5 +1,4 @@
-"""Connect to PostgreSQL: one engine per process, a limit on every wait, and a distinction of outages from
-programming errors."""
+"""Connect to PostgreSQL, limit every wait, and distinguish outages from programming errors."""
 
 import asyncio
 import time
@@ -37,8 +36,7 @@ SERVER_SIDE = {
 
 
 def connect_options(name: str) -> dict[str, Any]:
-    """Return the arguments of a psycopg connection, with timeouts on both sides; pg_stat_activity shows it
-    as ``name``."""
+    """Return the arguments of a psycopg connection called ``name``, with timeouts on both sides."""
     return {
         "application_name": name,
         "connect_timeout": CONNECT_S,

@@ -1,5 +1,4 @@
-"""Cancel gradings: each gets a result that names the staff member, and its submission does not count
-against the limit."""
+"""Cancel gradings. The result names the staff member, and the submission does not use up the limit."""
 
 from collections.abc import Sequence
 from uuid import UUID

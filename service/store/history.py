@@ -13,8 +13,7 @@ MOST = 100
 
 @dataclass(frozen=True)
 class PastSubmission:
-    """A person's submission; ``verdicts`` maps check ids to verdicts of the report shown, and is empty
-    without a report."""
+    """A person's submission; ``verdicts`` by check id are those of the report shown, if any."""
 
     id: UUID
     filename: str

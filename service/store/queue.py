@@ -44,8 +44,7 @@ async def send(connection: AsyncConnection, grading: UUID, *, task: str = "grade
 
 
 def job_arguments(grading: UUID) -> dict[str, JSONValue]:
-    """Return the arguments of a grading's job; ``attempt`` is also the name in jobs queued by older
-    versions."""
+    """Return the arguments of a job, which are the same in jobs queued by older versions."""
     return {"attempt": str(grading)}
 
 
@@ -75,8 +74,7 @@ async def send_gradings(connection: AsyncConnection, gradings: Sequence[UUID]) -
 
 
 async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -> None:
-    """After the grading ``done`` got its result, move the person's next grading up, behind those of the
-    same new rank.
+    """Move the person's next grading up after ``done`` got its result, behind others of its new rank.
 
     So people take turns however many submissions each has queued, and later arrivals do not delay an early
     second submission indefinitely.
@@ -89,8 +87,7 @@ async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -
 
 
 async def lock_person(connection: AsyncConnection, submission: UUID) -> None:
-    """Lock the ranking of this person's gradings until the end of the transaction, as a rank counts the
-    others."""
+    """Lock the ranking of this person's gradings until the end of the transaction."""
     await connection.execute(_LOCK_PERSON, {"submission": submission})
 
 

@@ -29,8 +29,7 @@ class QueueSnapshot:
 
 @dataclass(frozen=True)
 class Rules:
-    """Deadline, grace period in seconds and submission limit of an assignment; None means no deadline or no
-    limit."""
+    """Deadline, grace period in seconds and submission limit of an assignment; None: no limit."""
 
     due_at: datetime | None
     grace_s: float

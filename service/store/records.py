@@ -20,8 +20,7 @@ from service.store.tables import artefact, grading_artefact
 
 @dataclass(frozen=True)
 class NewSubmission:
-    """A submission to be stored; ``arrived`` is the time of its request by this process's monotonic clock,
-    in seconds."""
+    """A submission to be stored; ``arrived`` is its request's time in seconds of the monotonic clock."""
 
     id: UUID
     assignment: str
@@ -33,8 +32,7 @@ class NewSubmission:
 
     @property
     def fingerprint(self) -> str:
-        """Return a hash of the content; a repeated request with the same idempotency key must have the same
-        one."""
+        """Return a hash of the content, which is the same for a repeated request."""
         parts = [self.assignment, self.submission.filename, self.submission.source, repr(self.exercises)]
         return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
 
@@ -157,8 +155,7 @@ async def read(database: Database, id: UUID) -> SubmissionRecord | None:
 
 
 async def recent(database: Database, most: int, person: str | None = None) -> Sequence[SubmissionRow]:
-    """Return the latest ``most`` submissions, of everyone or of one person, newest first, without source
-    and report."""
+    """Return the latest ``most`` submissions, of everyone or of one person, newest first."""
     return [
         SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
         for r in await database.rows(_LIST, {"most": most, "person": person})
@@ -166,8 +163,7 @@ async def recent(database: Database, most: int, person: str | None = None) -> Se
 
 
 async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
-    """Return what changes while a submission is graded: a row with ``finished``, ``status``, scores,
-    ``grading`` and progress."""
+    """Return status, scores, ``grading`` and progress of a submission as a row, or None."""
     rows = await database.rows(_STATE, {"id": id})
     return rows[0] if rows else None
 

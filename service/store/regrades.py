@@ -1,5 +1,4 @@
-"""Previewed regrades: their gradings are previews, so nothing shown changes until an instructor applies the
-regrade."""
+"""Previewed regrades: nothing shown changes until an instructor applies the regrade."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -109,8 +108,7 @@ async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
 
 
 async def apply(database: Database, id: UUID, actor: str) -> int:
-    """Make all reports of the regrade count, in one transaction, and return the number of submissions that
-    show a new result.
+    """Make all reports of the regrade count, and return the number of submissions that changed.
 
     Gradings that ended in a system fault stay previews. Raises RegradeClosed if the regrade was decided
     before, and RegradeIncomplete while a result is missing.
@@ -208,8 +206,7 @@ RETURNING a.submission_id
 
 
 async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """Return a row per submission with score and points without this regrade (``was_…``) and with it, after
-    overrides.
+    """Return a row per submission with points without this regrade (``was_…``) and with it.
 
     Rows also have ``overridden`` and ``overtaken``, which says that a later grading is shown already.
     """
@@ -217,8 +214,7 @@ async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
 
 
 async def check_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """Return the changed checks as rows of ``grading``, ``check_id``, and the states ``was`` and ``now``
-    (None: no such check)."""
+    """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` (or None)."""
     return await database.rows(_FLIPS, {"id": id})
 
 

@@ -120,9 +120,8 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
     """
     async with database.begin() as connection:
         values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600]}
-        open = (
-            await connection.execute(_END_IF_OPEN, values)
-        ).rowcount  # else it was marked lost, and its grading is queued already
+        # A run that is not open was marked lost, and its grading is queued already.
+        open = (await connection.execute(_END_IF_OPEN, values)).rowcount
         if open and (await connection.execute(_OWNER, {"grading": claimed.grading})).first() is None:
             await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
             await send_grading(connection, claimed.grading, begun=end_reason == "released")

@@ -1,5 +1,4 @@
-"""Accept a submission: store it with its first grading and job, after checking deadline and limit, in one
-transaction."""
+"""Accept a submission: check deadline and limit and store it with its job in one transaction."""
 
 import json
 import time
@@ -29,8 +28,7 @@ class KeyReused(Exception):
 
 
 class SubmissionRejected(Exception):
-    """The submission is rejected; the message gives the student the reason, ``kind`` is "deadline-over" or
-    "none-left"."""
+    """The submission is rejected for the reason in the message; ``kind`` is its problem type."""
 
     def __init__(self, kind: str, sentence: str) -> None:
         super().__init__(sentence)
@@ -60,8 +58,7 @@ class Accepted:
 
 
 async def accept(database: Database, new: NewSubmission, key: str | None = None, kind: str = "interactive") -> Accepted:
-    """Store a submission and queue its grading, ranked by ``kind``; with a known key, return the submission
-    stored before.
+    """Store a submission and queue its grading; with a known key, return the one stored before.
 
     Waits for a concurrent request with the same key. Raises KeyReused if the stored submission differs, and
     SubmissionRejected after the deadline or if no submission is left.
@@ -163,8 +160,7 @@ WHERE s.person_id = :person AND s.assignment_id = :assignment
 
 
 async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], person: UUID) -> None:
-    """Raise SubmissionRejected if the deadline has passed or no submission is left; system faults do not
-    count."""
+    """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
         raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")

@@ -1,5 +1,4 @@
-"""Sweeps measure speed against accuracy of a submission's own function; they are stored as artefacts of its
-grading."""
+"""Sweeps: speed against accuracy of a submission's own function, stored as artefacts."""
 
 import json
 from collections.abc import Iterable

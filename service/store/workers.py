@@ -36,8 +36,7 @@ JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
 
 
 async def recover(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
-    """Queue gradings again whose runs are lost, drop jobs of finished gradings, and return the gradings
-    queued again.
+    """Queue gradings of lost runs again, drop jobs of finished gradings, and return the former.
 
     A run without a heartbeat for ``lease_s`` seconds is lost: its worker is dead, frozen or disconnected.
     """

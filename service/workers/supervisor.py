@@ -16,8 +16,7 @@ POLL_S, LONGEST_PAUSE_S = 0.2, 5.0
 
 
 class Supervisor(threading.Thread):
-    """A thread that starts, watches and stops its child processes: the kernel may end a child with the
-    thread that started it."""
+    """A thread that starts, watches and stops child processes, as these may end with their thread."""
 
     def __init__(self, settings: Settings) -> None:
         super().__init__(name="supervisor")

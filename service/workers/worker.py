@@ -1,5 +1,4 @@
-"""A worker process: it takes jobs from the queue, grades them with its warm guest, and recovers gradings of
-lost workers.
+"""A worker process: it takes jobs, grades them, and recovers gradings of lost workers.
 
 Grading runs in one thread that lives as long as the process, because a guest ends with the thread that
 started it. Meanwhile the event loop sends four heartbeats per lease.
@@ -52,8 +51,7 @@ class Worker:
         self._progress = ("starting", 0, 0)
 
     async def run(self) -> None:
-        """Work until SIGTERM or SIGINT; then finish the present grading within the drain time, or queue it
-        again."""
+        """Work until SIGTERM or SIGINT; then finish the grading within the drain time or release it."""
         for signal_number in (signal.SIGTERM, signal.SIGINT):
             asyncio.get_running_loop().add_signal_handler(signal_number, self._stopping.set)
         if not (await self._wait_for_tables() and await self._start_sandbox()):
@@ -189,8 +187,7 @@ class Worker:
             await workers.register_worker(self._database, self.name, isolation, unavailable_reason, grader.zygotes())
 
     async def _drain(self, taking: "asyncio.Task[None]") -> None:
-        """Take no more jobs, wait for the present grading, and after the drain time queue it again as
-        released, not lost."""
+        """Take no more jobs; after the drain time, queue the unfinished grading again as released."""
         taking.cancel()
         with _suppress_outages():
             await workers.unregister_worker(self._database, self.name)

@@ -11,8 +11,7 @@ MOST = 200
 
 
 async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:
-    """Return the latest MOST entries, newest first: of all or about one subject or person; ``before`` an
-    entry's id, if given."""
+    """Return the latest MOST entries, newest first, of all or one subject, with ids below ``before``."""
     return await database.rows(_ENTRIES, {"subject": subject, "before": before})
 
 

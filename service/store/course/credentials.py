@@ -12,13 +12,11 @@ from service.store.database import Database
 
 
 class NameTaken(Exception):
-    """The name belongs to another account, or has a password that the user has not confirmed; the message
-    says which."""
+    """The name belongs to another account, or needs its password; the message says which."""
 
 
 async def about(database: Database, name: str) -> Row[Any] | None:
-    """Return full name, email, student id, ``has_password`` and the ``issuer`` of the linked account; None
-    for an unknown person."""
+    """Return profile, ``has_password`` and ``issuer`` of the linked account as a row, or None."""
     rows = await database.rows(_ABOUT, {"name": name})
     return rows[0] if rows else None
 
@@ -30,10 +28,9 @@ async def password(database: Database, name: str) -> str | None:
 
 
 async def set_password(connection: AsyncConnection, name: str, new_hash: str, *, by: str, but: UUID | None = None) -> bool:
-    """Set the password's hash, end the person's sessions except ``but``, and record it in the audit log as
-    done by ``by``.
+    """Set the password's hash and end the person's sessions except ``but``.
 
-    Return False for an unknown person.
+    ``by`` is the actor in the audit log. Return False for an unknown person.
     """
     if not (await connection.execute(_SET, {"name": name, "hash": new_hash})).all():
         return False
@@ -43,8 +40,7 @@ async def set_password(connection: AsyncConnection, name: str, new_hash: str, *,
 
 
 async def renew_hash(connection: AsyncConnection, name: str, before: str, new_hash: str) -> None:
-    """Replace the hash ``before`` by another hash of the same password, unless the password has been
-    changed meanwhile."""
+    """Replace the hash ``before`` by another one of the same password, unless it has changed."""
     await connection.execute(_RENEW, {"name": name, "before": before, "hash": new_hash})
 
 

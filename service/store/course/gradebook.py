@@ -1,5 +1,4 @@
-"""The gradebook of an assignment: every student's counted submission with the outcome of each check, and
-open work.
+"""The gradebook of an assignment: each student's counted submission with its outcomes.
 
 The submission with the most points counts; of equal ones, the newest.
 """
@@ -19,8 +18,7 @@ from service.store.database import Database
 
 
 class Cell(NamedTuple):
-    """The outcome of one check: its state, a key of ``check_state.MARKS``, its margin and the points of an
-    override, ``given``.
+    """The outcome of one check; ``given`` are the points of an override.
 
     ``causes`` holds the code and the sentence of each diagnosis.
     """

@@ -70,8 +70,7 @@ WHERE c.slug = :course AND {IS_PERSON} ORDER BY p.name
 
 
 async def grades(database: Database, slug: str | None = None) -> list[GradeRow]:
-    """Return a row per student of one assignment, with check states, or of all assignments, without check
-    states."""
+    """Return a row per student: of one assignment with check states, or of all assignments without."""
     values = {"slug": slug, "course": COURSE, "detailed": slug is not None}
     return [_row(found) for found in await database.rows(_GRADES, values)]
 

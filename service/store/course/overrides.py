@@ -24,8 +24,7 @@ LONGEST_REASON = 1000
 
 @dataclass(frozen=True)
 class Override:
-    """Points of a check (1 or 0) or, if ``check`` is None, of the whole submission; in force until
-    withdrawn."""
+    """Points of a check (1 or 0) or, if ``check`` is None, of the submission; valid until withdrawn."""
 
     id: UUID
     check: str | None

@@ -68,8 +68,7 @@ async def role(database: Database, name: str) -> str:
 
 
 async def everybody(database: Database) -> Sequence[Row[Any]]:
-    """Return the people of the course, staff first, with role, number of submissions and time of the last
-    one."""
+    """Return the people of the course, staff first, with role and number of submissions."""
     return await database.rows(_EVERYBODY, {"course": COURSE})
 
 

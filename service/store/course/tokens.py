@@ -1,5 +1,4 @@
-"""Opaque tokens, stored as their SHA-256, and device logins confirmed by a code in a browser (after RFC
-8628)."""
+"""Opaque tokens, stored as their SHA-256, and device logins (after RFC 8628)."""
 
 import secrets
 from collections.abc import Mapping, Sequence
@@ -83,8 +82,7 @@ async def find(database: Database, token: str) -> TokenInfo | None:
 
 
 async def revoke(connection: AsyncConnection, *, id: UUID | None = None, person: str | None = None) -> int:
-    """Revoke one token by its id, or all tokens and pending logins of a person; return the number of tokens
-    revoked."""
+    """Revoke one token, or all tokens and pending logins of a person; return the number of tokens."""
     await connection.execute(_DROP_LOGINS, {"person": person})
     return len((await connection.execute(_REVOKE, {"id": id, "person": person})).all())
 
@@ -95,8 +93,7 @@ async def revoke_own(connection: AsyncConnection, name: str, id: UUID) -> bool:
 
 
 async def end_sessions(connection: AsyncConnection, name: str, *, but: UUID | None = None) -> int:
-    """End the person's sessions in all browsers except ``but``, and pending logins; return the number of
-    sessions."""
+    """End the person's sessions except ``but``, and pending logins; return the number of sessions."""
     await connection.execute(_DROP_LOGINS, {"person": name})
     return len((await connection.execute(_END, {"person": name, "but": but})).all())
 

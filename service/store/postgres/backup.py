@@ -39,8 +39,7 @@ def backup(url: str, programs: Path, file: Path) -> None:
 
 
 def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> None:
-    """Restore ``file`` into an empty database, completely or not at all, and migrate it to this version's
-    tables.
+    """Restore ``file`` into an empty database in one transaction, and migrate it to this version.
 
     ``replace`` drops the present contents. Raises BackupError if the database is not empty or the restore
     fails.

@@ -24,8 +24,7 @@ def own(folder: Path) -> None:
 
 
 def as_server(programs: Path, *writable: Path) -> list[str]:
-    """Return the command prefix that runs a PostgreSQL program with write access to the folders
-    ``writable``.
+    """Return the command prefix that runs a PostgreSQL program, which may write to ``writable``.
 
     For an ordinary user the program ends with polhode. As root it runs as another user, whom a dying bwrap
     cannot signal: there the next start on the folder ends a server that outlived polhode. Raises

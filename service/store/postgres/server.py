@@ -1,5 +1,4 @@
-"""An embedded PostgreSQL server: programs from a wheel or the system, data in polhode's folder, a unix
-socket and no port."""
+"""An embedded PostgreSQL server: data in polhode's folder, a unix socket and no port."""
 
 import contextlib
 import fcntl
@@ -19,17 +18,15 @@ from service.store.postgres.os_user import DatabaseUnavailable, as_server, own
 
 USER = DATABASE = "polhode"
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
-PLAIN_PATH = re.compile(
-    r"[\w./-]+", re.ASCII
-)  # a comma separates socket folders; other characters would need escapes in the address
+# A comma separates socket folders; other characters would need escapes in the address.
+PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)
 START_S, STOP_S = 30.0, 20.0
 SIZES = {"shared_buffers": "32MB", "jit": "off", "autovacuum_naptime": "20s"}
 PER_WORKER, OTHERS = 8, 60  # connections; a web server holds up to 11
 
 
 class EmbeddedPostgres:
-    """A PostgreSQL server that polhode starts and stops, with its data in the folder ``data`` (created with
-    mode 0700).
+    """A PostgreSQL server that polhode starts and stops; ``data`` is created with mode 0700.
 
     As root the server runs as user ``postgres`` (or ``nobody``), see ``os_user``.
     """
@@ -88,8 +85,7 @@ class EmbeddedPostgres:
         self._wait_until_it_answers()
 
     def stop(self) -> None:
-        """Shut down (fast shutdown, then immediate if that takes longer than STOP_S seconds) and unlock the
-        folder."""
+        """Shut down (fast, after STOP_S seconds immediate) and unlock the folder."""
         self._end()
         if self._lock is not None:
             os.close(self._lock)
@@ -119,8 +115,7 @@ class EmbeddedPostgres:
             self._process.send_signal(signal_number)
 
     def _postmaster(self) -> int | None:
-        """Return the process id of the server on this folder; None if there is none, or another process has
-        that id now."""
+        """Return the process id of the server on this folder, or None if it is not running."""
         try:
             pid = int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0])
             return pid if str(self._cluster).encode() in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0") else None

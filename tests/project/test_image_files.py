@@ -151,4 +151,4 @@ def test_chart_without_numba_says_so_as_in_the_image():
         "import sys; sys.modules['numba'] = None; from service.cli.__main__ import main\nsys.exit(main(['chart', 'stability']))"
     )
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert told.returncode == 2 and told.stderr.endswith("are compiled with numba, which is not installed here\n")
+    assert told.returncode == 2 and told.stderr.endswith("need numba, which is not installed: pip install numba\n")

@@ -42,7 +42,7 @@ def test_a_submission_gets_its_points(home, rigid_body):
     ("files", "said"),
     [
         ({"mine.txt": b"x"}, "no .py or .ipynb file"),
-        ({"a.py": b"x = 1", "sub/b.ipynb": b"{}"}, "2 that could be graded, a.py, sub/b.ipynb"),
+        ({"a.py": b"x = 1", "sub/b.ipynb": b"{}"}, "2 .py or .ipynb files: a.py, sub/b.ipynb"),
         ({"mine.py": b"\xff\xfe"}, "not a text file"),
     ],
 )
@@ -56,7 +56,7 @@ def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(ho
     assert grade(home, {"mine.py": b"x = 1"}) == (2, None)
     printed = capfd.readouterr()
     assert "polhode: POLHODE_MIN_ISOLATION: " in printed.err
-    assert "was not graded (exit code 2)" in printed.out.splitlines()[-1]
+    assert "system fault (exit code 2)" in printed.out.splitlines()[-1]
 
 
 def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(home):

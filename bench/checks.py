@@ -88,7 +88,9 @@ def false_alarms() -> None:
 def diagnosis() -> None:
     """Print the time of a diagnosis."""
     inputs, spent = draw_inputs(ASSIGNMENT.scene("probes"), 3), []
-    for mutant in [m for m in mutants() if m.kind in ("one slip in one component", "two slips", "a slip of the whole")]:
+    for mutant in [
+        m for m in mutants() if m.kind in ("one mistake in one component", "two mistakes", "a mistake in all components")
+    ]:
         names = {"np": np}
         exec(mutant.source, names)
         seen = plays.pointwise(names, inputs)

@@ -30,10 +30,10 @@ def is_taken(slug: str) -> bool:
 
 
 def default_folder() -> Path | None:
-    """Return where a new assignment belongs, or None if there is no such place.
+    """Return where a new assignment belongs: the first folder of assignments in POLHODE_ASSIGNMENTS, else
+    this folder.
 
-    That is the first folder of assignments that POLHODE_ASSIGNMENTS names, else this folder unless polhode is
-    installed as a package.
+    Return None if polhode is installed as a package and no such folder is set.
     """
     for named in _named():
         if not (named / "__init__.py").is_file():
@@ -101,7 +101,7 @@ def _taken(folder: Path) -> list[str]:
 
 
 def _imported(folder: Path) -> ModuleType:
-    """Import the package as one of ``exercises``, wherever it is; the packages next to it are not imported."""
+    """Import the package as one of ``exercises``, from any folder. The packages next to it are not imported."""
     name = f"exercises.{folder.name}"
     if name in sys.modules or str(folder.parent) in exercises.__path__:
         return importlib.import_module(name)

@@ -52,7 +52,7 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, "Change"]]:
         for value in (node.value + 1, -node.value) if node.value else (1,):
             yield f"{node.value} → {value}", Change("value", value)
     elif isinstance(node, ast.Call) and len(node.args) > 1:
-        yield "first two arguments exchanged", Change("arguments", None)
+        yield "first two arguments swapped", Change("arguments", None)
     elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in ("w", "I"):
         yield f"{node.id} → {'I' if node.id == 'w' else 'w'}", Change("id", "I" if node.id == "w" else "w")
 

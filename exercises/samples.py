@@ -87,7 +87,7 @@ def samples(assignment: Assignment) -> list[Sample]:
     found = load_samples(assignment)
     if found.unlisted or found.missing:
         names = sorted([*(path.name for path in found.unlisted), *found.missing])
-        raise ValueError(f"samples without or with only an expectation: {names}")
+        raise ValueError(f"samples without a file or without an expectation: {names}")
     return found.samples
 
 
@@ -113,7 +113,7 @@ def _drawn(assignment: Assignment, entry: Mapping[str, Any]) -> set[str]:
 LISTS = ("ask", "exercises", "left_out", "fail", "unmeasured", "codes")
 HEAD = """\
 # Expected verdicts of the samples: for each file the exercises asked for (ask; none: those it attempts) and graded (exercises),
-# the checks left_out because their function is not there, the checks that fail or are unmeasured, and the diagnosis codes named.
+# the checks left_out because their function is not defined, the checks that fail or are unmeasured, and the diagnosis codes.
 # Every other check of those exercises is ✓. `polhode verify` compares; with --write it adds the files that have no entry.
 """
 

@@ -21,7 +21,7 @@ ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.produ
 PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random; repeated; at another time; along each motion
 SPECIAL = 20
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
-AT_REST = 1e-20  # rad/s², the scale where ω = 0: a right rate is exactly zero there
+AT_REST = 1e-20  # rad/s², the scale at ω = 0, where a right rate is exactly zero
 APART = 0.05  # least relative distance of two moments that are not equal
 
 

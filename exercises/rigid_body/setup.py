@@ -43,7 +43,7 @@ def L_body(w, I):
 def integrate_body(w0, I, t_eval, R0=None):
     """Integrate ``euler_eqs``, as it is defined now, and dR/dt = R [ω]× from t_eval[0] to t_eval[-1].
 
-    w0 (3,) is ω at t_eval[0] in rad/s, I (3,) the moments, R0 (3, 3) the attitude there, body → space (default: identity).
+    w0 (3,) is ω at t_eval[0] in rad/s, I (3,) the moments, R0 (3, 3) the attitude at that time, body → space (default: identity).
     Returns ω (3, n) in body axes and R (n, 3, 3) at the times t_eval (n,). The older order (euler_eqs, w0, I, t) works too.
     """
     if callable(w0):

@@ -83,7 +83,7 @@ def test_a_name_that_is_taken(tmp_path):
     with known(tmp_path) as found:
         assert list(found.valid) == ["rigid-body"] and find("rigid-body").folder != tmp_path / "rigid_body"
         assert "the name rigid_body is already used" in str(found.invalid["rigid-body"])
-        assert "the name wheel is taken" in str(found.invalid["wheel"])
+        assert "the name wheel is already used" in str(found.invalid["wheel"])
 
 
 def test_a_folder_that_is_not_there_or_no_package(tmp_path):

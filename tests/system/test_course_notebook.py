@@ -118,7 +118,7 @@ def test_a_motion_that_is_not_recognized_is_not_judged(rigid_body, sandbox):
     odd = animation(("I_sym = (1.0, 1.0, 1.6)", "I_sym = (1.0, 1.0, 1.7)"), "I_sym = None; show(anim)")
     report = graded(odd, "a.ipynb", rigid_body, sandbox, ["6"])
     follows = next(outcome for outcome in report.exercises[0].outcomes if outcome.id == "6-follows")
-    assert follows.verdict is Verdict.UNMEASURED and "hand it in as a function" in follows.line
+    assert follows.verdict is Verdict.UNMEASURED and "submit it as a function" in follows.line
 
 
 def test_a_motion_that_only_another_cell_names_is_not_judged(rigid_body, sandbox):
@@ -128,4 +128,4 @@ def test_a_motion_that_only_another_cell_names_is_not_judged(rigid_body, sandbox
     cells += [motion + "\nmade = {'axis': e3}\n", "fig = " + drawing.replace("e3", "made['axis']")]
     report = graded(as_ipynb(cells), "a.ipynb", rigid_body, sandbox, ["6"])
     follows = next(outcome for outcome in report.exercises[0].outcomes if outcome.id == "6-follows")
-    assert follows.verdict is Verdict.UNMEASURED and "hand it in as a function" in follows.line, report.text()
+    assert follows.verdict is Verdict.UNMEASURED and "submit it as a function" in follows.line, report.text()

@@ -20,7 +20,7 @@ DEFAULT_PORTS = {"http": 80, "https": 443}
 
 
 class RequestError(NotebookError):
-    """A request failed. ``passing``: a later attempt may succeed. ``wait_s``: seconds the server asks to wait
+    """A request failed. ``passing``: a later try may succeed. ``wait_s``: seconds the server asks to wait
     before it.
     """
 

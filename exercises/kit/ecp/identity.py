@@ -36,12 +36,12 @@ def login(server: str | None = None) -> None:
         return
     _store(where, None)  # fails before the student confirms, not after, if the file cannot be written
     label = f"Python on {platform.node() or 'a computer'}"
-    asked = call("POST", f"{where}/v1/logins", body=_body(label=label), headers=JSON).json()
-    line, until = Line(), time.monotonic() + asked["expires_in"]
+    request = call("POST", f"{where}/v1/logins", body=_body(label=label), headers=JSON).json()
+    line, until = Line(), time.monotonic() + request["expires_in"]
     while time.monotonic() < until:
-        line.show(f"Open {asked['verification_uri_complete']} and confirm the code {asked['user_code']}")
-        time.sleep(asked["interval"])
-        answer = call("POST", f"{where}/v1/logins/token", body=_body(device_code=asked["device_code"]), headers=JSON)
+        line.show(f"Open {request['verification_uri_complete']} and confirm the code {request['user_code']}")
+        time.sleep(request["interval"])
+        answer = call("POST", f"{where}/v1/logins/token", body=_body(device_code=request["device_code"]), headers=JSON)
         if answer.status == 200:
             _store(where, answer.json()["token"])
             line.end(f"Logged in as {answer.json()['person']}.")

@@ -23,23 +23,23 @@ class Browser:
         not say which.
         """
         sent = {name: value for name, value in headers.items() if name not in OWN}
-        how = _fetch if _can_wait() else _synchronous
+        send = _fetch if _can_wait() else _synchronous
         try:
-            got = how(_Asked(method, url, body, sent, timeout))
+            response = send(_Request(method, url, body, sent, timeout))
         except (OSError, import_module("pyodide.ffi").JsException) as error:
             raise _unreachable(error, url, timeout) from None
-        if got.at and not same_origin(got.at, url):
-            raise moved(got.answer.status, url, got.at)
-        if len(got.answer.body) > MOST_BYTES:
+        if response.at and not same_origin(response.at, url):
+            raise moved(response.answer.status, url, response.at)
+        if len(response.answer.body) > MOST_BYTES:
             raise too_long(url)
-        return got.answer
+        return response.answer
 
     def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
         """Return None: a synchronous request returns its answer only when it is complete."""
         return None
 
 
-class _Asked(NamedTuple):
+class _Request(NamedTuple):
     method: str
     url: str
     body: bytes | None
@@ -47,7 +47,7 @@ class _Asked(NamedTuple):
     timeout: float
 
 
-class _Got(NamedTuple):
+class _Response(NamedTuple):
     answer: Answer
     at: str  # the address after redirects
 
@@ -59,37 +59,37 @@ def _can_wait() -> bool:
         return False
 
 
-def _fetch(asked: _Asked) -> _Got:
-    got: _Got = import_module("pyodide.ffi").run_sync(asyncio.wait_for(_fetched(asked), asked.timeout))
+def _fetch(request: _Request) -> _Response:
+    got: _Response = import_module("pyodide.ffi").run_sync(asyncio.wait_for(_fetch_async(request), request.timeout))
     return got
 
 
-async def _fetched(asked: _Asked) -> _Got:
-    options: dict[str, Any] = {"method": asked.method, "headers": asked.headers, "cache": "no-store"}
-    if asked.body is not None:
-        options["body"] = asked.body
-    response = await import_module("pyodide.http").pyfetch(asked.url, **options)
+async def _fetch_async(request: _Request) -> _Response:
+    options: dict[str, Any] = {"method": request.method, "headers": request.headers, "cache": "no-store"}
+    if request.body is not None:
+        options["body"] = request.body
+    response = await import_module("pyodide.http").pyfetch(request.url, **options)
     headers = {name.lower(): value for name, value in dict(response.headers).items()}
     body = await response.js_response.arrayBuffer()  # response.bytes() of Pyodide 314 fails by itself if this is cut off
-    return _Got(Answer(response.status, headers, body.to_bytes()), response.url)
+    return _Response(Answer(response.status, headers, body.to_bytes()), response.url)
 
 
-def _synchronous(asked: _Asked) -> _Got:
+def _synchronous(request: _Request) -> _Response:
     xhr = import_module("js").XMLHttpRequest.new()
-    xhr.open(asked.method, asked.url, False)
+    xhr.open(request.method, request.url, False)
     xhr.responseType = "arraybuffer"
-    xhr.timeout = int(1000 * asked.timeout)
-    for name, value in asked.headers.items():
+    xhr.timeout = int(1000 * request.timeout)
+    for name, value in request.headers.items():
         xhr.setRequestHeader(name, value)
-    if asked.body is None:
+    if request.body is None:
         xhr.send()
     else:
-        xhr.send(import_module("pyodide.ffi").to_js(asked.body))
+        xhr.send(import_module("pyodide.ffi").to_js(request.body))
     if xhr.status == 0:
         raise ConnectionError
     lines = (line.partition(":") for line in xhr.getAllResponseHeaders().splitlines())
     headers = {name.strip().lower(): value.strip() for name, _, value in lines}
-    return _Got(Answer(xhr.status, headers, xhr.response.to_bytes()), xhr.responseURL)
+    return _Response(Answer(xhr.status, headers, xhr.response.to_bytes()), xhr.responseURL)
 
 
 def _unreachable(error: Exception, url: str, timeout: float) -> Unreachable:

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 AGREEMENT = 1e-11  # of the largest value at a point: the same algebra agrees to rounding
-ROUNDING = 1e-14  # of the largest product that the right equations form there
+ROUNDING = 1e-14  # of the largest product in the right equations at a point
 
 
 def agree(seen: Array, expected: Array, w: Array, moments: Array) -> Mask:

@@ -30,7 +30,7 @@ UNITS = (
 )
 ALL = {
     "sign": ("sign-reversed", "all three components have the opposite sign: the motion runs backwards in time"),
-    "no division": ("missing-division", "no component is divided by its moment: what is returned is a torque, not ω̇"),
+    "no division": ("missing-division", "no component is divided by its moment: the result is a torque, not ω̇"),
     "sum": ("moment-sum", "every component has the sum of two moments instead of their difference"),
     "zero": ("returns-zero", "euler_eqs returns zeros for all arguments"),
 }

@@ -16,7 +16,7 @@ def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
     """
     t, R = np.asarray(inputs["t"]), np.asarray(inputs["R"])
     if moving_share(seen["frames"]) <= STILL:
-        sentence = "the picture stays the same from frame to frame: does the update function change what is drawn?"
+        sentence = "the picture stays the same from frame to frame: does the update function change any artist?"
         return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
     tumble = "L" not in inputs
     L = None if tumble else np.asarray(inputs["L"])

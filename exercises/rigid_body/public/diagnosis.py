@@ -47,7 +47,7 @@ def diagnose(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays)
         if _agree(got, given, rounding):
             return [_cause("returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω")]
     if _agree(got, exact * moments, rounding * moments):
-        return [_cause("missing-division", "no component is divided by its moment: what is returned is a torque, not ω̇")]
+        return [_cause("missing-division", "no component is divided by its moment: the result is a torque, not ω̇")]
     return _factors(got, exact, rounding) or _exchanged(got, exact, rounding) or _nearly(got, exact)
 
 

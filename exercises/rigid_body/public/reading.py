@@ -79,15 +79,15 @@ def _ratio(lengths: Array) -> str:
 
 def _other_direction(unit: Array, motion: Motion) -> Shown:
     assert motion.axis is not None
-    k, asked = int(np.argmax(np.abs(unit))), NAMES[motion.axis]
+    k, wanted = int(np.argmax(np.abs(unit))), NAMES[motion.axis]
     if np.abs(unit[k]) >= np.sqrt(1 - PARALLEL**2):
         name = f"{'−' if unit[k] < 0 else ''}ê{NAMES[k]}"
-        return Shown(False, "wrong-axis", f"the drawing follows {name}, not ê{asked}: the axes of the body are the columns of R")
+        return Shown(False, "wrong-axis", f"the drawing follows {name}, not ê{wanted}: the axes of the body are the columns of R")
     if motion.L is not None and cameras.parallel(unit[None], motion.L):
-        sentence = f"the drawing shows R·L, not ê{asked}: L is fixed in space, do not apply R to it"
+        sentence = f"the drawing shows R·L, not ê{wanted}: L is fixed in space, do not apply R to it"
         return Shown(False, "moving-angular-momentum", sentence)
     inside = ", ".join(f"{round(float(x), 2) + 0.0:.2f}" for x in unit)
-    return Shown(False, "wrong-axis", f"the drawing follows the direction ({inside}) of the body, not ê{asked}")
+    return Shown(False, "wrong-axis", f"the drawing follows the direction ({inside}) of the body, not ê{wanted}")
 
 
 def samples(times: Array, n: int) -> str:

@@ -237,7 +237,7 @@ def describe(times: Array, at: Array, n: int) -> str:
     if back.mean() > FALLING:
         return f"the animation runs backwards from frame {number[int(np.argmax(back))]:.0f} of {total} on: show it forwards only"
     if high - low < n / 2:
-        again = " again and again" if np.any(np.diff(times) < -SLACK) else ""
+        again = " repeatedly" if np.any(np.diff(times) < -SLACK) else ""
         return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{again}"
     if np.any(np.diff(times) < -SLACK):
         k = int(np.argmax(np.diff(times) < -SLACK))

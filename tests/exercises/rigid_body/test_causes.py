@@ -49,12 +49,12 @@ def of_kind(kind):
     return [pytest.param(m, id=m.name) for m in mutants() if m.kind == kind]
 
 
-@pytest.mark.parametrize("mutant", of_kind("one slip in one component"))
+@pytest.mark.parametrize("mutant", of_kind("one mistake in one component"))
 def test_one_slip(mutant, inputs):
     assert codes(mutant.source, inputs) == {code(mutant.name)}
 
 
-@pytest.mark.parametrize("mutant", of_kind("two slips"))
+@pytest.mark.parametrize("mutant", of_kind("two mistakes"))
 def test_two_slips(mutant, inputs):
     both = {code(name) for name in mutant.name.split("; ")}
     if "time-dependent" in both:

@@ -277,7 +277,7 @@ def test_a_motion_needs_a_scene_that_brings_an_attitude(rigid_body):
 
     last = rigid_body.exercises[-1]
     wrong = replace(last, motions=(replace(last.motions[0], scene="symmetric"),))
-    assert "motion precession: scene symmetric brings no R" in validation.errors(replace(rigid_body, exercises=(wrong,)))
+    assert "motion precession: scene symmetric does not return R" in validation.errors(replace(rigid_body, exercises=(wrong,)))
 
 
 def test_the_timeline_leads_to_the_others_and_to_what_changed(server, url, prof, send):

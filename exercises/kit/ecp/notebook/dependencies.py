@@ -16,10 +16,10 @@ _AGAIN = "run its cell again, or write it there as a def"
 
 
 class Bundling:
-    """The sources that the names ``asked`` for need, and the names that are ``missing`` (name → sentence)."""
+    """The sources that the names ``requested`` need, and the names that are ``missing`` (name → sentence)."""
 
-    def __init__(self, sources: Sources, asked: Collection[str], given: Collection[str]) -> None:
-        self._sources, self._asked, self._given = sources, asked, given
+    def __init__(self, sources: Sources, requested: Collection[str], given: Collection[str]) -> None:
+        self._sources, self._requested, self._given = sources, requested, given
         self._found: dict[str, Source] = {}
         self.missing: dict[str, str] = {}
         self._follow()
@@ -53,7 +53,7 @@ class Bundling:
         return "\n\n\n".join(part for part in (head, text) if part) + "\n"
 
     def _follow(self) -> None:
-        waiting = list(self._asked)
+        waiting = list(self._requested)
         while waiting:
             name = waiting.pop(0)
             if name in self._found or name in self.missing:
@@ -61,7 +61,7 @@ class Bundling:
             found = self._sources.find(name)
             if isinstance(found, Missing):
                 self.missing[name] = found.sentence
-            elif found is None and name in self._asked:
+            elif found is None and name in self._requested:
                 self.missing[name] = f"`{name}` belongs to Python or the notebook: define a function of that name in a cell"
             elif found:
                 self._found[name] = found
@@ -105,7 +105,7 @@ class Bundling:
                 enter(needed)
             done[name] = self._found[name]
 
-        for name in self._asked:
+        for name in self._requested:
             enter(name)
         return sorted(done.values(), key=lambda source: source.kind != "value")
 

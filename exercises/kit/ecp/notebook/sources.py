@@ -123,7 +123,7 @@ class Sources:
         return Source(name, text, replace(names_in(text), now=frozenset(now - {name})), "statement")
 
     def _inspected(self, name: str, value: Any) -> Source | None:
-        """Return Python's own record of a ``def`` that the history lacks (``%run``, a cleared history)."""
+        """Return Python's record of a ``def`` that the history lacks (``%run``, a cleared history)."""
         if not isinstance(value, FunctionType) or "<" in value.__code__.co_qualname:
             return None
         try:

@@ -213,7 +213,7 @@ WRONG = {
     "cyclic": (TIP[:, [1, 2, 0]], "mirrored", "other coordinates than L"),
     "turned": (TIP @ Rotation.from_rotvec(0.7 * UNIT).as_matrix().T, "wrong-frames", "samples are mistimed"),
     "shifted": (TIP + [0, 0.2, 0.4], "wrong-motion", "nothing that moves follows the body"),
-    "first ten": (TIP[ALL % 10], "wrong-frames", "shows only samples 0–9 of 96 again and again"),
+    "first ten": (TIP[ALL % 10], "wrong-frames", "shows only samples 0–9 of 96 repeatedly"),
     "first tenth": (TIP[ALL // 10], "wrong-frames", "shows only samples 0–9 of 96"),
     "half speed": (TIP[ALL // 2], "wrong-frames", "shows only samples 0–47 of 96"),
     "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, later frames stand still"),

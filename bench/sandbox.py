@@ -17,7 +17,7 @@ import numpy as np
 from exercises.assignment import ArraySpec
 from exercises.catalogue import assignments
 from exercises.rigid_body import host_integration
-from service.grading.crosscheck import Attempt, cross_check
+from service.grading.crosscheck import PlayedJob, cross_check
 from service.grading.grade import draw_inputs, truth
 from service.sandbox import session
 from service.sandbox.isolation import process_isolation
@@ -80,9 +80,9 @@ def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
     first_line, whole = [], []
     for _ in range(plays):
         began = time.clock_gettime(time.CLOCK_MONOTONIC)
-        seen = sandbox.play(TRIVIAL)
+        result = sandbox.play(TRIVIAL)
         whole.append(time.clock_gettime(time.CLOCK_MONOTONIC) - began)
-        first_line.append(float(seen.stdout) - began)
+        first_line.append(float(result.stdout) - began)
     start, total = (1e3 * statistics.median(x) for x in (first_line, whole))
     high = 1e3 * statistics.quantiles(whole, n=20)[-1]
     print(f"{name:44} {start:8.1f} ms to the student's first line (goal 10), {total:.1f} ms in all (goal 20), p95 {high:.1f}")
@@ -167,9 +167,9 @@ def _probing():
 
 def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
     alone = replace(job, scenes=job.scenes[:1])
-    seen = sandbox.play(alone)
-    found = cross_check(assignments()["rigid-body"], Attempt(alone, inputs, truths, seen), sandbox, 1)
-    assert not found.unsteady and seen.finished("probes")
+    result = sandbox.play(alone)
+    checked = cross_check(assignments()["rigid-body"], PlayedJob(alone, inputs, truths, result), sandbox, 1)
+    assert not checked.unsteady and result.finished("probes")
 
 
 def _driven(sandbox: Sandbox, job: Job, inputs) -> None:

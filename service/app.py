@@ -1,4 +1,4 @@
-"""The web application: it accepts, tells and shows. Nothing of a submission runs in this process."""
+"""The web application: API, pages and live updates. No code of a submission runs in this process."""
 
 import logging
 from collections.abc import AsyncIterator
@@ -56,7 +56,7 @@ EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """The application for a database that is there and up to date: ``settings.database_url`` is set."""
+    """Return the application for a migrated database. Raises ValueError if ``settings.database_url`` is not set."""
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
@@ -87,8 +87,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         log.error("%s", broken)
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
-    app.state.passwords, app.state.throttle = PasswordChecker(database), LoginRateLimiter()
-    app.state.crew = health.WorkerStatus(database)
+    app.state.password_checker, app.state.login_limiter = PasswordChecker(database), LoginRateLimiter()
+    app.state.worker_status = health.WorkerStatus(database)
     app.state.listener, app.state.renderer = Listener(database), Renderer()
     app.state.listener.start()
     app.state.queue = ChangeFeed(
@@ -99,6 +99,6 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     finally:
         app.state.renderer.stop()
         app.state.hub.stop()
-        app.state.passwords.stop()
+        app.state.password_checker.stop()
         await app.state.listener.stop()
         await database.close()

@@ -1,1 +1,1 @@
-"""The JSON API, version 1, and what it returns: submissions, reports, figures, exports, health."""
+"""JSON API version 1: submissions, reports, figures, exports, health and metrics."""

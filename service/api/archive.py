@@ -1,4 +1,6 @@
-"""The zip with everything of an assignment, made of batches: what was sent is not held any more."""
+"""Zip archive of all data of an assignment, streamed in batches so that it never is in memory as a
+whole.
+"""
 
 import asyncio
 import json
@@ -7,7 +9,7 @@ from contextlib import closing, suppress
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import Row as Found
+from sqlalchemy import Row
 
 from ecp.document import NotADocument
 from ecp.document import read as read_document
@@ -20,23 +22,25 @@ from service.store.course.people import ROSTER
 from service.store.database import Database
 
 AUDIT = ("at", "who", "action", "subject", "detail")
-GIVEN = ("student", "submission_id", "check_id", "points", "reason", "given_by", "given_at", "withdrawn_by", "withdrawn_at")
+OVERRIDES = ("student", "submission_id", "check_id", "points", "reason", "given_by", "given_at", "withdrawn_by", "withdrawn_at")
 INDEX = (
     "student", "submission", "submitted_at", "late", "status", "attempt", "points", "score", "counted", "overridden", "fault",
     "sha256", "folder",
 )  # fmt: skip
-OURS = ("report.json", "report.txt")
+RESERVED_NAMES = ("report.json", "report.txt")
 
 
 async def course_archive(
-    database: Database, slug: str, files: Mapping[str, str], people: Sequence[Found[Any]]
+    database: Database, slug: str, files: Mapping[str, str], people: Sequence[Row[Any]]
 ) -> AsyncIterator[bytes]:
-    """The zip's bytes: ``files``, the roster, what was given instead, the audit trail, then every submission and a list of them."""
+    """Yield the zip's bytes: ``files``, roster, overrides, audit log, every submission with its report,
+    and their index.
+    """
     top, now = safe_filename(slug), datetime.now(UTC)
     with closing(ZipStream()) as archive:
-        given = await overrides(database, slug)
-        lists = {**files, "roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(GIVEN, given)}
-        for name, content in lists.items():
+        overridden = await overrides(database, slug)
+        tables = {**files, "roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(OVERRIDES, overridden)}
+        for name, content in tables.items():
             archive.add(f"{top}/{name}", content, now)
         number = 0
         async for entries in trail(database):
@@ -52,41 +56,44 @@ async def course_archive(
 
 
 class Folders:
-    """A folder for each person, in it one for each submission; ``index`` has a line for each of these."""
+    """Folders of the archive: one per person, with one per submission.
+
+    ``index`` has one row per submission.
+    """
 
     def __init__(self, top: str, people: Iterable[str]) -> None:
         self._top, self._names = top, UniqueNames()
-        self._of = {name: self._names.give(name, "person") for name in people}
+        self._folders = {name: self._names.give(name, "person") for name in people}
         self.index: list[list[Value]] = []
 
-    def add(self, archive: ZipStream, batch: Sequence[Found[Any]]) -> None:
-        """Add these submissions."""
-        for found in batch:
-            person = self._of.get(found.person) or self._of.setdefault(found.person, self._names.give(found.person, "person"))
-            folder = f"{self._top}/submissions/{person}/{found.submitted_at.astimezone(UTC):%Y%m%dT%H%M%SZ}-{found.id}"
-            archive.add(f"{folder}/{UniqueNames(OURS).give(found.filename, 'submission.py')}", found.source, found.submitted_at)
-            for name, content in _reports(found).items():
-                archive.add(f"{folder}/{name}", content, found.submitted_at)
-            self.index.append(_line(found, folder))
+    def add(self, archive: ZipStream, batch: Sequence[Row[Any]]) -> None:
+        """Add a batch of submissions to the archive."""
+        for row in batch:
+            person = self._folders.get(row.person) or self._folders.setdefault(row.person, self._names.give(row.person, "person"))
+            folder = f"{self._top}/submissions/{person}/{row.submitted_at.astimezone(UTC):%Y%m%dT%H%M%SZ}-{row.id}"
+            archive.add(f"{folder}/{UniqueNames(RESERVED_NAMES).give(row.filename, 'submission.py')}", row.source, row.submitted_at)
+            for name, content in _reports(row).items():
+                archive.add(f"{folder}/{name}", content, row.submitted_at)
+            self.index.append(_line(row, folder))
 
 
-def _reports(found: Found[Any]) -> dict[str, str]:
-    """The report as JSON and as text; one that only an older polhode could read, as JSON alone."""
-    if found.report is None:
+def _reports(row: Row[Any]) -> dict[str, str]:
+    """Return the report as JSON and as text; only as JSON if it is in an old format."""
+    if row.report is None:
         return {}
-    told = {"report.json": json.dumps(found.report, ensure_ascii=False, indent=1)}
+    files = {"report.json": json.dumps(row.report, ensure_ascii=False, indent=1)}
     with suppress(NotADocument):
-        told["report.txt"] = read_document(Report, found.report).text()
-    return told
+        files["report.txt"] = read_document(Report, row.report).text()
+    return files
 
 
-def _line(found: Found[Any], folder: str) -> list[Value]:
-    result = [found.number, found.points, found.score, found.max_score, found.overridden, found.fault]
-    return [found.person, str(found.id), moment(found.submitted_at), found.late, found.status, *result, found.sha256, folder]
+def _line(row: Row[Any], folder: str) -> list[Value]:
+    result = [row.number, row.points, row.score, row.max_score, row.overridden, row.fault]
+    return [row.person, str(row.id), moment(row.submitted_at), row.late, row.status, *result, row.sha256, folder]
 
 
-def _lines(columns: Sequence[str], found: Sequence[Found[Any]]) -> str:
-    return BYTE_ORDER_MARK + table(columns, [[_value(getattr(row, name)) for name in columns] for row in found])
+def _lines(columns: Sequence[str], rows: Sequence[Row[Any]]) -> str:
+    return BYTE_ORDER_MARK + table(columns, [[_value(getattr(row, name)) for name in columns] for row in rows])
 
 
 def _value(value: object) -> Value:

@@ -1,4 +1,4 @@
-"""Server-sent events: how far a submission is, from whichever worker grades it, until its result is there."""
+"""Server-sent events: the progress of a submission until its result is stored."""
 
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
@@ -22,33 +22,33 @@ async def events(
     stored: Annotated[SubmissionRecord, Depends(find_submission)],
     last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncIterator[ServerSentEvent]:
-    """``queued`` with its position, ``running`` with scene k of n, at last ``graded`` or ``faulted``: then the stream ends.
+    """Send ``queued`` with its position, ``running`` with scene k of n, then ``graded`` or ``faulted``, and close the stream.
 
-    While the database is out nothing is told. A stream that ends before is to be opened again, at whichever server there is: an
-    event's id is what it tells, so who comes back with ``Last-Event-ID`` is not told the same twice.
+    No event is sent during a database outage. A client reopens a stream that ends early, at any server of the installation. An
+    event's id encodes its content, so a client that sends ``Last-Event-ID`` does not receive the same event twice.
     """
-    told, listener = last_event_id, request.app.state.listener
+    sent, listener = last_event_id, request.app.state.listener
     async for _ in listener.wait_for_changes(str(stored.id), LONGEST_S):
         try:
-            now = await _now(request, stored, listener)
+            progress = await _progress(request, stored, listener)
         except Exception as error:
             if not is_outage(error):
                 raise
             continue
-        id = " ".join(str(value) for value in now.values())
-        if id != told:
-            yield ServerSentEvent(event=now["status"], id=id, data=now | {"grading": now["attempt"]})
-            told = id
-        if now["status"] in ("graded", "faulted"):
+        id = " ".join(str(value) for value in progress.values())
+        if id != sent:
+            yield ServerSentEvent(event=progress["status"], id=id, data=progress | {"grading": progress["attempt"]})
+            sent = id
+        if progress["status"] in ("graded", "faulted"):
             return
 
 
-async def _now(request: Request, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
+async def _progress(request: Request, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
     row = await records.state(request.app.state.database, stored.id)
     assert row is not None
-    told = {"status": row.status, "attempt": row.number}
+    progress = {"status": row.status, "attempt": row.number}
     if row.finished:
-        return told | {"score": row.score, "max_score": row.max_score, "total": row.total}
+        return progress | {"score": row.score, "max_score": row.max_score, "total": row.total}
     if row.status == "queued":
-        return told | {"position": await listener.position(str(row.grading))}
-    return told | {"phase": row.phase, "scene": row.scene, "scenes": row.scenes}
+        return progress | {"position": await listener.position(str(row.grading))}
+    return progress | {"phase": row.phase, "scene": row.scene, "scenes": row.scenes}

@@ -1,4 +1,4 @@
-"""Grades to take away: our own CSV and JSON, what other gradebooks import, and everything as a zip. For staff."""
+"""Grade exports for staff: polhode's CSV and JSON, imports for other gradebooks, and a zip of all data."""
 
 import asyncio
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ from service.store.course.grades import grades, roster
 
 router = APIRouter()
 CSV = "text/csv; charset=utf-8"
-IMPORTED: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
+GRADEBOOKS: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
     "nbgrader": lambda rows, _: gradebooks.nbgrader_csv(rows),
     "canvas": lambda rows, assignment: gradebooks.canvas_csv(rows, assignment.title, assignment.max_points()),
     "moodle": lambda rows, assignment: gradebooks.moodle_csv(rows, assignment.title),
@@ -30,50 +30,50 @@ IMPORTED: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
 
 @router.get("/grades.csv")
 async def course_csv(request: Request, person: Staff) -> Response:
-    """The whole course: a line for each student, points and most points of every assignment."""
+    """Export the course: one row per student with points and maximum points of every assignment."""
     rows = await grades(request.app.state.database)
     return _file("course-grades.csv", CSV, await asyncio.to_thread(grade_files.course_csv, rows))
 
 
 @router.get("/assignments/{slug}/grades.csv")
 async def assignment_csv(slug: str, request: Request, person: Staff) -> Response:
-    """A line for each student, with the state of every check."""
+    """Export an assignment: one row per student with the state of every check."""
     assignment = find_assignment(slug)
     rows = await grades(request.app.state.database, slug)
-    return _file(f"{slug}-grades.csv", CSV, await asyncio.to_thread(_own, assignment, rows))
+    return _file(f"{slug}-grades.csv", CSV, await asyncio.to_thread(_csv, assignment, rows))
 
 
 @router.get("/assignments/{slug}/grades.json")
 async def assignment_json(slug: str, request: Request, person: Staff) -> Response:
-    """The same as JSON."""
+    """Export an assignment as JSON."""
     assignment = find_assignment(slug)
     rows = await grades(request.app.state.database, slug)
     return _file(f"{slug}-grades.json", "application/json", await asyncio.to_thread(_json, assignment, rows))
 
 
 @router.get("/assignments/{slug}/grades/{form}.csv")
-async def imported_csv(slug: str, form: Literal["nbgrader", "canvas", "moodle"], request: Request, person: Staff) -> Response:
-    """As another gradebook has it."""
+async def gradebook_csv(slug: str, form: Literal["nbgrader", "canvas", "moodle"], request: Request, person: Staff) -> Response:
+    """Export an assignment as CSV for another gradebook."""
     assignment = find_assignment(slug)
     rows = await grades(request.app.state.database, slug)
-    return _file(f"{slug}-{form}.csv", CSV, await asyncio.to_thread(IMPORTED[form], rows, assignment))
+    return _file(f"{slug}-{form}.csv", CSV, await asyncio.to_thread(GRADEBOOKS[form], rows, assignment))
 
 
 @router.get("/assignments/{slug}/all.zip")
 async def all_zip(slug: str, request: Request, person: Staff) -> Response:
-    """Every submission with its report, the grades, the roster and who did what; sent while it is read."""
+    """Stream a zip of every submission with its report, the grades, the roster and the audit log."""
     assignment, database = find_assignment(slug), request.app.state.database
     rows, people = await grades(database, slug), await roster(database)
-    own_csv, own_json = await asyncio.gather(*(asyncio.to_thread(form, assignment, rows) for form in (_own, _json)))
+    own_csv, own_json = await asyncio.gather(*(asyncio.to_thread(form, assignment, rows) for form in (_csv, _json)))
     files = {"grades.csv": own_csv, "grades.json": own_json}
     parts = course_archive(database, slug, files, people)
     return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{slug}-all.zip"))
 
 
-def _own(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
-    """With the columns of the checks in the assignment's order, then of those that only older versions have."""
-    known = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
-    return grade_files.assignment_csv(rows, [*known, *sorted({check for row in rows for check in row.checks} - known.keys())])
+def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
+    """Return the CSV with checks in the assignment's order, followed by checks of older versions only."""
+    current = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
+    return grade_files.assignment_csv(rows, [*current, *sorted({check for row in rows for check in row.checks} - current.keys())])
 
 
 def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
@@ -92,7 +92,7 @@ def _file(name: str, kind: str, content: str) -> Response:
 
 
 def _headers(name: str) -> dict[str, str]:
-    """A name that needs no quoting, and for other names what RFC 8187 has."""
+    """Return download headers with a plain file name and the exact name in RFC 8187 encoding."""
     stem, _, ending = name.rpartition(".")
     name = f"{stem}-{datetime.now(UTC):%Y-%m-%d}.{ending}"
     plain = safe_filename(name.encode("ascii", "ignore").decode(), f"export.{ending}")

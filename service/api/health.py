@@ -1,4 +1,4 @@
-"""Is the server alive, can it grade, and how is it doing."""
+"""Health endpoints: liveness, readiness and metrics."""
 
 import time
 
@@ -10,9 +10,9 @@ from service.http.metrics import exposition
 from service.store.database import Database
 
 router = APIRouter()
-KNOWN_FOR_S = 1.0
+CACHED_S = 1.0
 
-_CREW = """
+_WORKERS = """
 SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at > now() - interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
@@ -20,25 +20,23 @@ ORDER BY unavailable_reason IS NOT NULL, name
 
 @router.get("/livez")
 async def livez() -> dict[str, str]:
-    """The process is alive."""
+    """Report that the process is alive."""
     return {"status": "alive"}
 
 
 @router.get("/readyz")
 async def readyz(request: Request) -> JSONResponse:
-    """Whether submissions can be graded, and what was checked."""
-    checks = {"database": "ok"}
-    sandbox = "no worker is registered"
-    invalid = (
-        {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
-    )  # the others can be graded
+    """Report whether submissions can be graded, with the result of each check."""
+    checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}
+    # A broken assignment does not make the server unready: the others can be graded.
+    invalid = {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
     try:
         await request.app.state.database.ping()
-        isolation, refusal = await request.app.state.crew.known()
-        sandbox = isolation or refusal or sandbox
+        isolation, reason = await request.app.state.worker_status.current()
+        checks["isolation"] = isolation or reason or checks["isolation"]
     except Exception as error:
-        isolation, sandbox, checks = None, "unknown", {"database": type(error).__name__}
-    checks = {"isolation": sandbox, "walls": sandbox} | checks  # "walls" is the former name
+        isolation, checks = None, {"isolation": "unknown", "database": type(error).__name__}
+    checks["walls"] = checks["isolation"]  # the name of API v1
     if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
@@ -46,25 +44,27 @@ async def readyz(request: Request) -> JSONResponse:
 
 @router.get("/metrics")
 async def metrics(request: Request) -> Response:
-    """Everything counted, for Prometheus."""
+    """Return all metrics for Prometheus."""
     return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")
 
 
 class WorkerStatus:
-    """Who grades, as the workers tell it; asked for at most once a second."""
+    """The workers' readiness, read from the database at most once a second."""
 
     def __init__(self, database: Database) -> None:
-        self._database, self._asked = database, float("-inf")
-        self._known: tuple[str | None, str | None] = None, None
+        self._database, self._read_at = database, float("-inf")
+        self._current: tuple[str | None, str | None] = None, None
 
-    async def known(self) -> tuple[str | None, str | None]:
-        """Return the isolation of a worker that grades, and the reason why another one does not. Each may be None."""
+    async def current(self) -> tuple[str | None, str | None]:
+        """Return the isolation of a worker that can grade and the reason why another one cannot, each
+        None if there is no such worker.
+        """
         now = time.monotonic()
-        if now - self._asked > KNOWN_FOR_S:
-            load_catalogue = await self._database.rows(_CREW)
-            self._known = (
-                next((w.isolation for w in load_catalogue if w.isolation), None),
-                next((w.unavailable_reason for w in load_catalogue if w.unavailable_reason), None),
+        if now - self._read_at > CACHED_S:
+            workers = await self._database.rows(_WORKERS)
+            self._current = (
+                next((w.isolation for w in workers if w.isolation), None),
+                next((w.unavailable_reason for w in workers if w.unavailable_reason), None),
             )
-            self._asked = now
-        return self._known
+            self._read_at = now
+        return self._current

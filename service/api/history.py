@@ -1,4 +1,4 @@
-"""What a student has sent so far: as JSON for ``ecp.attempts()``, and as a page."""
+"""A student's submissions to an assignment, as JSON for ``ecp.submissions()`` and for the page."""
 
 import asyncio
 from collections import Counter
@@ -18,17 +18,19 @@ router = APIRouter()
 
 @router.get("/v1/assignments/{slug}/submissions")
 async def list_own(slug: str, request: Request) -> dict[str, Any]:
-    """Your own submissions, newest first, each with its verdicts and what changed since the one before; the best and the last."""
+    """Return the person's submissions, newest first, with verdicts and changes since the previous one,
+    and the best and last ids.
+    """
     find_assignment(slug)
     person = await authenticate(request)
     found = await past_submissions(request.app.state.database, person.name, slug)
-    told = await asyncio.to_thread(_told, found)
-    graded = [one for one in told if one["points"] is not None]
-    best = max(graded, key=lambda one: one["points"], default=None)  # of equals the newest
-    return {"assignment": slug, "submissions": told, "best": best and best["id"], "last": told[0]["id"] if told else None}
+    listed = await asyncio.to_thread(_to_json, found)
+    graded = [one for one in listed if one["points"] is not None]
+    best = max(graded, key=lambda one: one["points"], default=None)  # the newest of equals
+    return {"assignment": slug, "submissions": listed, "best": best and best["id"], "last": listed[0]["id"] if listed else None}
 
 
-def _told(found: Sequence[PastSubmission]) -> list[dict[str, Any]]:
+def _to_json(found: Sequence[PastSubmission]) -> list[dict[str, Any]]:
     return [
         {
             "id": str(one.id),
@@ -49,16 +51,20 @@ def _told(found: Sequence[PastSubmission]) -> list[dict[str, Any]]:
 
 
 def _changed(earlier: PastSubmission, later: PastSubmission) -> dict[str, Any]:
-    """Checks whose verdict is another than before, with both; and the same with how the source differs, in words."""
-    both = sorted(earlier.verdicts.keys() & later.verdicts.keys())
-    flips = {id: [earlier.verdicts[id], later.verdicts[id]] for id in both if earlier.verdicts[id] != later.verdicts[id]}
-    kinds = Counter(" → ".join(MARKS[Verdict(verdict)] for verdict in pair) for pair in flips.values())
-    told = [f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in kinds.items()]
-    return {"checks": flips, "told": "; ".join([_difference(earlier, later), *told])}
+    """Return the checks whose verdict changed, each with both verdicts, and a summary in words.
+
+    API v1 calls the summary ``told``; ``summary`` is the same text.
+    """
+    common = sorted(earlier.verdicts.keys() & later.verdicts.keys())
+    changed = {id: [earlier.verdicts[id], later.verdicts[id]] for id in common if earlier.verdicts[id] != later.verdicts[id]}
+    kinds = Counter(" → ".join(MARKS[Verdict(verdict)] for verdict in pair) for pair in changed.values())
+    counts = [f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in kinds.items()]
+    summary = "; ".join([_difference(earlier, later), *counts])
+    return {"checks": changed, "summary": summary, "told": summary}
 
 
 def _difference(earlier: PastSubmission, later: PastSubmission) -> str:
     if earlier.sha256 == later.sha256:
-        return "the same source"
+        return "same source"
     was, now = Counter(earlier.source.splitlines()), Counter(later.source.splitlines())
     return f"lines +{(now - was).total()} −{(was - now).total()}"

@@ -1,4 +1,4 @@
-"""What a student fetches: the kit as a wheel, and the notebook that already holds this server's address."""
+"""Downloads for students: the kit as a wheel, and the notebook with this server's address."""
 
 import asyncio
 
@@ -14,19 +14,22 @@ router = APIRouter()
 
 @router.get("/kit/{name}")
 async def kit(name: str, request: Request) -> Response:
-    """The students' kit, for ``%pip install``; its name stays the same while notebooks of old work with it."""
+    """Return the student kit as a wheel for ``%pip install``.
+
+    Its name changes only if old notebooks stop working with it.
+    """
     if name != wheel.NAME:
-        raise Problem(404, "not-found", f"the kit is at /kit/{wheel.NAME}")
+        raise Problem(404, "not-found", f"no such kit: install /kit/{wheel.NAME}")
     content = await asyncio.to_thread(wheel.wheel, public_address(request))
     return Response(content, media_type="application/zip", headers={"Cache-Control": "no-cache", "ETag": f'"{wheel.build()}"'})
 
 
 @router.get("/v1/assignments/{slug}/notebook.ipynb")
 async def notebook(slug: str, request: Request) -> Response:
-    """The assignment's notebook, ready to run against this server."""
+    """Return the assignment's notebook, ready to run against this server."""
     assignment, server = find_assignment(slug), public_address(request)
     if not wheel.has_notebook(assignment):
-        raise Problem(404, "not-found", f"{slug} has no notebook")
+        raise Problem(404, "not-found", f"the assignment {slug} has no notebook: submit a .py or .ipynb file instead")
     content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.NAME}")
     headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
     return Response(content, media_type="application/x-ipynb+json", headers=headers)

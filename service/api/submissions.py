@@ -1,4 +1,4 @@
-"""The HTTP interface, version 1: assignments, submissions and their reports. Pictures and events have files of their own."""
+"""API v1: assignments, submissions and their reports."""
 
 import asyncio
 import re
@@ -34,13 +34,15 @@ LONGEST_WAIT_S = 60.0
 
 @router.get("/v1/assignments")
 async def list_assignments() -> list[dict[str, str]]:
-    """Slug, title and version of every assignment."""
+    """Return slug, title and version of every assignment."""
     return [{"slug": a.slug, "title": a.title, "version": a.version} for a in assignments().values()]
 
 
 @router.get("/v1/assignments/{slug}")
 async def show_assignment(slug: str) -> dict[str, Any]:
-    """Exercises with their entry points and checks, each with its tolerance and the reason for it, and whether it is hidden."""
+    """Return the exercises with their functions and checks; each check has its tolerance, the reason
+    for it, and ``hidden``.
+    """
     assignment = find_assignment(slug)
     sections = [
         {
@@ -60,11 +62,11 @@ async def show_assignment(slug: str) -> dict[str, Any]:
         }
         for e in assignment.exercises
     ]
-    told = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
+    described = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
     notebook = f"/v1/assignments/{slug}/notebook.ipynb" if wheel.has_notebook(assignment) else None
     build = await asyncio.to_thread(wheel.build)
     importable = packages.versions(assignment.packages)
-    return told | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook, "packages": importable}
+    return described | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook, "packages": importable}
 
 
 @router.post("/v1/assignments/{slug}/submissions", status_code=202)
@@ -74,32 +76,36 @@ async def submit(
     prefer: Annotated[str | None, Header()] = None,
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
 ) -> JSONResponse:
-    """Store a submission, then grade it: 202 at once, or with ``Prefer: wait=SECONDS`` 200 if it is done in time."""
+    """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
+    wait=SECONDS``.
+    """
     arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
     person = await authenticate(request, "submit")
-    isolation, refusal = await request.app.state.crew.known()
-    if refusal and not isolation:
-        raise Problem(503, "no-walls", f"no worker has a working sandbox, so submissions are not accepted: {refusal}")
-    received = await parse_submission.parse_submission(request, assignment)
-    new = NewSubmission(uuid.uuid4(), slug, person.name, received.submission, received.exercises, secrets.randbits(48), arrived)
+    isolation, reason = await request.app.state.worker_status.current()
+    if reason and not isolation:
+        raise Problem(
+            503, "no-walls", f"the sandbox is unavailable, so submissions are not accepted: contact the course staff ({reason})"
+        )
+    parsed = await parse_submission.parse_submission(request, assignment)
+    new = NewSubmission(uuid.uuid4(), slug, person.name, parsed.submission, parsed.exercises, secrets.randbits(48), arrived)
     try:
         accepted = await accept(database, new, idempotency_key or None)
     except KeyReused:
-        raise Problem(422, "key-reused", "the key came with another body before: use a new one") from None
+        raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
-    queued = _told(accepted.id, "queued", accepted.submitted_at, late=accepted.late, sha256=new.submission.sha256) | {
+    queued = _summary(accepted.id, "queued", accepted.submitted_at, late=accepted.late, sha256=new.submission.sha256) | {
         "report": None
     }
-    if accepted.fresh and wait_s == 0:  # nothing more can be known yet
+    if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return JSONResponse(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
         stored = await _wait(request, accepted.id, wait_s)
     except Exception as error:
         if not is_outage(error):
             raise
-        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "5"})  # it is stored, whatever happens now
+        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
     if stored.finished and wait_s > 0:
         return JSONResponse(_document(stored), 200, {"Location": location})
     return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
@@ -107,56 +113,62 @@ async def submit(
 
 @router.get("/v1/submissions/{id}")
 async def show_submission(id: str, request: Request) -> dict[str, Any]:
-    """Status of a submission, its report once there is one, and points that an instructor gave."""
+    """Return the status of a submission, its report if graded, and an instructor's overrides."""
     stored = await find_submission(request, id)
-    given = [one for one in await overrides.of_submission(_database(request), stored.id) if one.in_force]
-    told = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in given]
-    return _document(stored) | ({"points": stored.points, "overrides": told} if told else {})
+    in_force = [one for one in await overrides.of_submission(_database(request), stored.id) if one.in_force]
+    listed = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in in_force]
+    return _document(stored) | ({"points": stored.points, "overrides": listed} if listed else {})
 
 
 def find_assignment(slug: str) -> Assignment:
-    """The assignment; a 404 problem where there is none, a 503 problem where it is broken, so that nothing is taken for it."""
+    """Return the assignment.
+
+    Raises Problem 404 if it does not exist, and 503 if its declaration is invalid.
+    """
     try:
         return find(slug)
     except InvalidAssignment:
         raise Problem(
-            503, "assignment-broken", f"the assignment {slug} cannot be used now, which is our fault", retry_after=60
+            503, "assignment-broken", f"the assignment {slug} is broken (our error): contact the course staff", retry_after=60
         ) from None
     except NoAssignment:
-        raise Problem(404, "not-found", f"there is no assignment {slug[:80]}") from None
+        raise Problem(404, "not-found", f"no assignment {slug[:80]}: check the address") from None
 
 
 async def find_submission(request: Request, id: str) -> SubmissionRecord:
-    """The submission; a 404 problem where there is none, a 403 problem where it is somebody else's and they are no staff."""
+    """Return the submission.
+
+    Raises Problem 404 if it does not exist, and 403 if another student sent it.
+    """
     person = await authenticate(request)
-    stored = await records.read(_database(request), asked) if (asked := _uuid(id)) else None
+    stored = await records.read(_database(request), parsed) if (parsed := _uuid(id)) else None
     if stored is None:
-        raise Problem(404, "not-found", f"there is no submission {id[:80]}")
+        raise Problem(404, "not-found", f"no submission {id[:80]}: check the address")
     if stored.person != person.name and await role(request, person) not in STAFF:
-        raise Problem(403, "not-allowed", "somebody else sent this submission")
+        raise Problem(403, "not-allowed", "you don't have permission: another student sent this submission")
     return stored
 
 
-def _uuid(told: str) -> uuid.UUID | None:
+def _uuid(text: str) -> uuid.UUID | None:
     try:
-        return uuid.UUID(told)
+        return uuid.UUID(text)
     except ValueError:
         return None
 
 
 def _document(stored: SubmissionRecord) -> dict[str, Any]:
-    told = _told(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
-    told |= {"report": document(stored.report) if stored.report else None}
-    told |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
-    return told | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
+    result = _summary(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
+    result |= {"report": document(stored.report) if stored.report else None}
+    result |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
+    return result | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
 
 
-def _told(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:
+def _summary(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:
     return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late, "sha256": sha256}
 
 
 async def _wait(request: Request, id: uuid.UUID, seconds: float) -> SubmissionRecord:
-    """The submission as soon as it has its result, or as it is after ``seconds``."""
+    """Return the submission when it has its result, at latest after ``seconds``."""
     database = _database(request)
     async for _ in request.app.state.listener.wait_for_changes(str(id), seconds):
         row = await records.state(database, id)
@@ -173,20 +185,20 @@ def _database(request: Request) -> Database:
 
 
 def _seconds(prefer: str | None) -> float:
-    wanted = re.search(r'\bwait\s*=\s*"?(\d{1,300})\b', prefer or "", re.IGNORECASE)
-    return min(float(wanted[1]), LONGEST_WAIT_S) if wanted else 0.0
+    match = re.search(r'\bwait\s*=\s*"?(\d{1,300})\b', prefer or "", re.IGNORECASE)
+    return min(float(match[1]), LONGEST_WAIT_S) if match else 0.0
 
 
 @router.get("/v1/submissions/{id}/report.txt")
 async def report_text(id: str, request: Request) -> PlainTextResponse:
-    """The report as the notebook prints it."""
+    """Return the report as text, as the notebook prints it."""
     _, report = await _graded(request, id)
     return PlainTextResponse(report.text())
 
 
 @router.get("/v1/submissions/{id}/report.junit.xml")
 async def report_junit(id: str, request: Request) -> Response:
-    """The report as JUnit XML, for CI systems."""
+    """Return the report as JUnit XML for CI systems."""
     stored, report = await _graded(request, id)
     seconds = sum(report.provenance.phases_ms.values()) / 1e3
     file = GradedFile(file=Path(stored.submission.filename), source=stored.submission.source, report=report, seconds=seconds)
@@ -194,8 +206,8 @@ async def report_junit(id: str, request: Request) -> Response:
 
 
 async def _graded(request: Request, id: str) -> tuple[SubmissionRecord, Report]:
-    """The submission with its report; a 409 problem where it has none."""
+    """Return the submission and its report. Raises Problem 409 if it has none."""
     stored = await find_submission(request, id)
     if stored.report is None:
-        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet")
+        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
     return stored, stored.report

@@ -1,1 +1,3 @@
-"""Authentication and authorization: sessions, tokens, passwords, OpenID Connect, JupyterHub, roles, rate limits."""
+"""Authentication and authorization: sessions, tokens, passwords, OpenID Connect, JupyterHub, roles,
+rate limits.
+"""

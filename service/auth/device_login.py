@@ -1,4 +1,6 @@
-"""Logging a notebook in: it shows a code, a browser confirms it at /login, the notebook gets a token of its own. After RFC 8628."""
+"""Device login for notebooks, after RFC 8628: the notebook shows a code, the student confirms it at
+/login in a browser.
+"""
 
 from typing import Annotated
 
@@ -18,12 +20,16 @@ ShortText = Annotated[str, Body(embed=True, max_length=120)]
 
 @router.post("/v1/logins", status_code=201)
 async def start(request: Request, label: ShortText = "a notebook") -> dict[str, object]:
-    """Begin a login: the code to show to the person, where to confirm it, and the secret to collect the token with."""
+    """Start a login.
+
+    Return the code to show to the student, the address to confirm it at, and the secret that collects
+    the token.
+    """
     label = "".join(c for c in label if c.isprintable())[:LONGEST_LABEL] or "a notebook"
     try:
         device, code = await tokens.create_login(request.app.state.database, label)
     except tokens.TooManyLogins:
-        raise Problem(503, "busy", "too many logins wait to be confirmed: try again in a moment") from None
+        raise Problem(503, "busy", "too many logins are waiting for confirmation: try again in a moment") from None
     address = f"{public_address(request)}/login"
     return {
         "device_code": device,
@@ -37,12 +43,16 @@ async def start(request: Request, label: ShortText = "a notebook") -> dict[str, 
 
 @router.post("/v1/logins/token")
 async def collect(request: Request, device_code: ShortText) -> JSONResponse:
-    """The token of a login that was confirmed: 200, once; 202 while it waits; 410 when it is over."""
+    """Return the token of a confirmed login: 200, once; 202 while it is unconfirmed; 410 once it is
+    refused, used or expired.
+    """
     days = request.app.state.settings.token_days
     try:
         found = await tokens.collect_login(request.app.state.database, device_code, days)
     except tokens.LoginOver:
-        raise Problem(410, "login-over", "this login was refused, used or not confirmed in time: run ecp.login() again") from None
+        raise Problem(
+            410, "login-over", "this login was refused, already used or not confirmed in time: run ecp.login() again"
+        ) from None
     if found is None:
         return JSONResponse({"status": "pending"}, 202, {"Retry-After": str(INTERVAL_S)})
     return JSONResponse({"token": found[0], "person": found[1]})
@@ -50,18 +60,18 @@ async def collect(request: Request, device_code: ShortText) -> JSONResponse:
 
 @router.get("/v1/me")
 async def me(request: Request) -> dict[str, object]:
-    """Who the request's token belongs to and what it may; "local" where no login is needed."""
+    """Return the person and scopes of the request's token. ``local`` is true in single-user mode."""
     person = await authenticate(request)
-    return {"person": person.name, "scopes": sorted(person.scopes), "local": person.alone}
+    return {"person": person.name, "scopes": sorted(person.scopes), "local": person.single_user}
 
 
 @router.delete("/v1/me/token", status_code=204)
 async def revoke(request: Request) -> Response:
-    """Revoke the token that the request brings."""
+    """Revoke the token in the request's Authorization header."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()
-    known = await tokens.find(request.app.state.database, token)
-    if known is None:
-        raise Problem(401, "nobody", "the request brings no token of this server")
+    info = await tokens.find(request.app.state.database, token)
+    if info is None:
+        raise Problem(401, "nobody", "the request has no valid token of this server: run ecp.login()")
     async with request.app.state.database.begin() as connection:
-        await tokens.revoke(connection, id=known.id)
+        await tokens.revoke(connection, id=info.id)
     return Response(status_code=204)

@@ -1,4 +1,4 @@
-"""Forms of our pages: a token that only a page of ours can have put into them, and a body of bounded size."""
+"""HTML forms: CSRF tokens, size-capped bodies and access to fields."""
 
 import hmac
 from typing import Annotated
@@ -15,45 +15,53 @@ from service.http.requests import read_capped
 
 FIELD = "csrf"
 MOST_FORM = 2 * 1024 * 1024
-STALE = "this form is no longer good: load the page again and repeat what you did (cookies must be allowed)"
+STALE = "this form has expired: reload the page and submit it again (cookies must be allowed)"
 
 
 def csrf_token(request: Request) -> str:
-    """What forms shown to this browser's session carry; another session's is another, as is the one before logging in."""
+    """Return the CSRF token of the session, of the person without a session, or of the anonymous
+    browser.
+    """
     if session := getattr(request.state, "session", None):
-        whose = f"session {session.id}"
+        owner = f"session {session.id}"
     elif person := getattr(request.state, "person", None):
-        whose = f"person {person.name}"
+        owner = f"person {person.name}"
     else:
-        whose = f"visit {anonymous_id(request)}"
-    return hmac.new(request.app.state.secret, whose.encode(), "sha256").hexdigest()
+        owner = f"visit {anonymous_id(request)}"
+    return hmac.new(request.app.state.secret, owner.encode(), "sha256").hexdigest()
 
 
 def csrf_field(request: Request) -> Markup:
-    """The hidden field for a form of a page."""
+    """Return the hidden input element with the CSRF token."""
     return Markup('<input type="hidden" name="{}" value="{}">').format(FIELD, csrf_token(request))
 
 
 async def checked_form(request: Request) -> FormData:
-    """The form that was sent; Problem 403 unless a page of ours sent it, to whoever may log in, 413 if it is too large."""
+    """Return the form of a logged-in person.
+
+    Raises Problem 403 if the CSRF token is wrong or the person's token may not log in, and 413 if the form is too large.
+    """
     await current_user(request)
-    await authenticate(request, "login")  # a token that may only read or submit changes nothing here
+    await authenticate(request, "login")  # a token limited to reading or submitting may not send forms
     return await _read(request)
 
 
 async def checked_public_form(request: Request) -> FormData:
-    """The same for a form on a page that is open to all, such as the one to log in with."""
+    """Return the form of a page that needs no login, such as the log-in page.
+
+    Raises Problem as ``checked_form`` does.
+    """
     await optional_user(request)
     return await _read(request)
 
 
 async def _read(request: Request) -> FormData:
     same_origin(request)
-    await read_capped(request, MOST_FORM, f"a form has at most {MOST_FORM} bytes")
+    await read_capped(request, MOST_FORM, f"the form is larger than {MOST_FORM} bytes: send less")
     try:
         form = await request.form(max_files=1, max_fields=200)
     except Exception as error:
-        raise Problem(400, "invalid-request", f"the form cannot be read: {error}") from error
+        raise Problem(400, "invalid-request", f"the form cannot be parsed: {error}") from error
     if not hmac.compare_digest(raw_field(form, FIELD).encode(), csrf_token(request).encode()):
         await form.close()
         raise Problem(403, "not-allowed", STALE)
@@ -65,24 +73,34 @@ PublicForm = Annotated[FormData, Depends(checked_public_form)]
 
 
 def field(form: FormData, name: str, most: int = 400) -> str:
-    """A field's text without space around it, "" where it is missing; Problem 422 where it is longer than ``most``."""
-    return raw_field(form, name, most).replace("\x00", "").strip()  # no NUL in a database
+    """Return a field's text, stripped; "" if it is missing.
+
+    Raises Problem 422 if it is longer than ``most`` characters.
+    """
+    return raw_field(form, name, most).replace("\x00", "").strip()  # PostgreSQL text cannot hold NUL
 
 
 def raw_field(form: FormData, name: str, most: int = 1000) -> str:
-    """A field's text exactly as it was typed, "" where it is missing; Problem 422 where it is longer than ``most``."""
-    given = form.get(name)
-    told = given.encode("utf-8", "replace").decode() if isinstance(given, str) else ""  # a form names its own encoding
-    if len(told) > most:
-        raise Problem(422, "invalid-request", f"{name} has at most {most} characters", f"/{name}")
-    return told
+    """Return a field's text unchanged; "" if it is missing.
+
+    Raises Problem 422 if it is longer than ``most`` characters.
+    """
+    value = form.get(name)
+    # The form declares its own encoding, which may decode to lone surrogates.
+    text = value.encode("utf-8", "replace").decode() if isinstance(value, str) else ""
+    if len(text) > most:
+        raise Problem(422, "invalid-request", f"{name} is too long: use at most {most} characters", f"/{name}")
+    return text
 
 
 async def file(form: FormData, name: str) -> tuple[str, bytes]:
-    """Name, as far as it can be printed, and content of the uploaded file; Problem 422 where none was chosen."""
-    given = form.get(name)
-    if not isinstance(given, UploadFile) or not given.filename:
-        raise Problem(422, "invalid-request", "choose a file first", f"/{name}")
-    content = await given.read()
-    await given.close()
-    return "".join(c for c in given.filename if c.isprintable())[:200] or "the file", content
+    """Return the printable name and the content of an uploaded file.
+
+    Raises Problem 422 if no file was chosen.
+    """
+    upload = form.get(name)
+    if not isinstance(upload, UploadFile) or not upload.filename:
+        raise Problem(422, "invalid-request", "no file was uploaded: choose a file first", f"/{name}")
+    content = await upload.read()
+    await upload.close()
+    return "".join(c for c in upload.filename if c.isprintable())[:200] or "the file", content

@@ -1,7 +1,7 @@
-"""Signing in at an OpenID provider: authorization code with PKCE, state and nonce, the ID token verified; by authlib.
+"""OpenID Connect sign-in with authlib: authorization code with PKCE, state and nonce, and a verified ID token.
 
-What is under way lies in a signed cookie of the browser that began it, so any server can go on with it. An account there is
-remembered by issuer and subject; its name only counts the first time.
+The state of a sign-in is kept in a signed cookie of the browser that started it, so any server can finish it. An account is
+identified by issuer and subject; its name is used only at the first sign-in.
 """
 
 import importlib.util
@@ -22,18 +22,21 @@ from service.settings import Settings
 from service.store.course import credentials, people
 
 router = APIRouter()
-COOKIE, PATH, UNDER_WAY_S, ANSWER_S = "polhode_sign_in", "/oidc", 600, 5.0
+COOKIE, PATH, SIGN_IN_S, TIMEOUT_S = "polhode_sign_in", "/oidc", 600, 5.0
 SIGNED = ("RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519")
-AWAY = "the provider does not answer as it should: try again in a moment, or log in another way"
-BEGIN_AGAIN = "this sign-in was not begun in this browser, or more than ten minutes ago: begin again"
+UNAVAILABLE = "the sign-in provider does not respond correctly: try again in a moment, or log in another way"
+START_AGAIN = "this sign-in was not started in this browser, or more than ten minutes ago: start again"
 
 
 class NotInstalled(Exception):
-    """Settings ask for what is not installed."""
+    """The settings need packages that are not installed."""
 
 
 def provider(settings: Settings) -> Any | None:
-    """authlib's client of the provider in the settings, None without one; NotInstalled where the packages are missing."""
+    """Return authlib's client for the provider in the settings, None without one.
+
+    Raises NotInstalled if packages are missing.
+    """
     if settings.oidc_issuer is None:
         return None
     if missing := [name for name in ("authlib", "httpx2") if importlib.util.find_spec(name) is None]:
@@ -41,43 +44,43 @@ def provider(settings: Settings) -> Any | None:
     from authlib.integrations.starlette_client import OAuth
 
     secret = settings.oidc_client_secret
-    how = {"scope": "openid profile email", "code_challenge_method": "S256", "timeout": ANSWER_S}
+    options = {"scope": "openid profile email", "code_challenge_method": "S256", "timeout": TIMEOUT_S}
     return OAuth().register(
         "provider",
         client_id=settings.oidc_client_id,
         client_secret=secret and secret.get_secret_value(),
         server_metadata_url=settings.oidc_issuer.rstrip("/") + "/.well-known/openid-configuration",
-        client_kwargs=how if secret else how | {"token_endpoint_auth_method": "none"},
+        client_kwargs=options if secret else options | {"token_endpoint_auth_method": "none"},
     )
 
 
 @router.get("/oidc/login")
 async def start(request: Request, next: str = "") -> Response:
-    """Send the browser to the provider."""
+    """Redirect the browser to the provider."""
     client, request.scope["session"] = _client(request), {}
-    with _sentences():
+    with _provider_errors():
         await _metadata(request)
         response: Response = await client.authorize_redirect(request, f"{public_address(request)}{PATH}/callback")
-    under_way = sessions.serializer(request, "sign-in").dumps([request.scope["session"], local_path(next[:LONGEST_PATH])])
-    sessions.set_cookie(request, response, COOKIE, under_way, max_age=UNDER_WAY_S, path=PATH)
+    state = sessions.serializer(request, "sign-in").dumps([request.scope["session"], local_path(next[:LONGEST_PATH])])
+    sessions.set_cookie(request, response, COOKIE, state, max_age=SIGN_IN_S, path=PATH)
     return response
 
 
 @router.get("/oidc/callback")
-async def finish(request: Request, present: OptionalUser) -> Response:
-    """Log in whom the provider names, and go on to where they were going."""
+async def finish(request: Request, user: OptionalUser) -> Response:
+    """Log in the person that the provider names, and redirect to the page they requested."""
     _client(request)
     try:
-        given = request.cookies.get(COOKIE, "")
-        request.scope["session"], back = sessions.serializer(request, "sign-in").loads(given, max_age=UNDER_WAY_S)
+        cookie = request.cookies.get(COOKIE, "")
+        request.scope["session"], back = sessions.serializer(request, "sign-in").loads(cookie, max_age=SIGN_IN_S)
     except BadData:
-        raise Problem(403, "not-allowed", BEGIN_AGAIN) from None
-    with _sentences():
-        claims = await _verified(request)
-    account, now = (str(claims["iss"]), str(claims["sub"])), None if present is None else present.name
+        raise Problem(403, "not-allowed", START_AGAIN) from None
+    with _provider_errors():
+        claims = await _verified_claims(request)
+    account, logged_in = (str(claims["iss"]), str(claims["sub"])), None if user is None else user.name
     try:
         async with request.app.state.database.begin() as connection:
-            name = await credentials.signed_in(connection, account, _name(request, claims), now)
+            name = await credentials.signed_in(connection, account, _name(request, claims), logged_in)
     except credentials.NameTaken as error:
         raise Problem(403, "not-allowed", str(error)) from None
     response = RedirectResponse(back or "/", 303)
@@ -86,8 +89,8 @@ async def finish(request: Request, present: OptionalUser) -> Response:
     return response
 
 
-async def _verified(request: Request) -> dict[str, Any]:
-    """The claims of an ID token that is signed by the provider for us, for this browser and now."""
+async def _verified_claims(request: Request) -> dict[str, Any]:
+    """Return the claims of the ID token after verifying signature, issuer, audience, nonce and expiry."""
     client, metadata = _client(request), await _metadata(request)
     claim = request.app.state.settings.oidc_claim
     options = {"iss": {"essential": True, "value": metadata["issuer"]}, "aud": {"essential": True, "value": client.client_id}}
@@ -97,7 +100,7 @@ async def _verified(request: Request) -> dict[str, Any]:
         metadata.pop("jwks", None)  # the provider may have new keys
         raise
     if not (claims := token.get("userinfo")):
-        raise Problem(403, "not-allowed", "the provider sent no ID token")
+        raise Problem(403, "not-allowed", "the sign-in provider sent no ID token: contact the course staff")
     if claim not in claims and "userinfo_endpoint" in metadata:
         more = await client.userinfo(token=token)
         claims = {**more, **claims} if more.get("sub") == claims["sub"] else claims
@@ -107,19 +110,26 @@ async def _verified(request: Request) -> dict[str, Any]:
 def _name(request: Request, claims: dict[str, Any]) -> str:
     claim = request.app.state.settings.oidc_claim
     if claim == "email" and claims.get("email_verified") is not True:
-        raise Problem(403, "not-allowed", "the provider has not verified your email address")
+        raise Problem(
+            403, "not-allowed", "the sign-in provider has not verified your email address: verify it there, then sign in again"
+        )
     try:
         return people.normalize_name(claims[claim] if isinstance(claims.get(claim), str) else "")
     except people.InvalidName:
-        raise Problem(403, "not-allowed", f"the provider does not tell your name (its claim {claim})") from None
+        raise Problem(
+            403, "not-allowed", f"the sign-in provider did not send a usable name (claim {claim}): contact the course staff"
+        ) from None
 
 
 async def _metadata(request: Request) -> dict[str, Any]:
-    """What the provider tells of itself, asked for once: who it is must be whom the settings name."""
+    """Return the provider's metadata, loaded once.
+
+    Raises Problem 503 if its issuer is not the one in the settings.
+    """
     metadata: dict[str, Any] = await _client(request).load_server_metadata()
     if str(metadata.get("issuer")).rstrip("/") != request.app.state.settings.oidc_issuer.rstrip("/"):
         metadata.pop("_loaded_at", None)
-        raise Problem(503, "busy", "the provider calls itself by another name than POLHODE_OIDC_ISSUER")
+        raise Problem(503, "busy", "the sign-in provider's issuer differs from POLHODE_OIDC_ISSUER: correct the setting")
     offered = metadata.get("id_token_signing_alg_values_supported") or []
     metadata["id_token_signing_alg_values_supported"] = [name for name in offered if name in SIGNED] or ["RS256"]
     return metadata
@@ -127,13 +137,13 @@ async def _metadata(request: Request) -> dict[str, Any]:
 
 def _client(request: Request) -> Any:
     if (client := request.app.state.oidc) is None:
-        raise Problem(404, "not-found", "this server has no provider to sign in at")
+        raise Problem(404, "not-found", "this server has no sign-in provider: log in with a password or token")
     return client
 
 
 @contextmanager
-def _sentences() -> Iterator[None]:
-    """What may go wrong at the provider, as a problem with a sentence."""
+def _provider_errors() -> Iterator[None]:
+    """Turn errors of the provider and of authlib into problems."""
     import httpx2
     from authlib.integrations.base_client import MismatchingStateError, OAuthError
     from joserfc.errors import JoseError
@@ -141,11 +151,13 @@ def _sentences() -> Iterator[None]:
     try:
         yield
     except MismatchingStateError:
-        raise Problem(403, "not-allowed", BEGIN_AGAIN) from None
+        raise Problem(403, "not-allowed", START_AGAIN) from None
     except OAuthError as error:
         code = error.error if re.fullmatch(r"[a-z_]{1,40}", str(error.error)) else "error"
-        raise Problem(403, "not-allowed", f"the provider did not sign you in ({code})") from None
+        raise Problem(403, "not-allowed", f"the sign-in provider refused the sign-in ({code}): try again") from None
     except JoseError as error:
-        raise Problem(403, "not-allowed", f"what the provider sent cannot be trusted ({error.error})") from None
+        raise Problem(
+            403, "not-allowed", f"the sign-in provider's response could not be verified ({error.error}): try again"
+        ) from None
     except (httpx2.HTTPError, httpx2.InvalidURL, ValueError, LookupError, TypeError, RuntimeError) as error:
-        raise Problem(503, "busy", f"{AWAY} ({type(error).__name__})") from None
+        raise Problem(503, "busy", f"{UNAVAILABLE} ({type(error).__name__})") from None

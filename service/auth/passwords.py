@@ -1,4 +1,4 @@
-"""Passwords: which ones are good enough, and the argon2 hashes that are kept of them."""
+"""Passwords: validation, argon2 hashes and their verification."""
 
 import asyncio
 import unicodedata
@@ -19,57 +19,60 @@ _HASHER = PasswordHasher()
 
 
 class InvalidPassword(ValueError):
-    """Not a password to be set; the message says what one is."""
+    """The password may not be set; the message states the rule."""
 
 
 def normalize(password: str, name: str) -> str:
-    """The password as it is hashed; NotGood for one that may not be set for the person of that name."""
-    password = composed(password)
+    """Return the password as it is hashed. Raises InvalidPassword if the person ``name`` may not set it."""
+    password = to_nfc(password)
     if not SHORTEST <= len(password) <= LONGEST:
-        raise InvalidPassword(f"a password has {SHORTEST} to {LONGEST} characters")
+        raise InvalidPassword(f"choose a password of {SHORTEST} to {LONGEST} characters")
     if password.strip().casefold() == name.casefold() or len(set(password)) == 1:
-        raise InvalidPassword("a password is neither the name nor one character over and over")
+        raise InvalidPassword("choose a password that is neither your name nor one repeated character")
     return password
 
 
-def composed(password: str) -> str:
-    """The same however a keyboard composes its letters (NFC)."""
+def to_nfc(password: str) -> str:
+    """Return the password in NFC, so that the keyboard's way of composing letters does not matter."""
     return unicodedata.normalize("NFC", password)
 
 
 def hash_password(password: str) -> str:
-    """What is kept of a tidy password: argon2id with its salt and parameters."""
+    """Return the argon2id hash of a normalized password, with its salt and parameters."""
     return _HASHER.hash(password)
 
 
-def matches(kept: str | None, password: str) -> bool:
-    """Whether it is the password; without one, or with what is no hash, the same work is done for nothing."""
+def matches(stored: str | None, password: str) -> bool:
+    """Return whether the password matches the stored hash.
+
+    Without a valid hash, take the same time and return False.
+    """
     try:
-        return _HASHER.verify(kept or dummy_hash(), composed(password)) and kept is not None
+        return _HASHER.verify(stored or dummy_hash(), to_nfc(password)) and stored is not None
     except InvalidHashError:
         return matches(None, password)
     except VerificationError:
         return False
 
 
-def needs_rehash(kept: str) -> bool:
-    """Whether it was made with other parameters than hashes are now."""
-    return _HASHER.check_needs_rehash(kept)
+def needs_rehash(stored: str) -> bool:
+    """Return whether the hash has outdated parameters."""
+    return _HASHER.check_needs_rehash(stored)
 
 
 @cache
 def dummy_hash() -> str:
-    """The hash of a password that nobody has."""
-    return hash_password("of nobody")
+    """Return a valid hash that belongs to no person."""
+    return hash_password("dummy")
 
 
 P = ParamSpec("P")
 T = TypeVar("T")
-THREADS, MOST_WAITING = 2, 64  # a hash takes 64 MiB and some 50 ms
+THREADS, MOST_WAITING = 2, 64  # a hash takes 64 MiB and about 50 ms
 
 
 class PasswordChecker:
-    """Passwords of the persons in the database."""
+    """Checks and hashes passwords in threads, because a hash takes about 50 ms."""
 
     def __init__(self, database: Database) -> None:
         self._database, self._waiting = database, 0
@@ -77,26 +80,29 @@ class PasswordChecker:
         self._threads.submit(dummy_hash)
 
     def stop(self) -> None:
-        """Check no more."""
+        """Cancel pending checks."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     async def check(self, name: str, password: str) -> None:
-        """Problem 401 unless that is the person's password, after as long for whatever reason."""
-        kept = await credentials.password(self._database, name)
-        if not await self._run(matches, kept, password) or kept is None:
-            raise Problem(401, "nobody", "name or password is wrong")
-        if needs_rehash(kept):
-            renewed = await self.hash(composed(password))
+        """Raise Problem 401 if it is not the person's password.
+
+        The time taken does not reveal the reason.
+        """
+        stored = await credentials.password(self._database, name)
+        if not await self._run(matches, stored, password) or stored is None:
+            raise Problem(401, "nobody", "name or password is wrong: try again, or log in with a token")
+        if needs_rehash(stored):
+            renewed = await self.hash(to_nfc(password))
             async with self._database.begin() as connection:
-                await credentials.renew_hash(connection, name, kept, renewed)
+                await credentials.renew_hash(connection, name, stored, renewed)
 
     async def hash(self, password: str) -> str:
-        """What is kept of a tidy password."""
+        """Return the hash of a normalized password."""
         return await self._run(hash_password, password)
 
     async def _run(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         if self._waiting >= MOST_WAITING:
-            raise Problem(503, "busy", "too many people log in just now: try again in a moment")
+            raise Problem(503, "busy", "too many people are logging in: try again in a moment")
         self._waiting += 1
         try:
             return await asyncio.get_running_loop().run_in_executor(self._threads, lambda: work(*args, **kwargs))

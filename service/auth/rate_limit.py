@@ -1,8 +1,8 @@
-"""Failed logins are counted, by name and by address, and who has failed too often has to wait. Each server counts for itself.
+"""Rate limit of failed logins, by name and by address. Each server process counts separately.
 
-A browser that the person has logged in with before is counted apart: so whoever guesses at a name, or from behind the same
-address, does not keep the person out of it. Elsewhere they wait as the guesser does, at most a window, and a token still
-logs them in, as tokens cannot be guessed and are not counted.
+A browser in which the person has logged in before has its own counter, so guesses from elsewhere do not lock the person out of
+it. In a new browser the person waits as the attacker does, at most one window. Tokens cannot be guessed; logins by token are not
+limited.
 """
 
 import ipaddress
@@ -17,7 +17,7 @@ from limits import RateLimitItem, RateLimitItemPerMinute
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
-from service.auth.sessions import known_as
+from service.auth.sessions import known_browser
 from service.http.errors import Problem
 
 BY_NAME, BY_ADDRESS = RateLimitItemPerMinute(10, 15), RateLimitItemPerMinute(100, 10)
@@ -25,21 +25,24 @@ Key = tuple[RateLimitItem, str, str]
 
 
 class LoginRateLimiter:
-    """What has failed in the last minutes, and what is being tried."""
+    """Counts failed and pending logins."""
 
     def __init__(self) -> None:
         self._failed = MovingWindowRateLimiter(MemoryStorage())
-        self._tried: Counter[Key] = Counter()
+        self._pending: Counter[Key] = Counter()
 
     @contextmanager
-    def attempt(self, *keys: Key) -> Iterator[None]:
-        """Around a try, which fails by a Problem with status 401; Problem 429 where too many have failed, or may yet."""
+    def guard(self, *keys: Key) -> Iterator[None]:
+        """Guard one login, which fails by raising Problem 401.
+
+        Raises Problem 429 if the failed and pending logins of a key reach its limit.
+        """
         for key in keys:
             until, left = self._failed.get_window_stats(*key)
-            if left <= self._tried[key]:
+            if left <= self._pending[key]:
                 wait_s = math.ceil(until - time.time()) if left <= 0 else 1
                 raise _too_many(max(wait_s, 1))
-        self._tried.update(keys)
+        self._pending.update(keys)
         try:
             yield
         except Problem as problem:
@@ -48,21 +51,21 @@ class LoginRateLimiter:
                     self._failed.hit(*key)
             raise
         finally:
-            self._tried.subtract(keys)
+            self._pending.subtract(keys)
             for key in keys:
-                if self._tried[key] <= 0:
-                    del self._tried[key]
+                if self._pending[key] <= 0:
+                    del self._pending[key]
 
 
 def keys_of(request: Request, name: str) -> list[Key]:
-    """What a login as that person from this browser is counted under."""
-    if (browser := known_as(request, name)) is not None:
+    """Return the keys that count a login as ``name`` from this browser."""
+    if (browser := known_browser(request, name)) is not None:
         return [(BY_NAME, "browser", browser)]
     return [(BY_NAME, "name", name), (BY_ADDRESS, "address", network(request.client.host if request.client else ""))]
 
 
 def network(address: str) -> str:
-    """What one customer of a network has: an address, of IPv6 the first half."""
+    """Return the key of an address: an IPv4 address, or the /64 network of an IPv6 address."""
     try:
         ip = ipaddress.ip_address(address)
     except ValueError:
@@ -74,7 +77,5 @@ def network(address: str) -> str:
 
 def _too_many(wait_s: int) -> Problem:
     minutes = math.ceil(wait_s / 60)
-    told = (
-        f"too many failed logins: wait {minutes} minute{'s' if minutes > 1 else ''}, or log in with the token your course gave you"
-    )
-    return Problem(429, "too-many", told, retry_after=wait_s)
+    detail = f"too many failed logins: wait {minutes} minute{'s' if minutes > 1 else ''}, or log in with the token from your course"
+    return Problem(429, "too-many", detail, retry_after=wait_s)

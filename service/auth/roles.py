@@ -1,4 +1,4 @@
-"""Who may look at a page: anybody who is known, the staff of the course, or instructors only."""
+"""Access to pages by role: logged-in people, course staff or instructors."""
 
 from typing import Annotated
 from urllib.parse import quote
@@ -11,16 +11,19 @@ from service.http.errors import Problem
 
 
 class LoginRequired(Exception):
-    """A browser asks for a page without telling whose it is."""
+    """A browser without a session requested a page; it is redirected to the log-in page."""
 
 
 async def current_user(request: Request) -> Person:
-    """Whoever looks at a page, with their role in ``request.state.role``; a browser that tells nobody is sent to log in."""
+    """Return the logged-in person and set ``request.state.role``.
+
+    Raises LoginRequired for a browser without a session.
+    """
     try:
         person = await authenticate(request)
     except Problem as problem:
-        asks_a_program = "authorization" in request.headers or request.app.state.settings.person_header is not None
-        if problem.status != 401 or asks_a_program:
+        has_credentials = "authorization" in request.headers or request.app.state.settings.person_header is not None
+        if problem.status != 401 or has_credentials:
             raise
         raise LoginRequired from None
     await role(request, person)
@@ -28,7 +31,7 @@ async def current_user(request: Request) -> Person:
 
 
 async def optional_user(request: Request) -> Person | None:
-    """Whoever looks at a page that is open to all, with their role, or None if nothing tells who it is."""
+    """Return the logged-in person and set ``request.state.role``, or return None without a login."""
     try:
         person = await authenticate(request)
     except Problem as problem:
@@ -40,18 +43,18 @@ async def optional_user(request: Request) -> Person | None:
 
 
 async def staff(request: Request) -> Person:
-    """An assistant or instructor; Problem 403 for anybody else."""
+    """Return the person if they are an assistant or instructor; otherwise raise Problem 403."""
     person = await current_user(request)
     if request.state.role not in STAFF:
-        raise Problem(403, "not-allowed", "this is for the staff of the course")
+        raise Problem(403, "not-allowed", "you don't have permission: only course staff can do this")
     return person
 
 
 async def instructor(request: Request) -> Person:
-    """An instructor; Problem 403 for anybody else."""
+    """Return the person if they are an instructor; otherwise raise Problem 403."""
     person = await current_user(request)
     if request.state.role != "instructor":
-        raise Problem(403, "not-allowed", "this is for instructors")
+        raise Problem(403, "not-allowed", "you don't have permission: only instructors can do this")
     return person
 
 
@@ -62,11 +65,11 @@ Instructor = Annotated[Person, Depends(instructor)]
 
 
 def install(app: FastAPI) -> None:
-    """Send browsers that have to log in to the page for it, and back from there."""
+    """Redirect browsers without a session to the log-in page, which returns them to the requested page."""
 
-    async def ask(request: Request, _: Exception) -> Response:
-        asked = request.url.path + (f"?{request.url.query}" if request.url.query else "")
-        back = f"?next={quote(asked)}" if request.method == "GET" and asked != "/" else ""
+    async def redirect(request: Request, _: Exception) -> Response:
+        target = request.url.path + (f"?{request.url.query}" if request.url.query else "")
+        back = f"?next={quote(target)}" if request.method == "GET" and target != "/" else ""
         return RedirectResponse(f"/login{back}", 303)
 
-    app.add_exception_handler(LoginRequired, ask)
+    app.add_exception_handler(LoginRequired, redirect)

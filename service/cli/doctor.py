@@ -14,7 +14,7 @@ from service.sandbox.isolation import Level
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
-from service.sandbox.self_test import ATTEMPTS
+from service.sandbox.self_test import FORBIDDEN
 
 SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and the remedy
     "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
@@ -49,7 +49,7 @@ def examine(least: Level) -> tuple[list[str], bool]:
     absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
     return [
         *lines,
-        f"self-test     passed: all {len(ATTEMPTS)} forbidden operations were blocked",
+        f"self-test     passed: all {len(FORBIDDEN)} forbidden operations were blocked",
         f"limits        {_limits()}",
         f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
         *(f"              {sentence}" for sentence in absent),

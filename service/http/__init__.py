@@ -1,1 +1,1 @@
-"""Plumbing of HTTP that API and pages share: errors, middleware, metrics, templates, live updates."""
+"""HTTP infrastructure shared by API and pages: errors, middleware, metrics, templates, live updates."""

@@ -1,4 +1,4 @@
-"""One shape for every error: problem+json (RFC 9457) with a stable type, and where in the request it lies."""
+"""Error responses: problem+json (RFC 9457) with a stable type, or an HTML page for a browser."""
 
 import logging
 from collections.abc import Mapping
@@ -17,46 +17,50 @@ log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
 
 TITLES = {
-    "assignment-broken": "The assignment cannot be used now",
-    "bad-submission": "This cannot be graded",
-    "changed-meanwhile": "Somebody else was first",
-    "busy": "The server cannot answer this now",
-    "deadline-over": "The deadline is over",
-    "fault": "polhode failed",
-    "invalid-request": "The request is not understood",
-    "key-reused": "This idempotency key was used for another submission",
-    "no-walls": "No worker has a working sandbox",
-    "nobody": "The request does not tell whose it is",
-    "login-over": "This login was not confirmed in time, or refused",
-    "none-left": "No submission is left",
-    "not-allowed": "This is not yours to do",
-    "not-found": "There is nothing here",
-    "not-ready": "The result is not there yet",
-    "too-large": "The request is too large",
-    "too-many": "Too many have failed",
-    "unknown-exercise": "The assignment has no such exercise",
-    "unsupported-media-type": "Send JSON or a multipart file",
+    "assignment-broken": "Assignment unavailable",
+    "bad-submission": "Submission cannot be graded",
+    "changed-meanwhile": "Changed in the meantime",
+    "busy": "Temporarily unavailable",
+    "deadline-over": "Deadline has passed",
+    "fault": "Internal error",
+    "invalid-request": "Invalid request",
+    "key-reused": "Idempotency key already used",
+    "no-walls": "Sandbox unavailable",
+    "nobody": "Authentication required",
+    "login-over": "Login expired or refused",
+    "none-left": "Submission limit reached",
+    "not-allowed": "Permission denied",
+    "not-found": "Not found",
+    "not-ready": "Not ready yet",
+    "too-large": "Request too large",
+    "too-many": "Too many failed logins",
+    "unknown-exercise": "Unknown exercise",
+    "unsupported-media-type": "Unsupported media type",
 }
+PAGE_TITLES = {**TITLES, "not-found": "Page not found"}
 BY_STATUS = {404: "not-found", 405: "invalid-request", 413: "too-large", 415: "unsupported-media-type", 503: "busy"}
 
 
 class Problem(Exception):
-    """An error answer. ``kind`` is a key of TITLES; ``pointer`` names the offending part of a JSON body (RFC 6901);
-    ``retry_after`` tells in how many seconds it is worth another try."""
+    """An error to return to the client.
+
+    ``kind`` is a key of TITLES. ``pointer`` is a JSON pointer (RFC 6901) to the offending part of the body. ``retry_after`` is the
+    number of seconds after which the client may try again.
+    """
 
     def __init__(self, status: int, kind: str, detail: str, pointer: str | None = None, *, retry_after: int | None = None) -> None:
         super().__init__(detail)
         self.status, self.kind, self.detail, self.pointer, self.retry_after = status, kind, detail, pointer, retry_after
 
     def headers(self) -> dict[str, str]:
-        """What the answer says besides."""
+        """Return the additional response headers."""
         if self.retry_after is not None:
             return {"Retry-After": str(self.retry_after)}
         return {"Retry-After": RETRY_AFTER_S} if self.status == 503 else {}
 
 
 def install(app: FastAPI) -> None:
-    """Answer every error of ``app`` as a problem."""
+    """Register handlers that turn every error of ``app`` into a problem response."""
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
@@ -67,59 +71,65 @@ def install(app: FastAPI) -> None:
 def problem_response(
     status: int, kind: str, detail: str, errors: list[dict[str, str]] | None = None, **headers: str
 ) -> JSONResponse:
-    """The problem document as a response."""
-    body = {"type": f"urn:polhode:problem:{kind}", "title": TITLES.get(kind, "Error"), "status": status, "detail": _plain(detail)}
+    """Return a problem+json response."""
+    body = {
+        "type": f"urn:polhode:problem:{kind}",
+        "title": TITLES.get(kind, "Error"),
+        "status": status,
+        "detail": _encodable(detail),
+    }
     if errors:
-        body["errors"] = [{key: _plain(value) for key, value in error.items()} for error in errors]
+        body["errors"] = [{key: _encodable(value) for key, value in error.items()} for error in errors]
     return JSONResponse(body, status, headers, media_type="application/problem+json")
 
 
-def _plain(words: str) -> str:
-    """What of a request is repeated in an answer can be encoded."""
-    return words.encode("utf-8", "replace").decode()
+def _encodable(text: str) -> str:
+    # A detail may repeat parts of the request, which can contain lone surrogates.
+    return text.encode("utf-8", "replace").decode()
 
 
 async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
-    return _tell(request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None)
+    return _respond(request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None)
 
 
 def wants_page(request: Request) -> bool:
-    """Whether a browser asks for a page, to show it to somebody."""
+    """Return whether a browser requests an HTML page."""
     return not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", "")
 
 
-def _tell(
+def _respond(
     request: Request, problem: Problem, errors: list[dict[str, str]] | None = None, more: Mapping[str, str] | None = None
 ) -> Response:
-    """As a page to somebody who looks at pages, else as a document; ``more`` are headers."""
     headers = {**problem.headers(), **(more or {})}
     if not wants_page(request):
         return problem_response(problem.status, problem.kind, problem.detail, errors, **headers)
-    context = {"title": TITLES.get(problem.kind, "Error"), "detail": _plain(problem.detail)}
+    context = {"title": PAGE_TITLES.get(problem.kind, "Error"), "detail": _encodable(problem.detail)}
     return templates.TemplateResponse(request, "problem.html", context, status_code=problem.status, headers=headers)
 
 
 async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     kind, detail = BY_STATUS.get(error.status_code, "invalid-request"), f"{error.detail}: {request.method} {request.url.path}"
-    return _tell(request, Problem(error.status_code, kind, detail), more=error.headers)
+    return _respond(request, Problem(error.status_code, kind, detail), more=error.headers)
 
 
 async def _validation(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
-    return _tell(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
+    return _respond(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
 
 
 async def _outage(request: Request, error: Exception) -> Response:
-    """The database is away for a moment; whatever else the database objects to is a fault of ours."""
+    # Any database error that is not an outage is a bug: the middleware logs it and returns 500.
     if not is_outage(error):
         raise error
-    log.warning("the database is out: %s", type(error).__name__)
-    return _tell(request, Problem(503, "busy", "the database does not answer: try again in a moment"))
+    log.warning("database unavailable: %s", type(error).__name__)
+    return _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
 
 
 def internal_error() -> JSONResponse:
-    """The answer to a failure of ours."""
-    return problem_response(500, "fault", "polhode failed; the failure is ours and has been logged")
+    """Return the response to an unexpected exception."""
+    return problem_response(
+        500, "fault", "polhode failed (our error): try again later; contact the course staff if the error persists"
+    )

@@ -1,4 +1,6 @@
-"""Who waits on this server for news of a submission: one connection that LISTENs, and everybody asleep until woken by it."""
+"""Live updates: one PostgreSQL LISTEN connection per server wakes the requests that wait for changes of
+a submission.
+"""
 
 import asyncio
 import contextlib
@@ -16,86 +18,91 @@ from service.store.records import positions
 from service.store.runs import CHANNEL
 
 log = logging.getLogger(__name__)
-LOOK_AGAIN_S = 2.0  # whoever waits looks after so long even without news, as news may be lost with a connection
-POSITIONS_KEPT_S = 0.5
+POLL_S = 2.0  # polling interval, because a notification may be lost with its connection
+POSITIONS_CACHED_S = 0.5
 
 
 class Listener:
-    """News of submissions, whichever worker or server they come from."""
+    """Wakes waiting requests when a submission changes, on whichever worker or server."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._asleep: defaultdict[str, set[asyncio.Event]] = defaultdict(set)
-        self._leaving = False
+        self._waiting: defaultdict[str, set[asyncio.Event]] = defaultdict(set)
+        self._stopping = False
         self._task: asyncio.Task[None] | None = None
         self._positions: tuple[float, Mapping[str, int]] = (float("-inf"), {})
-        self._asking = asyncio.Lock()
+        self._lock = asyncio.Lock()
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start listening."""
         self._task = asyncio.create_task(self._listen())
 
     async def stop(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
 
     def leave(self) -> None:
-        """The server is about to end: whoever waits has a last look."""
-        self._leaving = True
+        """Wake all waiting requests a last time, because the server is about to stop."""
+        self._stopping = True
         self._wake_all()
 
-    async def wait_for_changes(self, submission: str, seconds: float, every: float = LOOK_AGAIN_S) -> AsyncIterator[None]:
-        """Now, after every news of the submission, and ``every`` so many seconds; ends after ``seconds``."""
+    async def wait_for_changes(self, submission: str, seconds: float, every: float = POLL_S) -> AsyncIterator[None]:
+        """Yield immediately, after each change of the submission, and at least ``every`` seconds; end
+        after ``seconds``.
+        """
         loop, event = asyncio.get_running_loop(), asyncio.Event()
         until = loop.time() + seconds
-        self._asleep[submission].add(event)
+        self._waiting[submission].add(event)
         try:
             yield
-            while (left := until - loop.time()) > 0 and not self._leaving:
+            while (left := until - loop.time()) > 0 and not self._stopping:
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(event.wait(), min(every, left))
                 event.clear()
                 yield
         finally:
-            self._asleep[submission].discard(event)
-            if not self._asleep[submission]:
-                del self._asleep[submission]
+            self._waiting[submission].discard(event)
+            if not self._waiting[submission]:
+                del self._waiting[submission]
 
     async def position(self, grading: str) -> int | None:
-        """Its place in the queue; read at most twice a second for everybody who asks."""
-        async with self._asking:
+        """Return the position in the queue, None if it is not queued.
+
+        All requests share a cache of half a second.
+        """
+        async with self._lock:
             loop = asyncio.get_running_loop()
-            if loop.time() - self._positions[0] > POSITIONS_KEPT_S:
+            if loop.time() - self._positions[0] > POSITIONS_CACHED_S:
                 self._positions = loop.time(), await positions(self._database)
         return self._positions[1].get(grading)
 
     async def _listen(self) -> None:
-        told = False  # of this outage
+        logged = False  # this outage
         while True:
             try:
                 options = connect_options("polhode listener")
                 async with await psycopg.AsyncConnection.connect(self._database.url, autocommit=True, **options) as connection:
                     await connection.execute(f"LISTEN {CHANNEL}")
                     self._wake_all()
-                    told = False
+                    logged = False
                     while True:
-                        async for news in connection.notifies(timeout=5):
-                            self._wake(news.payload)
+                        async for notification in connection.notifies(timeout=5):
+                            self._wake(notification.payload)
                         await connection.execute("SELECT 1")
             except Exception as error:
-                if not told or not is_outage(error):
-                    log.warning("listening again after %s", type(error).__name__)
-                told = True
+                if not logged or not is_outage(error):
+                    log.warning("reconnecting the listener after %s", type(error).__name__)
+                logged = True
                 await asyncio.sleep(0.5)
 
     def _wake(self, submission: str) -> None:
-        for event in self._asleep.get(submission, ()):
+        for event in self._waiting.get(submission, ()):
             event.set()
 
     def _wake_all(self) -> None:
-        for events in self._asleep.values():
+        for events in self._waiting.values():
             for event in events:
                 event.set()
 
@@ -106,39 +113,45 @@ LONGEST_S = 3600.0
 
 
 class ChangeFeed(Generic[T]):
-    """``look`` asks the database; ``shown`` makes of its answer what a page shows, whose text tells whether it has changed."""
+    """A page's data and the events that announce its changes.
+
+    ``look`` queries the database and ``shown`` turns its result into the data that the page shows. The data has changed if its
+    ``repr`` has.
+    """
 
     def __init__(self, listener: Listener, look: Callable[[], Awaitable[T]], shown: Callable[[T], Any]) -> None:
         self._listener, self._look, self._show = listener, look, shown
-        self._asking = asyncio.Lock()
-        self._seen: Any = None
-        self._until = float("-inf")
+        self._lock = asyncio.Lock()
+        self._data: Any = None
+        self._valid_until = float("-inf")
         self._changes = 0
 
-    async def now(self) -> Any:
-        """What a page shows, at most a second old."""
+    async def current(self) -> Any:
+        """Return the page's data, at most a second old."""
         clock = asyncio.get_running_loop().time
-        async with self._asking:
-            if clock() >= self._until:
+        async with self._lock:
+            if clock() >= self._valid_until:
                 changes = self._changes
-                self._seen = self._show(await self._look())
-                self._until = clock() + 0.95 * EVERY_S if changes == self._changes else float("-inf")
-            return self._seen
+                self._data = self._show(await self._look())
+                self._valid_until = clock() + 0.95 * EVERY_S if changes == self._changes else float("-inf")
+            return self._data
 
-    def changed(self) -> None:
-        """Whoever looks next sees what is true from now on."""
+    def invalidate(self) -> None:
+        """Discard the cached data after a change."""
         self._changes += 1
-        self._until = float("-inf")
+        self._valid_until = float("-inf")
 
-    async def events(self, told: str | None) -> AsyncIterator[ServerSentEvent]:
-        """An event whenever what is shown is not what was ``told`` last, for an hour or until the server stops."""
+    async def events(self, last_id: str | None) -> AsyncIterator[ServerSentEvent]:
+        """Yield an event whenever the data differs from that of the event ``last_id``, for an hour or
+        until the server stops.
+        """
         async for _ in self._listener.wait_for_changes("", LONGEST_S, EVERY_S):
             try:
-                mark = sha256(repr(await self.now()).encode()).hexdigest()[:16]
+                id = sha256(repr(await self.current()).encode()).hexdigest()[:16]
             except Exception as error:
                 if not is_outage(error):
                     raise
                 continue
-            if mark != told:
-                yield ServerSentEvent(id=mark, data={"changed": True})
-                told = mark
+            if id != last_id:
+                yield ServerSentEvent(id=id, data={"changed": True})
+                last_id = id

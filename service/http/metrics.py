@@ -1,6 +1,6 @@
-"""What is counted, for Prometheus: requests in this process, and the queue, the results and the workers as the tables have them.
+"""Prometheus metrics: requests of this process, and the queue, results, runs and workers from the database.
 
-Counts of results come from the tables, so that they are the same whichever server is asked and survive its restart.
+Counts of results come from the database, so every server reports the same numbers and a restart does not reset them.
 """
 
 from collections.abc import Iterable, Sequence
@@ -38,14 +38,14 @@ _HISTOGRAM = "SELECT {} , count(*), coalesce(sum(s), 0) FROM ({}) AS measured"
 
 
 async def exposition(database: Database) -> bytes:
-    """Everything in Prometheus's text format."""
+    """Return all metrics in Prometheus's text format."""
     registry = CollectorRegistry()
-    registry.register(_Fixed(await _from_tables(database)))
+    registry.register(_StaticCollector(await _from_tables(database)))
     return generate_latest(PROCESS) + generate_latest(registry)
 
 
-class _Fixed:
-    """Metrics that have been read already."""
+class _StaticCollector:
+    """A collector of metrics that have already been read."""
 
     def __init__(self, metrics: Sequence[Metric]) -> None:
         self._metrics = metrics
@@ -55,34 +55,38 @@ class _Fixed:
 
 
 async def _from_tables(database: Database) -> Sequence[Metric]:
-    jobs = GaugeMetricFamily("polhode_queue_jobs", "Jobs by task, waiting (todo) or taken (doing).", labels=["task", "status"])
+    jobs = GaugeMetricFamily(
+        "polhode_queue_jobs", "Jobs by task and status: waiting (todo) or running (doing).", labels=["task", "status"]
+    )
     for row in await database.rows(_DEPTH):
         jobs.add_metric([row.task_name, row.status], row.n)
     (sums,) = await database.rows(_RESULTS)
     results = CounterMetricFamily("polhode_results", "Results by status.", labels=["status"])
-    verdicts = CounterMetricFamily("polhode_verdicts", "Checks that count, by whether they passed.", labels=["verdict"])
+    verdicts = CounterMetricFamily("polhode_verdicts", "Counted checks by verdict.", labels=["verdict"])
     for family, name, value in (
         (results, "graded", sums.graded), (results, "faulted", sums.faulted), (results, "cancelled", sums.cancelled),
         (verdicts, "pass", sums.passed), (verdicts, "other", sums.others),
     ):  # fmt: skip
         family.add_metric([name], value)
-    runs = GaugeMetricFamily("polhode_runs", "Runs by ending; one that was lost may yet come back.", labels=["ending"])
+    runs = GaugeMetricFamily("polhode_runs", "Runs by end reason; a lost run may still report a result.", labels=["ending"])
     for row in await database.rows(_RUNS):
         runs.add_metric([row.end_reason], row.n)
-    (crew,) = await database.rows(_WORKERS)
-    workers = GaugeMetricFamily("polhode_workers", "Workers heard of in the last ten seconds.", labels=["state"])
-    workers.add_metric(["ready"], crew.ready)
-    workers.add_metric(["refusing"], crew.refusing)
-    zygotes = GaugeMetricFamily("polhode_zygote_restarts", "Warm guests replaced, over the workers known.", value=crew.zygotes)
-    wait = await _histogram(database, "polhode_wait_seconds", "From accepted to first begun.", _WAITS)
+    (counts,) = await database.rows(_WORKERS)
+    workers = GaugeMetricFamily("polhode_workers", "Workers seen in the last ten seconds.", labels=["state"])
+    workers.add_metric(["ready"], counts.ready)
+    workers.add_metric(["refusing"], counts.refusing)
+    zygotes = GaugeMetricFamily(
+        "polhode_zygote_restarts", "Warm guest processes replaced, summed over known workers.", value=counts.zygotes
+    )
+    wait = await _histogram(database, "polhode_wait_seconds", "Time from request to the start of the first run.", _WAITS)
     took = await _histogram(
         database, "polhode_grading_seconds", "Time to grade.", "SELECT grading_s AS s FROM result WHERE grading_s IS NOT NULL"
     )
     return [jobs, results, verdicts, runs, workers, zygotes, wait, took]
 
 
-async def _histogram(database: Database, name: str, words: str, query: str) -> Metric:
+async def _histogram(database: Database, name: str, help: str, query: str) -> Metric:
     counts = ", ".join(f"count(*) FILTER (WHERE s <= {edge})" for edge in BUCKETS)
     row: Row[Any] = (await database.rows(_HISTOGRAM.format(counts, query)))[0]
     buckets = [(str(float(edge)), row[k]) for k, edge in enumerate(BUCKETS)] + [("+Inf", row[len(BUCKETS)])]
-    return HistogramMetricFamily(name, words, buckets=buckets, sum_value=float(row[len(BUCKETS) + 1]))
+    return HistogramMetricFamily(name, help, buckets=buckets, sum_value=float(row[len(BUCKETS) + 1]))

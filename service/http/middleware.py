@@ -1,4 +1,4 @@
-"""Around every request: an id to find it by, a log line, the counters, and headers that keep a page to itself."""
+"""Middleware of every request: request id, log line, metrics and security headers."""
 
 import logging
 import time
@@ -14,10 +14,10 @@ from service.logs import request_id
 
 log = logging.getLogger("polhode.access")
 CONTENT_SECURITY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
-# A chart opened by itself is a document with styles of its own. Nothing else in it may do anything.
-PICTURE = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
+# An SVG opened directly is a document with inline styles; it may load and run nothing else.
+SVG_CONTENT_SECURITY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
 METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
-OWN = {
+SECURITY_HEADERS = {
     "content-security-policy": CONTENT_SECURITY,
     "x-content-type-options": "nosniff",
     "referrer-policy": "same-origin",
@@ -25,34 +25,34 @@ OWN = {
 
 
 def install(app: FastAPI) -> None:
-    """Guard every request of ``app``."""
+    """Add the middleware to ``app``."""
     app.add_middleware(RequestMiddleware)
 
 
 class RequestMiddleware:
-    """ASGI middleware; an event stream passes through it unbuffered."""
+    """ASGI middleware. Event streams pass through unbuffered."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let one request through."""
+        """Handle one request."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        id, began, status, method = uuid.uuid4().hex[:16], time.perf_counter(), 0, scope["method"]
+        id, started, status, method = uuid.uuid4().hex[:16], time.perf_counter(), 0, scope["method"]
         token = request_id.set(id)
-        if method == "HEAD":  # the same answer, without its body
+        if method == "HEAD":  # handled as GET; the body is dropped below
             scope = {**scope, "method": "GET"}
 
-        async def tell(message: Message) -> None:
+        async def send_with_headers(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
-                headers.update({**OWN, "x-request-id": id})
+                headers.update({**SECURITY_HEADERS, "x-request-id": id})
                 if headers.get("content-type", "").startswith("image/svg+xml"):
-                    headers["content-security-policy"] = PICTURE
+                    headers["content-security-policy"] = SVG_CONTENT_SECURITY
                 if not scope["path"].startswith("/static/"):
                     headers.setdefault("cache-control", "no-store")
             elif method == "HEAD":
@@ -60,13 +60,13 @@ class RequestMiddleware:
             await send(message)
 
         try:
-            await self.app(scope, receive, tell)
+            await self.app(scope, receive, send_with_headers)
         except Exception:
-            log.exception("fault")
+            log.exception("unhandled exception")
             if status == 0:
-                await internal_error()(scope, receive, tell)
+                await internal_error()(scope, receive, send_with_headers)
         finally:
-            took, route = time.perf_counter() - began, getattr(scope.get("route"), "path", "other")
+            took, route = time.perf_counter() - started, getattr(scope.get("route"), "path", "other")
             REQUESTS.labels(method if method in METHODS else "other", route, status).inc()
             SECONDS.labels(route).observe(took)
             log.info("request", extra={"method": scope["method"], "route": route, "status": status, "ms": round(1e3 * took, 1)})

@@ -1,4 +1,4 @@
-"""Where students reach this server, and whether a request was made to it by such a name."""
+"""The server's public address, checks of request paths and host names, and size-capped bodies."""
 
 import ipaddress
 from urllib.parse import urlsplit
@@ -11,23 +11,26 @@ LONGEST_PATH = 1000
 
 
 def public_address(request: Request) -> str:
-    """The address students reach this server at, without a slash at its end."""
+    """Return the URL at which students reach this server, without a trailing slash."""
     return str(request.app.state.settings.public_url or request.base_url).rstrip("/")
 
 
-def local_path(told: str) -> str:
-    """The path on this server that somebody wants to come back to; "" for anything that may lead elsewhere."""
-    inside = told.startswith("/") and not told.startswith("//") and "\\" not in told
-    return told if inside and told.isascii() and told.isprintable() and " " not in told else ""
+def local_path(path: str) -> str:
+    """Return ``path`` if it is safe to redirect to, that is a path on this server; otherwise ""."""
+    inside = path.startswith("/") and not path.startswith("//") and "\\" not in path
+    return path if inside and path.isascii() and path.isprintable() and " " not in path else ""
 
 
-def is_own_name(request: Request) -> bool:
-    """Whether it was asked by number, as localhost, or by a name of its own: not by one that another site made to point here."""
+def is_own_host(request: Request) -> bool:
+    """Return whether the Host header is an IP address, localhost or a configured name of this server.
+
+    Rejecting other names prevents DNS rebinding.
+    """
     settings = request.app.state.settings
-    told = request.headers.get("host", "")
-    host = ("" if "@" in told else urlsplit(f"//{told}").hostname) or ""
-    named = urlsplit(settings.public_url or "").hostname
-    return host in ("localhost", settings.host, named) or _is_number(host)
+    header = request.headers.get("host", "")
+    host = ("" if "@" in header else urlsplit(f"//{header}").hostname) or ""
+    public_name = urlsplit(settings.public_url or "").hostname
+    return host in ("localhost", settings.host, public_name) or _is_number(host)
 
 
 def _is_number(host: str) -> bool:
@@ -38,11 +41,14 @@ def _is_number(host: str) -> bool:
     return True
 
 
-async def read_capped(request: Request, most: int, told: str) -> None:
-    """Read the body into the request's own cache; Problem 413 with the sentence ``told`` for more than ``most`` of it."""
+async def read_capped(request: Request, most: int, message: str) -> None:
+    """Read the body into the request's cache.
+
+    Raise Problem 413 with ``message`` if it is longer than ``most`` bytes.
+    """
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
         if len(body) > most:
-            raise Problem(413, "too-large", told)
+            raise Problem(413, "too-large", message)
     request._body = bytes(body)

@@ -1,4 +1,7 @@
-"""The pages' templates; everything they show is escaped. Every page knows who looks (``me``) and as what (``role``)."""
+"""Jinja templates of the pages, with automatic escaping.
+
+Every template gets the logged-in person ``me`` and their ``role``.
+"""
 
 import re
 from datetime import UTC, datetime, timedelta
@@ -10,14 +13,17 @@ from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 from markupsafe import Markup
 
-TURNING = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"  # they reorder the text around them
-_TURNING, _STILL = re.compile(f"[{TURNING}]"), dict.fromkeys(map(ord, TURNING), "\ufffd")
+BIDI_CONTROLS = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"  # they reorder the surrounding text
+_BIDI, _REPLACED = re.compile(f"[{BIDI_CONTROLS}]"), dict.fromkeys(map(ord, BIDI_CONTROLS), "\ufffd")
 
 
 def neutralize_bidi(value: object) -> str:
-    """What a page shows of a value: with U+FFFD for whatever turns the direction of the text beside it."""
+    """Return the value as text, with U+FFFD in place of bidirectional control characters.
+
+    Markup stays Markup.
+    """
     shown = value if isinstance(value, str) else str(value)
-    return shown.translate(_STILL) if _TURNING.search(shown) else shown  # of Markup this is Markup
+    return shown.translate(_REPLACED) if _BIDI.search(shown) else shown
 
 
 ENVIRONMENT = Environment(
@@ -30,7 +36,7 @@ ENVIRONMENT = Environment(
 
 
 def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
-    """A moment as a ``<time>`` element, in UTC; a dash for none."""
+    """Return the time in UTC as a ``<time>`` element, or a dash for None."""
     if at is None:
         return "–"
     at = at.astimezone(UTC)
@@ -39,16 +45,16 @@ def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
 
 
 def format_duration(took: timedelta) -> str:
-    """How long something took, in the unit that suits it."""
+    """Return the duration as text, in ms, s, min or h."""
     seconds = took.total_seconds()
     if seconds < 1:
         return f"{1e3 * seconds:.0f} ms"
     return f"{seconds:.1f} s" if seconds < 90 else f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
-def _around(request: Request) -> dict[str, Any]:
+def _common_context(request: Request) -> dict[str, Any]:
     return {"me": getattr(request.state, "person", None), "role": getattr(request.state, "role", None)}
 
 
 ENVIRONMENT.filters |= {"moment": format_time, "duration": format_duration}
-templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_around])
+templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_common_context])

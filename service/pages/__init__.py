@@ -1,1 +1,1 @@
-"""The HTML pages of students and of staff."""
+"""HTML pages for students and staff."""

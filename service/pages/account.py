@@ -1,4 +1,4 @@
-"""The page of your own account: who you are here, your password, your sessions in browsers and your tokens."""
+"""The account page: name, role, password, browser sessions and tokens."""
 
 import uuid
 
@@ -16,92 +16,96 @@ from service.store.course import credentials, people, tokens
 
 router = APIRouter()
 DONE = {
-    "password": "Your password is set. Other browsers are logged out.",
-    "revoked": "Revoked.",
-    "connected": "Your account there is connected: from now on it logs you in here.",
+    "password": "Password saved. Other browsers are logged out.",
+    "revoked": "Access revoked.",
+    "connected": "Account connected. You can now log in with it.",
 }
 
 
 @router.get("/account", response_class=HTMLResponse)
 async def show(request: Request, person: CurrentUser, done: str = "") -> Response:
-    """Who you are here, and what you are logged in with."""
+    """Show the account page."""
     return await _page(request, person, done=DONE.get(done))
 
 
 @router.post("/account/password")
 async def set_password(request: Request, person: CurrentUser, form: Form) -> Response:
-    """Set a password, or change it for who knows the present one; every other browser is logged out."""
-    await _told_apart(request)
+    """Set or change the password and log out every other browser. A change needs the current password."""
+    await _check_account(request)
     try:
-        await _check_present(request, person.name, raw_field(form, "present"))
-        kept = await request.app.state.passwords.hash(_new(form, person.name))
+        await _check_current_password(request, person.name, raw_field(form, "present"))
+        stored = await request.app.state.password_checker.hash(_new_password(form, person.name))
     except Problem as problem:
         if not wants_page(request):
             raise
         return await _page(request, person, problem)
     current = getattr(request.state, "session", None)
     async with request.app.state.database.begin() as connection:
-        await people.add_person(connection, person.name)  # a proxy may have told of somebody new
-        await credentials.set_password(connection, person.name, kept, by=person.name, but=current and current.id)
+        await people.add_person(connection, person.name)  # the proxy may name a person that the course does not know yet
+        await credentials.set_password(connection, person.name, stored, by=person.name, but=current and current.id)
     return RedirectResponse("/account?done=password", 303)
 
 
 @router.post("/account/revoke")
 async def revoke(request: Request, person: CurrentUser, form: Form) -> Response:
-    """Revoke one token of yours, or end one session."""
-    await _told_apart(request)
+    """Revoke one token or session of the person."""
+    await _check_account(request)
     try:
         id = uuid.UUID(field(form, "id"))
     except ValueError:
-        raise Problem(422, "invalid-request", "id is the number of a token or session", "/id") from None
+        raise Problem(
+            422, "invalid-request", "id must be the id of a token or session: reload the page and try again", "/id"
+        ) from None
     async with request.app.state.database.begin() as connection:
         if not await tokens.revoke_own(connection, person.name, id):
-            raise Problem(404, "not-found", "you have no such token or session, or it is over already")
+            raise Problem(
+                404, "not-found", "no active token or session with this id: it was revoked or has expired, reload the page"
+            )
         await people.record_audit(connection, person.name, "revoke token", str(id), {"count": 1})
     return RedirectResponse("/account?done=revoked", 303)
 
 
 @router.post("/account/logout-everywhere")
-async def leave_everywhere(request: Request, person: CurrentUser, form: Form) -> Response:
-    """End your sessions in all browsers."""
-    await _told_apart(request)
+async def logout_everywhere(request: Request, person: CurrentUser, form: Form) -> Response:
+    """End the person's sessions in all browsers."""
+    await _check_account(request)
     async with request.app.state.database.begin() as connection:
         count = await tokens.end_sessions(connection, person.name)
         await people.record_audit(connection, person.name, "log out everywhere", person.name, {"count": count})
     return sessions.clear_session(RedirectResponse("/login?out=1", 303))
 
 
-async def _told_apart(request: Request) -> None:
-    """Problem 403 for what may not change an account: a notebook's token, or the local student, who has none."""
-    if (await authenticate(request, "login")).alone:
-        raise Problem(403, "not-allowed", "this server knows one local student, who has no account")
+async def _check_account(request: Request) -> None:
+    """Raise Problem 403 in single-user mode, and for a token that may not log in."""
+    if (await authenticate(request, "login")).single_user:
+        raise Problem(403, "not-allowed", "this server runs in single-user mode: there are no accounts to change")
 
 
-async def _check_present(request: Request, name: str, present: str) -> None:
+async def _check_current_password(request: Request, name: str, password: str) -> None:
     if await credentials.password(request.app.state.database, name) is None:
         return
-    with request.app.state.throttle.attempt((BY_NAME, "present", name)):
+    with request.app.state.login_limiter.guard((BY_NAME, "present", name)):
         try:
-            await request.app.state.passwords.check(name, present)
+            await request.app.state.password_checker.check(name, password)
         except Problem as problem:
             if problem.status == 401:
-                raise Problem(401, "nobody", "the present password is wrong") from None
+                raise Problem(401, "nobody", "the current password is wrong: try again") from None
             raise
 
 
-def _new(form: Form, name: str) -> str:
-    wanted = raw_field(form, "password")
-    if wanted != raw_field(form, "again"):
-        raise Problem(422, "invalid-request", "the new password was not typed the same twice", "/again")
+def _new_password(form: Form, name: str) -> str:
+    password = raw_field(form, "password")
+    if password != raw_field(form, "again"):
+        raise Problem(422, "invalid-request", "passwords do not match: type the new password again", "/again")
     try:
-        return passwords.normalize(wanted, name)
+        return passwords.normalize(password, name)
     except passwords.InvalidPassword as error:
         raise Problem(422, "invalid-request", str(error), "/password") from None
 
 
 async def _page(request: Request, person: Person, problem: Problem | None = None, done: str | None = None) -> Response:
     about, rows = None, []
-    if not person.alone:
+    if not person.single_user:
         about = await credentials.about(request.app.state.database, person.name)
         rows = [
             row for row in await tokens.all_of(request.app.state.database, person.name) if not row.revoked_at and not row.expired

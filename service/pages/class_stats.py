@@ -1,6 +1,6 @@
-"""A class in numbers: how each check went, what went wrong most often, how wide the margins are, how often people try.
+"""Class statistics: results and margins by check, common diagnoses, submissions per student.
 
-Every student counts once, with the submission that counts for them.
+Every student counts once, with their counted submission.
 """
 
 import math
@@ -16,19 +16,22 @@ from exercises.assignment import Assignment
 from service.grading import result
 from service.store.course.gradebook import Cell, StudentRow
 
-THIN = 3.0  # a right submission this close to what is allowed says that the tolerance is too tight
-DECADES = range(-4, 13)  # of margins told apart; what lies beyond is told with the last
+SMALL_MARGIN = 3.0  # a passed check with a smaller margin suggests that the tolerance is too tight
+DECADES = range(-4, 13)  # bins of log10(margin); the first and last bins include everything beyond
 EMPTY = Markup("<td></td>")
 CELLS = {
-    (state, given): Markup('<td class="{}">{}{}</td>').format(state, mark, "*" if given else "")
+    (state, overridden): Markup('<td class="{}">{}{}</td>').format(state, mark, "*" if overridden else "")
     for state, mark in result.MARKS.items()
-    for given in (False, True)
+    for overridden in (False, True)
 }
 
 
 @dataclass(frozen=True)
 class CheckStats:
-    """One check over the class. ``margins`` are those of whom it was measured for; ``bins`` counts them by decade."""
+    """Results of one check over the class.
+
+    ``margins`` are the positive measured ones; ``bins`` counts them by decade.
+    """
 
     check: Check
     exercise: str
@@ -36,33 +39,33 @@ class CheckStats:
     states: Counter[str]
     causes: Counter[str]
     margins: Sequence[float]
-    thinnest: float | None
+    smallest_margin: float | None
     bins: Sequence[int]
 
     @property
-    def made(self) -> int:
-        """For how many students it was made."""
+    def count(self) -> int:
+        """The number of students that the check was made for."""
         return self.states.total()
 
     @property
     def rate(self) -> float | None:
-        """The share of those for whom it passed."""
-        return self.states["pass"] / self.made if self.made else None
+        """The fraction of these students who passed."""
+        return self.states["pass"] / self.count if self.count else None
 
     @property
-    def thin(self) -> bool:
-        """Whether somebody passed so barely that the tolerance may be too tight."""
-        return self.thinnest is not None and self.thinnest < THIN
+    def small(self) -> bool:
+        """Whether a student passed so narrowly that the tolerance may be too tight."""
+        return self.smallest_margin is not None and self.smallest_margin < SMALL_MARGIN
 
     @property
-    def middle(self) -> float | None:
+    def median_margin(self) -> float | None:
         """The median of the margins."""
         return median(self.margins) if self.margins else None
 
 
 @dataclass
 class DiagnosisStats:
-    """A named cause of what went wrong, with the students it was told to and the checks it was told at."""
+    """A diagnosis with the number of students that got it and the checks it explains."""
 
     code: str
     sentence: str
@@ -70,43 +73,46 @@ class DiagnosisStats:
     checks: set[str] = field(default_factory=set)
 
 
-def by_check(assignment: Assignment, class_: Sequence[StudentRow]) -> list[CheckStats]:
-    """Every check of the assignment in order."""
+def by_check(assignment: Assignment, students: Sequence[StudentRow]) -> list[CheckStats]:
+    """Return the statistics of every check, in the assignment's order."""
     found = [(e.number, c) for e in assignment.exercises for c in e.checks]
-    return [_check(check, number, assignment.hidden(check), _cells(class_, check.id)) for number, check in found]
+    return [_check(check, number, assignment.hidden(check), _cells(students, check.id)) for number, check in found]
 
 
-def by_cause(class_: Iterable[StudentRow]) -> list[DiagnosisStats]:
-    """The causes told, those of most students first; a student counts once for each."""
+def by_cause(students: Iterable[StudentRow]) -> list[DiagnosisStats]:
+    """Return the diagnoses, most common first. A student counts once for each."""
     found: dict[tuple[str, str], DiagnosisStats] = {}
-    for standing in class_:
-        told: dict[tuple[str, str], set[str]] = {}
-        for id, cell in standing.cells.items():
+    for student in students:
+        checks_by_cause: dict[tuple[str, str], set[str]] = {}
+        for id, cell in student.cells.items():
             for cause in cell.causes if cell.shown != "pass" else ():
-                told.setdefault(cause, set()).add(id)
-        for cause, checks in told.items():
-            tally = found.setdefault(cause, DiagnosisStats(*cause))
-            tally.students += 1
-            tally.checks |= checks
-    return sorted(found.values(), key=lambda tally: (-tally.students, tally.code, tally.sentence))
+                checks_by_cause.setdefault(cause, set()).add(id)
+        for cause, checks in checks_by_cause.items():
+            stats = found.setdefault(cause, DiagnosisStats(*cause))
+            stats.students += 1
+            stats.checks |= checks
+    return sorted(found.values(), key=lambda stats: (-stats.students, stats.code, stats.sentence))
 
 
-def by_attempts(class_: Iterable[StudentRow]) -> list[tuple[int, int]]:
-    """Number of submissions, and how many students sent so many."""
-    return sorted(Counter(s.submissions for s in class_).items())
+def submission_counts(students: Iterable[StudentRow]) -> list[tuple[int, int]]:
+    """Return pairs (number of submissions, number of students with so many)."""
+    return sorted(Counter(s.submissions for s in students).items())
 
 
-def row(standing: StudentRow, ids: Iterable[str]) -> Markup:
-    """A student's cells of the class's table. Made here because there are tens of thousands of them."""
-    return Markup("").join(_cell(standing.cells.get(id)) for id in ids)
+def row(student: StudentRow, ids: Iterable[str]) -> Markup:
+    """Return a student's table cells as HTML.
+
+    A template would be too slow for tens of thousands of cells.
+    """
+    return Markup("").join(_cell(student.cells.get(id)) for id in ids)
 
 
 def _cell(cell: Cell | None) -> Markup:
     return EMPTY if cell is None or not cell.counted else CELLS[cell.shown, cell.given is not None]
 
 
-def _cells(class_: Iterable[StudentRow], id: str) -> list[Cell]:
-    return [cell for s in class_ if (cell := s.cells.get(id)) is not None and cell.counted]
+def _cells(students: Iterable[StudentRow], id: str) -> list[Cell]:
+    return [cell for s in students if (cell := s.cells.get(id)) is not None and cell.counted]
 
 
 def _check(check: Check, exercise: str, hidden: bool, cells: Sequence[Cell]) -> CheckStats:

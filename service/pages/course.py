@@ -1,4 +1,4 @@
-"""The first page: for staff the course with what waits to be done, for a student their own submissions."""
+"""The home page, the people page with the roster import, and the audit log."""
 
 from typing import Annotated, Any
 
@@ -22,15 +22,15 @@ LATEST = 100
 
 @router.get("/", response_class=HTMLResponse)
 async def index(request: Request, person: CurrentUser) -> Response:
-    """The assignments with their totals, and the latest submissions, of everybody or your own."""
-    database, everybody = request.app.state.database, request.state.role in STAFF
-    isolation, refusal = await request.app.state.crew.known()
+    """Show the assignments and the latest submissions: all of them to staff, their own to students."""
+    database, staff = request.app.state.database, request.state.role in STAFF
+    isolation, reason = await request.app.state.worker_status.current()
     context = {
-        "everybody": everybody,
-        "rows": await recent(database, LATEST, None if everybody else person.name),
+        "staff": staff,
+        "rows": await recent(database, LATEST, None if staff else person.name),
         "assignments": assignments(),
         "overview": await gradebook.overview(database),
-        "isolation": isolation or refusal or "none",
+        "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
 
@@ -41,47 +41,50 @@ MOST_PEOPLE = 5000
 
 @router.get("/people", response_class=HTMLResponse)
 async def show_people(request: Request, person: Staff, entered: Annotated[int | None, Query(ge=0)] = None) -> Response:
-    """Everybody in the course; for instructors also the form that takes a roster."""
+    """Show all people of the course, and to instructors the roster import."""
     rows = await people.everybody(request.app.state.database)
-    return templates.TemplateResponse(request, "people.html", {"rows": rows, "entered": entered, "columns": people.COLUMNS})
+    return templates.TemplateResponse(request, "people.html", {"rows": rows, "imported": entered, "columns": people.COLUMNS})
 
 
 @router.post("/people")
-async def enter(request: Request, person: Instructor, form: forms.Form) -> Response:
-    """Enter the people of a CSV file; where tokens are wanted, the answer is a CSV file of them."""
+async def import_roster(request: Request, person: Instructor, form: forms.Form) -> Response:
+    """Import people from a CSV file. Return their new tokens as a CSV file if requested."""
     file, content = await forms.file(form, "roster")
     try:
         entries = people.read(content, file)
     except people.BadRoster as error:
         raise Problem(422, "invalid-request", str(error), "/roster") from None
     if len(entries) > MOST_PEOPLE:
-        raise Problem(422, "invalid-request", f"a roster has at most {MOST_PEOPLE} people", "/roster")
-    if any(entry.name == person.name and entry.role not in (None, "instructor") for entry in entries) and not person.alone:
+        raise Problem(422, "invalid-request", f"the roster has more than {MOST_PEOPLE} people: split the file", "/roster")
+    if any(entry.name == person.name and entry.role not in (None, "instructor") for entry in entries) and not person.single_user:
         raise Problem(
-            422, "invalid-request", "this roster would make you no instructor any more: nobody has been entered", "/roster"
+            422,
+            "invalid-request",
+            "this roster would remove your own instructor role, so nothing was imported: correct your line",
+            "/roster",
         )
     names = [entry.name for entry in entries] if forms.field(form, "tokens") else []
     async with request.app.state.database.begin() as connection:
         await people.enroll(connection, entries)
-        terms: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
-        given = await tokens.create_all(connection, names, **terms) if names else []
-        await people.record_audit(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(given)})
-    return _file(given) if given else RedirectResponse(f"/people?entered={len(entries)}", 303)
+        options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
+        created = await tokens.create_all(connection, names, **options) if names else []
+        await people.record_audit(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(created)})
+    return _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(entries)}", 303)
 
 
-def _file(given: list[tuple[str, str]]) -> Response:
+def _tokens_file(created: list[tuple[str, str]]) -> Response:
     headers = {"Content-Disposition": 'attachment; filename="tokens.csv"'}
-    return Response(table(("name", "token"), given), media_type="text/csv; charset=utf-8", headers=headers)
+    return Response(table(("name", "token"), created), media_type="text/csv; charset=utf-8", headers=headers)
 
 
 @router.get("/audit", response_class=HTMLResponse)
-async def page(
+async def audit_log(
     request: Request,
     person: Staff,
     subject: Annotated[str, Query(max_length=200)] = "",
     before: Annotated[int | None, Query(ge=0, le=2**62)] = None,
 ) -> Response:
-    """The latest entries, of all or about one subject or person."""
+    """Show the latest entries, optionally of one person or subject."""
     subject = subject.strip().replace("\x00", "")
     rows = await entries(request.app.state.database, subject or None, before)
     context = {"rows": rows, "subject": subject, "older": rows[-1].id if len(rows) == MOST else None}

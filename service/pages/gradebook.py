@@ -1,4 +1,4 @@
-"""A class at one assignment, for staff: every student by every check, what goes wrong, margins, attempts; rules and extensions."""
+"""The class page of an assignment, for staff: results, statistics, exports, deadlines and extensions."""
 
 from contextlib import suppress
 from datetime import UTC, datetime
@@ -22,11 +22,11 @@ from service.store.course.gradebook import StudentRow
 
 router = APIRouter()
 MOST_GRACE_MIN, MOST_ALLOWED = 60 * 24 * 366, 10_000
-YEARS = range(2000, 3000)  # what is beyond is a slip, and at the ends of the calendar no arithmetic goes well
+YEARS = range(2000, 3000)  # other years are typing errors; date arithmetic overflows near the ends of the calendar
 
 
 class SubmissionFilter(BaseModel):
-    """Which submissions: by a check, how it ended, a cause that was told."""
+    """Filter of submissions by check, check state and cause."""
 
     check: str | None = Field(None, max_length=100)
     state: str | None = Field(None, max_length=20)
@@ -34,8 +34,8 @@ class SubmissionFilter(BaseModel):
 
 
 @router.get("/assignments/{slug}/class", response_class=HTMLResponse)
-async def class_(slug: str, request: Request, person: Staff, sort: Literal["name", "points"] = "name") -> Response:
-    """Every student by every check, and what that amounts to."""
+async def class_page(slug: str, request: Request, person: Staff, sort: Literal["name", "points"] = "name") -> Response:
+    """Show the results of all students by check, and statistics."""
     assignment, database = find_assignment(slug), request.app.state.database
     students = await gradebook.student_rows(database, slug)
     if sort == "points":
@@ -48,12 +48,12 @@ async def class_(slug: str, request: Request, person: Staff, sort: Literal["name
         "sort": sort,
         "checks": checks,
         "causes": class_stats.by_cause(students),
-        "attempts": class_stats.by_attempts(students),
+        "submission_counts": class_stats.submission_counts(students),
         "decades": class_stats.DECADES,
         "most_bin": max((max(c.bins) for c in checks), default=0),
-        "thin": class_stats.THIN,
+        "small_margin": class_stats.SMALL_MARGIN,
         "marks": result.MARKS,
-        "words": result.WORDS,
+        "state_labels": result.WORDS,
         "extensions": await deadlines.extensions(database, slug),
         "swept": await sweeps.count(database, students) if assignment.sweep is not None else None,
     }
@@ -61,32 +61,34 @@ async def class_(slug: str, request: Request, person: Staff, sort: Literal["name
 
 
 @router.get("/assignments/{slug}/class/submissions", response_class=HTMLResponse)
-async def chosen(slug: str, request: Request, person: Staff, which: Annotated[SubmissionFilter, Query()]) -> Response:
-    """The students' submissions that count, of those whose check ended so, or who were told that cause."""
+async def filtered_submissions(
+    slug: str, request: Request, person: Staff, selection: Annotated[SubmissionFilter, Query()]
+) -> Response:
+    """Show the counted submissions that match a check, its state or a cause."""
     assignment = find_assignment(slug)
-    check, state, cause = which.check, which.state, which.cause
+    check, state, cause = selection.check, selection.state, selection.cause
     students = await gradebook.student_rows(request.app.state.database, slug)
-    found = [s for s in students if _fits(s, check, state, cause)]
+    found = [s for s in students if _matches(s, check, state, cause)]
     label = next((c.label for c in assignment.checks() if c.id == check), check)
     context = {"assignment": assignment, "students": found, "total": len(students), "check": check, "label": label}
-    context |= {"state": state, "cause": cause, "words": result.WORDS, "marks": result.MARKS}
-    return templates.TemplateResponse(request, "chosen.html", context)
+    context |= {"state": state, "cause": cause, "state_labels": result.WORDS, "marks": result.MARKS}
+    return templates.TemplateResponse(request, "filtered_submissions.html", context)
 
 
 @router.get("/assignments/{slug}/class/sweep.svg")
 async def class_sweep(slug: str, request: Request, person: Staff) -> Response:
-    """Speed against accuracy of the class's own functions, those swept so far, over the reference methods."""
+    """Return the speed vs accuracy chart of the class's measured functions and the reference methods."""
     find_assignment(slug)
     database = request.app.state.database
     documents = await sweeps.documents(database, await gradebook.students(database, slug))
     if not documents:
-        raise Problem(404, "not-found", "nobody's function has been swept yet")
+        raise Problem(404, "not-found", "no submission has been measured yet: start the measurement on the class page")
     return Response(await request.app.state.renderer.class_sweep(documents), media_type="image/svg+xml")
 
 
 @router.post("/assignments/{slug}/class/sweep")
 async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Form) -> Response:
-    """Have the functions of the submissions that count swept, behind everybody who waits for a grade."""
+    """Queue the speed vs accuracy sweep of all counted submissions, after all waiting gradings."""
     find_assignment(slug)
     database = request.app.state.database
     await sweeps.request_class(database, await gradebook.students(database, slug))
@@ -95,33 +97,36 @@ async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Fo
 
 @router.post("/assignments/{slug}/rules")
 async def set_rules(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
-    """Set deadline, grace and number of submissions; what is empty does not limit."""
+    """Set deadline, grace period and submission limit. An empty field means no limit."""
     find_assignment(slug)
     grace = _number(form, "grace", 0, MOST_GRACE_MIN) or 0.0
     most = _number(form, "most", 1, MOST_ALLOWED)
-    rules = queue_overview.Rules(_moment(form, "due"), 60.0 * grace, None if most is None else int(most))
+    rules = queue_overview.Rules(_datetime(form, "due"), 60.0 * grace, None if most is None else int(most))
     await queue_overview.set_rules(request.app.state.database, slug, rules, person.name)
     return RedirectResponse(f"/assignments/{slug}/class", 303)
 
 
 @router.post("/assignments/{slug}/extensions")
 async def extend(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
-    """Give one person a later deadline, with a reason; an empty deadline takes the extension back."""
+    """Give one person a new deadline with a reason. An empty deadline removes the extension."""
     find_assignment(slug)
-    name, due, reason = forms.field(form, "name"), _moment(form, "due"), forms.field(form, "reason")
+    name, due, reason = forms.field(form, "name"), _datetime(form, "due"), forms.field(form, "reason")
     database = request.app.state.database
     if due is None:
         if not await deadlines.remove_extension(database, slug, name, person.name):
-            raise Problem(422, "invalid-request", f"{name or 'nobody'} has no extension that could be taken back", "/name")
+            raise Problem(422, "invalid-request", f"{name or 'this person'} has no extension to remove: check the name", "/name")
     elif not reason:
-        raise Problem(422, "invalid-request", "an extension has a reason", "/reason")
+        raise Problem(422, "invalid-request", "an extension needs a reason: enter one", "/reason")
     elif not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
-        raise Problem(422, "invalid-request", f"nobody in the course is called {name!r}", "/name")
+        raise Problem(422, "invalid-request", f"no person named {name!r} in the course: check the name", "/name")
     return RedirectResponse(f"/assignments/{slug}/class#extensions", 303)
 
 
-def _fits(student: StudentRow, check: str | None, state: str | None, cause: str | None) -> bool:
-    """``state`` may be "none": nothing was sent; or "not-pass": whoever the check is no ✓ for."""
+def _matches(student: StudentRow, check: str | None, state: str | None, cause: str | None) -> bool:
+    """Return whether a student matches.
+
+    ``state`` is a check state, "none" (no submission) or "not-pass" (any state but pass).
+    """
     if state == "none" and check is None:
         return student.submission is None
     cells = [cell for id, cell in student.cells.items() if check in (None, id) and (cell.counted or check is None)]
@@ -132,21 +137,21 @@ def _fits(student: StudentRow, check: str | None, state: str | None, cause: str 
     return bool(cells) or (check is state is cause is None)
 
 
-def _moment(form: FormData, name: str) -> datetime | None:
-    """A field of kind datetime-local, in UTC; None where it is empty."""
-    if not (told := forms.field(form, name, 40)):
+def _datetime(form: FormData, name: str) -> datetime | None:
+    """Return a datetime-local field in UTC, None if it is empty. Raises Problem 422 if it is invalid."""
+    if not (text := forms.field(form, name, 40)):
         return None
     with suppress(ValueError):
-        at = datetime.fromisoformat(told)
+        at = datetime.fromisoformat(text)
         if at.year in YEARS:
             return at.replace(tzinfo=UTC) if at.tzinfo is None else at
-    raise Problem(422, "invalid-request", f"{told[:40]!r} is no moment such as 2026-12-01T12:00", f"/{name}")
+    raise Problem(422, "invalid-request", f"expected a date and time such as 2026-12-01T12:00, got {text[:40]!r}", f"/{name}")
 
 
 def _number(form: FormData, name: str, least: int, most: int) -> float | None:
-    if not (told := forms.field(form, name, 40)):
+    if not (text := forms.field(form, name, 40)):
         return None
     with suppress(ValueError):
-        if least <= (number := float(told)) <= most:
+        if least <= (number := float(text)) <= most:
             return number
-    raise Problem(422, "invalid-request", f"{told[:40]!r} is no number from {least} to {most}", f"/{name}")
+    raise Problem(422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}")

@@ -1,4 +1,4 @@
-"""The pages to log a browser in and out, and to confirm the code that a notebook shows."""
+"""Log-in and log-out pages, and the authorization of a notebook by its code."""
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
@@ -18,74 +18,76 @@ router = APIRouter()
 
 
 @router.get("/login", response_class=HTMLResponse)
-async def ask(request: Request, person: OptionalUser, code: str = "", next: str = "") -> Response:
-    """The page that logs a browser in, or confirms a code."""
+async def login_page(request: Request, person: OptionalUser, code: str = "", next: str = "") -> Response:
+    """Show the log-in page, or the authorization page for a notebook's code."""
     return await _page(request, code[:20], local_path(next[:LONGEST_PATH]))
 
 
 @router.post("/login", response_class=HTMLResponse)
-async def answer(request: Request, form: PublicForm) -> Response:
-    """Log in by name and password or by a token, then go on to where they were going; confirm or refuse the code, if any."""
+async def login(request: Request, form: PublicForm) -> Response:
+    """Log in by password or token and redirect to the requested page, or authorize or refuse a
+    notebook's code.
+    """
     code, back = field(form, "code", 20), local_path(field(form, "next", LONGEST_PATH))
     try:
-        name, how = await _logged_in(request, form)
+        name, method = await _authenticated(request, form)
         if code:
-            return await _confirm(request, code, name, how, refused=bool(field(form, "refuse")))
+            return await _confirm(request, code, name, method, refused=bool(field(form, "refuse")))
     except Problem as problem:
         if not wants_page(request):
             raise
         return await _page(request, code, back, problem, field(form, "name"))
     response = RedirectResponse(back or "/", 303)
-    if how:
-        await sessions.start_session(request, response, name, how)
+    if method:
+        await sessions.start_session(request, response, name, method)
     return response
 
 
 @router.post("/logout")
-async def leave(request: Request, person: OptionalUser) -> Response:
-    """End the browser's session, on all servers."""
-    same_origin(request)  # without a session there is no token of a form, yet a cookie to delete
+async def logout(request: Request, person: OptionalUser) -> Response:
+    """End the browser's session on all servers."""
+    same_origin(request)  # checked for expired sessions too, whose form has no valid token
     if person is not None:
         await checked_form(request)
-        if known := getattr(request.state, "session", None):
+        if session := getattr(request.state, "session", None):
             async with request.app.state.database.begin() as connection:
-                await tokens.revoke(connection, id=known.id)
+                await tokens.revoke(connection, id=session.id)
     return sessions.clear_session(RedirectResponse("/login?out=1", 303))
 
 
-async def _logged_in(request: Request, form: FormData) -> tuple[str, str]:
-    """Who it is and how they have just told, "" where the session told before; Problem 401, 403 or 429."""
+async def _authenticated(request: Request, form: FormData) -> tuple[str, str]:
+    """Return the name and the login method, "" for an existing session. Raises Problem 401, 403 or 429."""
     token, password = field(form, "token"), raw_field(form, "password")
     if token:
-        return _may_log_in(await by_token(request, token)), "token"
-    name = _tidy(field(form, "name"))
+        return _check_login_scope(await by_token(request, token)), "token"
+    name = _normalized(field(form, "name"))
     if not name and not password:
-        return _may_log_in(await authenticate(request, "login")), ""
-    with request.app.state.throttle.attempt(*keys_of(request, name)):
-        await request.app.state.passwords.check(name, password)
+        return _check_login_scope(await authenticate(request, "login")), ""
+    with request.app.state.login_limiter.guard(*keys_of(request, name)):
+        await request.app.state.password_checker.check(name, password)
     return name, "password"
 
 
-def _may_log_in(person: Person) -> str:
+def _check_login_scope(person: Person) -> str:
     if "login" not in person.scopes:
-        raise Problem(403, "not-allowed", "this token is a notebook's own: only one that your course gave you logs in here")
+        raise Problem(403, "not-allowed", "a notebook's token cannot log in here: use the token from your course")
     return person.name
 
 
-def _tidy(name: str) -> str:
-    """As names are kept; "", which nobody is called, for what is none."""
+def _normalized(name: str) -> str:
+    """Return the normalized name, or "" (no person's name) if it is invalid."""
     try:
         return people.normalize_name(name)
     except people.InvalidName:
         return ""
 
 
-async def _confirm(request: Request, code: str, name: str, how: str, *, refused: bool) -> Response:
+async def _confirm(request: Request, code: str, name: str, method: str, *, refused: bool) -> Response:
     if not await tokens.confirm_login(request.app.state.database, code, None if refused else name):
-        raise Problem(404, "not-found", "no login waits under this code: begin again in the notebook")
+        raise Problem(404, "not-found", "no login request has this code: run ecp.login() again in the notebook")
     response = templates.TemplateResponse(request, "login_done.html", {"person": name, "refused": refused})
-    if how:
-        await sessions.start_session(request, response, name, how)
+    if method:
+        await sessions.start_session(request, response, name, method)
     return response
 
 

@@ -1,4 +1,4 @@
-"""Points that an instructor gives by hand: forms on the page of a submission, and what everybody reads there about them."""
+"""Score overrides: forms and list on the submission page."""
 
 from typing import Any
 
@@ -18,44 +18,46 @@ STATUS = {"invalid-request": 422, "not-ready": 409, "changed-meanwhile": 409}
 
 
 @router.post("/submissions/{id}/overrides")
-async def give(id: str, request: Request, person: Instructor, form: Form) -> Response:
-    """Give points for a check or for the whole submission, with a reason; they replace those in force for the same."""
+async def create(id: str, request: Request, person: Instructor, form: Form) -> Response:
+    """Override the score of a check or of the whole submission, replacing an override in force for the
+    same.
+    """
     stored = await find_submission(request, id)
-    check, points, seen = field(form, "check"), field(form, "points"), field(form, "seen")
+    check, points, revision = field(form, "check"), field(form, "points"), field(form, "seen")
     reason = field(form, "reason", overrides.LONGEST_REASON)
     if not (points.isascii() and points.isdigit() and len(points) < 5):
-        raise Problem(422, "invalid-request", "points are a whole number from 0 on", "/points")
-    known = int(seen) if seen.isascii() and seen.isdigit() and len(seen) < 9 else None
+        raise Problem(422, "invalid-request", "points must be a whole number, 0 or more", "/points")
+    seen = int(revision) if revision.isascii() and revision.isdigit() and len(revision) < 9 else None
     try:
         await overrides.give(
-            request.app.state.database, stored.id, person.name, check=check or None, points=int(points), reason=reason, seen=known
+            request.app.state.database, stored.id, person.name, check=check or None, points=int(points), reason=reason, seen=seen
         )
-    except overrides.OverrideRejected as why:
-        raise _problem(why) from why
+    except overrides.OverrideRejected as error:
+        raise _problem(error) from error
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
 
 
 @router.post("/submissions/{id}/overrides/{override}/withdraw")
 async def withdraw(id: str, override: str, request: Request, person: Instructor, form: Form) -> Response:
-    """Let what was measured count again."""
+    """Withdraw an override, so that the measured score counts again."""
     stored = await find_submission(request, id)
     try:
         found = await overrides.withdraw(request.app.state.database, stored.id, identifier(override), person.name)
-    except overrides.OverrideRejected as why:
-        raise _problem(why) from why
+    except overrides.OverrideRejected as error:
+        raise _problem(error) from error
     if not found:
-        raise Problem(404, "not-found", "there is nothing by this id to withdraw")
+        raise Problem(404, "not-found", "no override with this id: reload the page")
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
 
 
 async def context(request: Request, stored: SubmissionRecord) -> dict[str, Any]:
-    """What ``overrides.html`` shows of a submission."""
-    given = await overrides.of_submission(request.app.state.database, stored.id)
+    """Return the context of ``overrides.html`` for a submission."""
+    found = await overrides.of_submission(request.app.state.database, stored.id)
     outcomes = stored.report.outcomes() if stored.report else []
     labels = {outcome.id: outcome.label for outcome in outcomes}
     counted = [(outcome.id, outcome.label) for outcome in outcomes if outcome.counted]
-    return {"overrides": given, "overrides_stamp": overrides.revision(given), "check_labels": labels, "checks_counted": counted}
+    return {"overrides": found, "overrides_revision": overrides.revision(found), "check_labels": labels, "checks_counted": counted}
 
 
-def _problem(why: overrides.OverrideRejected) -> Problem:
-    return Problem(STATUS[why.kind], why.kind, str(why))
+def _problem(error: overrides.OverrideRejected) -> Problem:
+    return Problem(STATUS[error.kind], error.kind, str(error))

@@ -1,4 +1,4 @@
-"""The live queue: what waits and what runs, on which worker, and what failed; staff may cancel and try again."""
+"""The queue page for staff: running, waiting and failed gradings, and workers; with cancel and retry."""
 
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
@@ -18,70 +18,81 @@ from service.store import gradings
 from service.store.queue_overview import MOST_PLACES, QueueSnapshot, regrade
 
 router = APIRouter()
-LONG_S = 5.0  # in one scene: most take a tenth of that
-LEFT_S = 5.0  # a worker gives a sign of life every three seconds
+LONG_S = 5.0  # time in one scene that suggests an endless loop; most scenes take a tenth of it
+SILENT_S = 5.0  # workers send a heartbeat every three seconds
 
 
 @router.get("/queue", response_class=HTMLResponse)
 async def page(request: Request, person: Staff) -> Response:
-    """The queue as it is."""
-    return templates.TemplateResponse(request, "queue.html", {"queue": await request.app.state.queue.now(), "most": MOST_PLACES})
+    """Show the queue."""
+    return templates.TemplateResponse(
+        request, "queue.html", {"queue": await request.app.state.queue.current(), "most": MOST_PLACES}
+    )
 
 
 @router.get("/queue/events", response_class=EventSourceResponse)
 async def events(
     request: Request, person: Staff, last_event_id: Annotated[str | None, Header()] = None
 ) -> AsyncIterator[ServerSentEvent]:
-    """An event whenever the page would show something else, at most one per second."""
+    """Send an event whenever the page's data changes, at most once per second."""
     async for event in request.app.state.queue.events(last_event_id):
         yield event
 
 
 @router.post("/queue/{grading}/cancel")
 async def cancel(grading: str, request: Request, person: Staff, form: Form) -> Response:
-    """Take a grading out of the queue, or stop its worker; it costs its person nothing."""
+    """Cancel a waiting or running grading. It does not count against the student."""
     try:
         found = await gradings.cancel(request.app.state.database, identifier(grading), person.name)
     except gradings.AlreadyFinished:
-        raise Problem(409, "changed-meanwhile", "there is nothing to cancel: it has its result already") from None
+        raise Problem(
+            409, "changed-meanwhile", "the grading already has a result and cannot be cancelled: reload the page"
+        ) from None
     if found is None:
-        raise Problem(404, "not-found", "there is no such grading")
-    request.app.state.queue.changed()
+        raise Problem(404, "not-found", "no such grading: reload the queue")
+    request.app.state.queue.invalidate()
     return RedirectResponse("/queue", 303)
 
 
 @router.post("/queue/{submission}/retry")
 async def retry(submission: str, request: Request, person: Staff, form: Form) -> Response:
-    """Grade again what has no report: a fault of ours, or what was cancelled."""
+    """Queue a new grading of a submission whose last one failed or was cancelled."""
     if not await regrade(request.app.state.database, [identifier(submission)], person.name, faults=True):
-        raise Problem(409, "changed-meanwhile", "there is nothing to try again: it has a report, is being graded, or is not there")
-    request.app.state.queue.changed()
+        raise Problem(
+            409,
+            "changed-meanwhile",
+            "nothing to retry: the submission has a report, is being graded or does not exist; reload the queue",
+        )
+    request.app.state.queue.invalidate()
     return RedirectResponse("/queue", 303)
 
 
-def identifier(told: str) -> UUID:
-    """The id in an address, or a 404 problem."""
+def identifier(text: str) -> UUID:
+    """Return the id in a URL. Raises Problem 404 if it is not a UUID."""
     try:
-        return UUID(told)
+        return UUID(text)
     except ValueError:
-        raise Problem(404, "not-found", f"there is nothing by the id {told[:80]}") from None
+        raise Problem(404, "not-found", f"no entry with the id {text[:80]}: check the address") from None
 
 
 def snapshot(queue: QueueSnapshot, lease_s: float = LEASE_S) -> dict[str, Any]:
-    """The queue as the page shows it; times are rounded, so that it does not change all the time."""
+    """Return the data of the queue page.
+
+    Times are rounded, so that the data does not change every second.
+    """
     busy = {run.worker for run in queue.going}
     return {
         "total": queue.places[0].total if queue.places else 0,
         "kinds": [(kind.n, kind.kind) for kind in queue.waiting],
         "places": [row._asdict() for row in queue.places],
-        "going": [_going(run, lease_s) for run in queue.going],
-        "workers": [w._asdict() | {"silent_s": _silence(w.silent_s, LEFT_S), "busy": w.name in busy} for w in queue.workers],
+        "going": [_run_to_json(run, lease_s) for run in queue.going],
+        "workers": [w._asdict() | {"silent_s": _silence(w.silent_s, SILENT_S), "busy": w.name in busy} for w in queue.workers],
         "faults": [row._asdict() for row in queue.faults],
     }
 
 
 def format_seconds(seconds: float) -> str:
-    """A time in words, the longer the rounder."""
+    """Return a duration as text, rounded more coarsely the longer it is."""
     whole = max(0, int(seconds))
     for below, step in ((10, 1), (60, 5), (600, 30)):
         if whole < below:
@@ -91,15 +102,15 @@ def format_seconds(seconds: float) -> str:
 
 
 def _silence(seconds: float, usual: float) -> str:
-    return f"silent for {format_seconds(seconds)}" if seconds > usual else "alive"
+    return f"silent for {format_seconds(seconds)}" if seconds > usual else "responding"
 
 
-def _going(run: Row[Any], lease_s: float) -> dict[str, Any]:
+def _run_to_json(run: Row[Any], lease_s: float) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
-    told = {"phase": phase, "running": format_seconds(run.running_s), "in_scene": format_seconds(run.scene_s), "stuck": ""}
-    told["silent"] = _silence(run.silent_s, lease_s)
+    progress = {"phase": phase, "running": format_seconds(run.running_s), "in_scene": format_seconds(run.scene_s), "stuck": ""}
+    progress["silent"] = _silence(run.silent_s, lease_s)
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
-        told["stuck"] = f"{format_seconds(run.scene_s)} {where}: perhaps an endless loop; its budget ends it"
-    kept = ("grading", "kind", "number", "preview", "submission", "person", "assignment", "worker")
-    return {name: getattr(run, name) for name in kept} | told
+        progress["stuck"] = f"{format_seconds(run.scene_s)} {where}: possibly an endless loop; the time limit will stop it"
+    columns = ("grading", "kind", "number", "preview", "submission", "person", "assignment", "worker")
+    return {name: getattr(run, name) for name in columns} | progress

@@ -1,4 +1,4 @@
-"""Pages to look at: the latest submissions, and the charts of the reference methods."""
+"""The reference page with its charts, and a student's submissions to an assignment."""
 
 from typing import Literal
 
@@ -18,7 +18,9 @@ router = APIRouter()
 
 @router.get("/reference", response_class=HTMLResponse)
 async def reference(request: Request) -> HTMLResponse:
-    """What the reference methods cost, how accurate they are and where they fail, with date and versions of the measurement."""
+    """Show speed and accuracy of the reference methods and where they fail, with date and versions of
+    the measurement.
+    """
     document, atlas = charts.load_work_precision(), charts.load_stability()
     context = {"document": document, "atlas": atlas, "scenes": charts.scenes(document), "exceptions": charts.exceptions(document)}
     return templates.TemplateResponse(request, "reference.html", context)
@@ -26,19 +28,19 @@ async def reference(request: Request) -> HTMLResponse:
 
 @router.get("/reference/{kind}/{number}.svg")
 async def chart(kind: Literal["work-precision", "stability"], number: int, request: Request) -> Response:
-    """A chart of that page."""
-    known = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
-    if not 0 <= number < known:
-        raise Problem(404, "not-found", f"there is no chart {number}")
+    """Return a chart of the reference page as SVG."""
+    count = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
+    if not 0 <= number < count:
+        raise Problem(404, "not-found", f"no chart {number}: see /reference for the charts")
     return Response(await request.app.state.renderer.chart(kind, number), media_type="image/svg+xml")
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
-async def attempts(slug: str, request: Request, person: CurrentUser) -> Response:
-    """What you have sent so far for an assignment, and what changed from one to the next."""
+async def own_submissions(slug: str, request: Request, person: CurrentUser) -> Response:
+    """Show the person's submissions to an assignment and the changes between them."""
     assignment = find_assignment(slug)
-    told = await list_own(slug, request)
-    by_id = {one["id"]: one for one in told["submissions"]}
-    context = {"assignment": assignment, "person": person.name, "told": told}
-    context |= {"best": by_id.get(told["best"]), "last": by_id.get(told["last"]), "session": COOKIE in request.cookies}
-    return templates.TemplateResponse(request, "attempts.html", context)
+    history = await list_own(slug, request)
+    by_id = {one["id"]: one for one in history["submissions"]}
+    context = {"assignment": assignment, "person": person.name, "history": history}
+    context |= {"best": by_id.get(history["best"]), "last": by_id.get(history["last"]), "session": COOKIE in request.cookies}
+    return templates.TemplateResponse(request, "submissions.html", context)

@@ -1,4 +1,4 @@
-"""Grading again, with a look first: begin a regrade, see what it would change, then apply or drop it."""
+"""Regrade pages: start a regrade, preview its changes, then apply or drop it."""
 
 import weakref
 from collections import Counter, defaultdict
@@ -24,13 +24,13 @@ from service.store import records, regrades
 from service.store.regrades import BEST, EVERY, Regrade
 
 router = APIRouter()
-_watched: weakref.WeakValueDictionary[UUID, ChangeFeed[Any]] = weakref.WeakValueDictionary()  # while somebody looks
+_feeds: weakref.WeakValueDictionary[UUID, ChangeFeed[Any]] = weakref.WeakValueDictionary()  # of open pages
 
 
 async def _find(request: Request, id: str) -> Regrade:
     found = await regrades.find(request.app.state.database, identifier(id))
     if found is None:
-        raise Problem(404, "not-found", "there is no such regrade")
+        raise Problem(404, "not-found", "no such regrade: check the address")
     return found
 
 
@@ -38,33 +38,35 @@ Found = Annotated[Regrade, Depends(_find)]
 
 
 @router.get("/assignments/{slug}/regrades", response_class=HTMLResponse)
-async def all_of(slug: str, request: Request, person: Staff) -> Response:
-    """The regrades of an assignment, and a form to begin one."""
+async def list_regrades(slug: str, request: Request, person: Staff) -> Response:
+    """Show the regrades of an assignment and the form that starts one."""
     assignment = find_assignment(slug)
-    context = {"assignment": assignment, "labels": labels_of(assignment)}
+    context = {"assignment": assignment, "labels": check_labels(assignment)}
     context["regrades"] = await regrades.of_assignment(request.app.state.database, slug)
     return templates.TemplateResponse(request, "regrades.html", context)
 
 
 @router.post("/assignments/{slug}/regrades")
-async def begin(slug: str, request: Request, person: Staff, form: Form) -> Response:
-    """Begin a regrade of what the form names; nothing shown changes."""
-    which, check, told = await _meant(request, find_assignment(slug), field(form, "which"), field(form, "check"))
+async def create(slug: str, request: Request, person: Staff, form: Form) -> Response:
+    """Start a preview regrade of the selected submissions. Shown results do not change."""
+    which, check, description = await _selection(request, find_assignment(slug), field(form, "which"), field(form, "check"))
     try:
-        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, description=told)
+        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, description=description)
     except regrades.NothingToGrade:
-        raise Problem(409, "not-ready", f"nothing to grade again ({told}): there is none, or it is being graded") from None
-    request.app.state.queue.changed()
+        raise Problem(
+            409, "not-ready", f"nothing to regrade ({description}): no submission matches, or all are being graded"
+        ) from None
+    request.app.state.queue.invalidate()
     return RedirectResponse(f"/regrades/{id}", 303)
 
 
 @router.get("/regrades/{id}", response_class=HTMLResponse)
 async def page(request: Request, person: Staff, regrade: Found) -> Response:
-    """How far it is, and what it changes."""
+    """Show the regrade's progress and changes."""
     database = request.app.state.database
     pairs, flips = await regrades.score_changes(database, regrade.id), await regrades.check_changes(database, regrade.id)
     assignment = find_assignment(regrade.assignment)
-    context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, labels_of(assignment))}
+    context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, check_labels(assignment))}
     role = request.state.role
     context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.requested_by)
     context["may_apply"] = regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
@@ -75,87 +77,97 @@ async def page(request: Request, person: Staff, regrade: Found) -> Response:
 async def events(
     request: Request, person: Staff, regrade: Found, last_event_id: Annotated[str | None, Header()] = None
 ) -> AsyncIterator[ServerSentEvent]:
-    """An event whenever more is finished or it is decided, at most one per second."""
-    async for event in _watch(request, regrade.id).events(last_event_id):
+    """Send an event whenever the regrade progresses or is decided, at most once per second."""
+    async for event in _feed(request, regrade.id).events(last_event_id):
         yield event
 
 
 @router.post("/regrades/{id}/apply")
 async def apply(request: Request, person: Instructor, form: Form, regrade: Found) -> Response:
-    """Let the new results count."""
+    """Make the new results the shown ones."""
     try:
         await regrades.apply(request.app.state.database, regrade.id, person.name)
-    except regrades.RegradeIncomplete as why:
-        raise Problem(409, "not-ready", f"this cannot be applied yet: {why}") from None
-    except regrades.RegradeClosed as why:
-        raise Problem(409, "changed-meanwhile", str(why)) from None
+    except regrades.RegradeIncomplete as error:
+        raise Problem(409, "not-ready", f"the regrade cannot be applied yet: {error}") from None
+    except regrades.RegradeClosed as error:
+        raise Problem(409, "changed-meanwhile", str(error)) from None
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
 
 @router.post("/regrades/{id}/drop")
 async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> Response:
-    """Leave everything as it was."""
+    """Drop a regrade and keep the shown results."""
     if request.state.role != "instructor" and person.name != regrade.requested_by:
-        raise Problem(403, "not-allowed", "only instructors and who asked for a regrade may drop it")
+        raise Problem(
+            403,
+            "not-allowed",
+            "you don't have permission: only instructors and the person who requested the regrade can drop it",
+        )
     try:
         await regrades.drop(request.app.state.database, regrade.id, person.name)
-    except regrades.RegradeClosed as why:
-        raise Problem(409, "changed-meanwhile", str(why)) from None
-    request.app.state.queue.changed()
+    except regrades.RegradeClosed as error:
+        raise Problem(409, "changed-meanwhile", str(error)) from None
+    request.app.state.queue.invalidate()
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
 
-async def _meant(request: Request, assignment: Assignment, which: str, check: str) -> tuple[UUID | str, str | None, str]:
-    """What the form's words mean: which submissions, of which check the victims, and both in words for people."""
+async def _selection(request: Request, assignment: Assignment, which: str, check: str) -> tuple[UUID | str, str | None, str]:
+    """Return the submissions that the form selects, the check that they do not pass (or None), and a
+    description.
+    """
     if which == "check":
-        if check not in labels_of(assignment):
-            raise Problem(422, "invalid-request", f"the assignment has no check {check[:80]}", "/check")
-        return BEST, check, f"best submissions without ✓ at {check}"
+        if check not in check_labels(assignment):
+            raise Problem(422, "invalid-request", f"the assignment has no check {check[:80]}: select another", "/check")
+        return BEST, check, f"best submissions that do not pass {check}"
     if which in (BEST, EVERY):
-        return which, None, "everybody's best submission" if which == BEST else "every submission of everybody"
+        return which, None, "each student's best submission" if which == BEST else "all submissions of all students"
     if not which:
-        raise Problem(422, "invalid-request", "tell which submissions: all, every, check or the id of one", "/which")
+        raise Problem(422, "invalid-request", "select submissions: all, every, check, or the id of one", "/which")
     stored = await records.read(request.app.state.database, identifier(which))
     if stored is None or stored.assignment != assignment.slug:
-        raise Problem(404, "not-found", f"{assignment.slug} has no submission {which[:80]}")
+        raise Problem(404, "not-found", f"{assignment.slug} has no submission {which[:80]}: check the id")
     return stored.id, None, f"one submission of {stored.person}"
 
 
-def _watch(request: Request, id: UUID) -> ChangeFeed[Regrade | None]:
-    """One for all who look at that regrade on this server."""
-    state, watch = request.app.state, _watched.get(id)
-    if watch is None:
-        watch = _watched[id] = ChangeFeed(state.listener, lambda: regrades.find(state.database, id), lambda regrade: regrade)
-    return watch
+def _feed(request: Request, id: UUID) -> ChangeFeed[Regrade | None]:
+    """Return the feed that all viewers of the regrade on this server share."""
+    state, feed = request.app.state, _feeds.get(id)
+    if feed is None:
+        feed = _feeds[id] = ChangeFeed(state.listener, lambda: regrades.find(state.database, id), lambda regrade: regrade)
+    return feed
 
 
 GROUPS = ("gains", "loses", "unchanged", "faults", "overtaken")
-MOST_FLIPPED = 12
+MOST_CHANGED = 12
 
 
-def diff(pairs: Sequence[Row[Any]], flips: Iterable[Row[Any]], labels: Mapping[str, str]) -> dict[str, Any]:
-    """Finished ones by group, with points and flips; the checks that flip most; the versions compared."""
+def diff(pairs: Sequence[Row[Any]], changes: Iterable[Row[Any]], labels: Mapping[str, str]) -> dict[str, Any]:
+    """Return the finished submissions by group, the most frequently changed checks, and the compared
+    versions.
+    """
     by_grading: dict[UUID, list[dict[str, str]]] = defaultdict(list)
     kinds: Counter[tuple[str, str]] = Counter()
-    for flip in flips:
-        told = f"{_mark(flip.was)} → {_mark(flip.now)}"
-        named = {"check": flip.check_id, "label": labels.get(flip.check_id, "")}
-        by_grading[flip.grading].append(named | {"told": told, "words": f"{_word(flip.was)}, now {_word(flip.now)}"})
-        kinds[flip.check_id, told] += 1
+    for change in changes:
+        marks = f"{_mark(change.was)} → {_mark(change.now)}"
+        check = {"check": change.check_id, "label": labels.get(change.check_id, "")}
+        by_grading[change.grading].append(
+            check | {"marks": marks, "description": f"{_label(change.was)}, now {_label(change.now)}"}
+        )
+        kinds[change.check_id, marks] += 1
     groups: dict[str, list[dict[str, Any]]] = {name: [] for name in GROUPS}
     for row in pairs:
         if row.finished:
             groups[_group(row)].append(row._asdict() | {"flips": by_grading[row.grading]})
-    flipped = [
-        {"check": check, "label": labels.get(check, ""), "told": told, "count": count}
-        for (check, told), count in kinds.most_common(MOST_FLIPPED)
+    most_changed = [
+        {"check": id, "label": labels.get(id, ""), "marks": marks, "count": count}
+        for (id, marks), count in kinds.most_common(MOST_CHANGED)
     ]
     versions = {side: sorted({v for row in pairs if (v := getattr(row, side))}) for side in ("was_version", "version")}
-    return {"groups": groups, "flipped": flipped, "from": versions["was_version"], "to": versions["version"]}
+    return {"groups": groups, "changed_checks": most_changed, "from": versions["was_version"], "to": versions["version"]}
 
 
-def labels_of(assignment: Assignment) -> dict[str, str]:
-    """By its id, the label of every check, with the exercise."""
+def check_labels(assignment: Assignment) -> dict[str, str]:
+    """Return the labels of all checks, with their exercise, by check id."""
     return {c.id: f"{e.number}: {c.label}" for e in assignment.exercises for c in e.checks}
 
 
@@ -173,5 +185,5 @@ def _mark(state: str | None) -> str:
     return MARKS.get(state or "", "(none)")
 
 
-def _word(state: str | None) -> str:
-    return WORDS.get(state or "", "not there")
+def _label(state: str | None) -> str:
+    return WORDS.get(state or "", "absent")

@@ -1,4 +1,4 @@
-"""The source of a submission to look at: its cells line by line, marked where an exception was raised or a syntax error lies."""
+"""Source view and diff of a submission: cells line by line, with the lines marked at which code failed."""
 
 import difflib
 from collections import Counter
@@ -14,7 +14,9 @@ MOST_LINES = 2000
 
 @dataclass(frozen=True)
 class Mark:
-    """What a line has to do with the scene end at that place in the report: it stopped the code (``raised``), or led there."""
+    """Why a line is marked: it raised the error of scene end number ``scene_end`` (``raised``), or
+    called the code that did.
+    """
 
     scene_end: int
     raised: bool
@@ -23,7 +25,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Line:
-    """A line by its number from 1, with its marks."""
+    """A line with its number, from 1, and its marks."""
 
     number: int
     text: str
@@ -32,7 +34,10 @@ class Line:
 
 @dataclass(frozen=True)
 class ShownCell:
-    """A cell by its place from 1, ``name`` as a traceback calls it; ``left_out`` lines at its end are too many to show."""
+    """A cell with its number ``place``, from 1, and its name in tracebacks.
+
+    ``left_out`` lines at its end are not shown.
+    """
 
     place: int
     name: str
@@ -41,20 +46,23 @@ class ShownCell:
 
 
 def cells(submission: Submission, scene_ends: Sequence[SceneEnd]) -> list[ShownCell]:
-    """The cells with their lines, marked by what the tracebacks of ``scene_ends`` say; at most MOST_LINES lines in all."""
+    """Return the cells with their lines, marked from the tracebacks of ``scene_ends``.
+
+    The cells have at most MOST_LINES lines in total, or more if needed to reach the last marked line.
+    """
     marks = _marks(scene_ends)
-    shown, room = [], MOST_LINES
+    shown, remaining = [], MOST_LINES
     for place, cell in enumerate(submission.cells(), start=1):
         lines = split(cell.source)
-        many = min(len(lines), max(room, _last(marks, cell.name)))
+        many = min(len(lines), max(remaining, _last_marked(marks, cell.name)))
         numbered = [Line(n, line, marks.get(SourceLocation(cell.name, n), [])) for n, line in enumerate(lines[:many], start=1)]
         shown.append(ShownCell(place, cell.name, numbered, len(lines) - many))
-        room = max(0, room - many)
+        remaining = max(0, remaining - many)
     return shown
 
 
 def split(source: str) -> list[str]:
-    """The lines as Python counts them, each harmless to show."""
+    """Return the lines as Python counts them, with unprintable characters replaced."""
     plain = BREAK.sub("\n", source)
     return text(plain, len(plain)).removesuffix("\n").split("\n")
 
@@ -63,25 +71,27 @@ def _marks(scene_ends: Iterable[SceneEnd]) -> dict[SourceLocation, list[Mark]]:
     marks: dict[SourceLocation, list[Mark]] = {}
     for number, scene_end in enumerate(scene_ends):
         for depth, place in enumerate(reversed(source_locations(scene_end))):
-            known = marks.setdefault(place, [])
-            if all((mark.sentence, mark.raised) != (scene_end.sentence, depth == 0) for mark in known):
-                known.append(Mark(number, depth == 0, scene_end.sentence))
+            marked = marks.setdefault(place, [])
+            if all((mark.sentence, mark.raised) != (scene_end.sentence, depth == 0) for mark in marked):
+                marked.append(Mark(number, depth == 0, scene_end.sentence))
     return marks
 
 
-def _last(marks: Iterable[SourceLocation], cell: str) -> int:
+def _last_marked(marks: Iterable[SourceLocation], cell: str) -> int:
     return max((place.line for place in marks if place.cell == cell), default=0)
 
 
 MOST_LINES = 2000
-MOST_WORK = 2e7  # steps of the comparison at worst: some seconds
-AROUND = 3
+MOST_WORK = 2e7  # upper bound of comparison steps, a few seconds
+CONTEXT = 3  # unchanged lines around a change
 SIGNS = {"same": " ", "gone": "−", "new": "+"}
 
 
 @dataclass(frozen=True)
 class Changed:
-    """A line of a difference: its ``kind``, a key of SIGNS, and its number before and now, where it is there."""
+    """A line of a diff: its ``kind``, a key of SIGNS, and its line numbers in the earlier and later
+    source, None if absent.
+    """
 
     kind: str
     before: int | None
@@ -90,20 +100,23 @@ class Changed:
 
 
 class TooLong(Exception):
-    """The two differ in too much to be compared line by line."""
+    """The sources differ too much for a line-by-line comparison."""
 
 
 def difference(before: Submission, now: Submission) -> list[list[Changed]]:
-    """The changed stretches with some lines around each, of the code alone; TooLong where that would take too long."""
+    """Return the changed blocks of code, each with CONTEXT lines around it.
+
+    Raises TooLong if comparing would take too long.
+    """
     old, new = _lines(before), _lines(now)
-    head = _alike(old, new)
-    tail = _alike(old[head:][::-1], new[head:][::-1])
-    first = max(0, head - AROUND)
-    a, b = (lines[first : len(lines) - max(0, tail - AROUND)] for lines in (old, new))
-    if max(len(a), len(b)) > MOST_LINES or _work(a, b) > MOST_WORK:
+    head = _common_prefix(old, new)
+    tail = _common_prefix(old[head:][::-1], new[head:][::-1])
+    first = max(0, head - CONTEXT)
+    a, b = (lines[first : len(lines) - max(0, tail - CONTEXT)] for lines in (old, new))
+    if max(len(a), len(b)) > MOST_LINES or _comparison_steps(a, b) > MOST_WORK:
         raise TooLong
-    groups = difflib.SequenceMatcher(None, a, b).get_grouped_opcodes(AROUND)
-    return [[line for block in group for line in _told(block, a, b, first + 1)] for group in groups]
+    groups = difflib.SequenceMatcher(None, a, b).get_grouped_opcodes(CONTEXT)
+    return [[line for block in group for line in _changed_lines(block, a, b, first + 1)] for group in groups]
 
 
 def _lines(submission: Submission) -> list[str]:
@@ -113,21 +126,26 @@ def _lines(submission: Submission) -> list[str]:
     return [line for cell in cells for line in (f"# {cell.name}", *split(cell.source))]
 
 
-def _alike(a: Sequence[str], b: Sequence[str]) -> int:
-    """How many lines at the beginning are the same."""
+def _common_prefix(a: Sequence[str], b: Sequence[str]) -> int:
+    """Return the number of equal lines at the beginning."""
     return next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
 
 
-def _work(a: Sequence[str], b: Sequence[str]) -> float:
-    """At most so many steps: equal pairs of lines, but for those that difflib leaves aside as too common, once a match."""
-    mine, theirs = Counter(a), Counter(b)
+def _comparison_steps(a: Sequence[str], b: Sequence[str]) -> float:
+    """Return an upper bound of difflib's steps: pairs of equal lines, without those it ignores as too
+    common, once per match.
+    """
+    counts_a, counts_b = Counter(a), Counter(b)
     common = len(b) // 100 + 1 if len(b) >= 200 else len(b)
-    pairs = sum(many * theirs[line] for line, many in mine.items() if theirs[line] <= common)
+    pairs = sum(many * counts_b[line] for line, many in counts_a.items() if counts_b[line] <= common)
     return (len(a) + pairs) * min(len(a), len(b))
 
 
-def _told(block: tuple[str, int, int, int, int], a: Sequence[str], b: Sequence[str], first: int) -> Iterator[Changed]:
-    """The lines of one block, whose numbers begin at ``first``."""
+def _changed_lines(block: tuple[str, int, int, int, int], a: Sequence[str], b: Sequence[str], first: int) -> Iterator[Changed]:
+    """Yield the lines of one difflib block.
+
+    ``first`` is the number of the first line of ``a`` and ``b``.
+    """
     tag, i, k, j, m = block
     if tag == "equal":
         yield from (Changed("same", first + i + n, first + j + n, a[i + n]) for n in range(k - i))

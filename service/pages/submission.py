@@ -1,4 +1,4 @@
-"""The page of one submission: its report, source, motions, what it cost, and the person's other submissions."""
+"""The submission page: report, source, motions, gradings, and the student's other submissions."""
 
 import asyncio
 from typing import Any
@@ -32,9 +32,9 @@ router = APIRouter()
 @router.get("/submissions/{id}", response_class=HTMLResponse)
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
 async def report(id: str, request: Request, person: CurrentUser) -> Response:
-    """One submission; the staff see more of how it was graded than whoever sent it."""
+    """Show one submission. Staff see more details of the grading than the student."""
     stored, database = await find_submission(request, id), request.app.state.database
-    context = await asyncio.to_thread(_shown, stored) | {
+    context = await asyncio.to_thread(_report_context, stored) | {
         "stored": stored,
         "staff": request.state.role in STAFF,
         "gradings": await gradings(database, stored.id),
@@ -45,32 +45,32 @@ async def report(id: str, request: Request, person: CurrentUser) -> Response:
 
 @router.get("/submissions/{id}/diff", response_class=HTMLResponse)
 async def changes(id: str, request: Request, person: CurrentUser) -> Response:
-    """How the source differs from that of the same person's submission before it."""
+    """Show the changes of the source since the student's previous submission."""
     stored, database = await find_submission(request, id), request.app.state.database
     found = await previous(database, stored.id)
     earlier = await records.read(database, found) if found else None
     if earlier is None:
-        raise Problem(404, "not-found", "no earlier submission is known to compare this one with")
-    groups = await asyncio.to_thread(_compared, earlier, stored)
+        raise Problem(404, "not-found", "no earlier submission to compare with: this is the first one")
+    groups = await asyncio.to_thread(_diff, earlier, stored)
     context = {"stored": stored, "earlier": earlier, "groups": groups, "signs": SIGNS}
     return templates.TemplateResponse(request, "diff.html", context)
 
 
-def _shown(stored: SubmissionRecord) -> dict[str, Any]:
-    """What the page needs and takes time: the source, line by line, and where its failing lines are."""
+def _report_context(stored: SubmissionRecord) -> dict[str, Any]:
+    """Return the part of the context that is slow to compute: source lines, failing lines and motions."""
     scene_ends = stored.report.scene_ends if stored.report else []
     shown = cells(stored.submission, scene_ends)
-    known = {cell.name: cell.place for cell in shown}
+    places = {cell.name: cell.place for cell in shown}
     assignment = assignments().get(stored.assignment)
     return {
         "cells": shown,
         "lines": sum(len(cell.lines) for cell in shown),
         "stops": [
-            (number, scene_end, [(known[p.cell], p) for p in source_locations(scene_end) if p.cell in known])
+            (number, scene_end, [(places[p.cell], p) for p in source_locations(scene_end) if p.cell in places])
             for number, scene_end in enumerate(scene_ends)
             if scene_end.traceback
         ],
-        "motions": played_in(assignment, stored.report) if assignment and stored.report else {},
+        "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
         "sweeps": assignment is not None and assignment.sweep is not None,
         "state": lambda outcome: result.state(outcome, scene_ends),
         "tolerance": _tolerance,
@@ -80,15 +80,15 @@ def _shown(stored: SubmissionRecord) -> dict[str, Any]:
 
 
 def _tolerance(outcome: Outcome) -> str:
-    """The numbers that were allowed, and why just these."""
+    """Return the tolerance's numbers and their reason as text."""
     allowed = outcome.tolerance
     numbers = {"rtol": allowed.rtol, "atol": allowed.atol, "limit": allowed.limit}
-    told = ", ".join(f"{name} {value:.3g}" for name, value in numbers.items() if value is not None)
-    return f"{told}: {allowed.reason}" if told else allowed.reason
+    text = ", ".join(f"{name} {value:.3g}" for name, value in numbers.items() if value is not None)
+    return f"{text}: {allowed.reason}" if text else allowed.reason
 
 
-def _compared(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Changed]] | None:
-    """The changed stretches; None where they are too long to be found."""
+def _diff(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Changed]] | None:
+    """Return the changed blocks, or None if the sources differ too much."""
     try:
         return difference(earlier.submission, stored.submission)
     except TooLong:
@@ -96,28 +96,28 @@ def _compared(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[
 
 
 @router.get("/submissions/{id}/motions/{name}.json")
-async def show(person: CurrentUser, stored: Submission, name: str, request: Request) -> Response:
-    """A motion of the report, made when first asked for and kept."""
+async def motion(person: CurrentUser, stored: Submission, name: str, request: Request) -> Response:
+    """Return a motion of the report as JSON; compute it on the first request and store it."""
     assignment = assignments().get(stored.assignment)
-    played = played_in(assignment, stored.report) if assignment and stored.report else {}
-    asked = next((m for motions in played.values() for m in motions if m.name == name), None)
-    if assignment is None or asked is None:
-        raise Problem(404, "not-found", f"the report has no motion {name[:80]}")
+    available = playable_motions(assignment, stored.report) if assignment and stored.report else {}
+    requested = next((m for motions in available.values() for m in motions if m.name == name), None)
+    if assignment is None or requested is None:
+        raise Problem(404, "not-found", f"the report has no motion {name[:80]}: check the address")
 
-    def made(packed: bytes) -> bytes:
-        return motion_data.to_json(assignment, asked, rendering.unpack(packed).get(asked.scene, {}), stored.seed)
+    def compute(packed: bytes) -> bytes:
+        return motion_data.to_json(assignment, requested, rendering.unpack(packed).get(requested.scene, {}), stored.seed)
 
     async def make(packed: bytes) -> bytes:
-        return await asyncio.to_thread(made, packed)
+        return await asyncio.to_thread(compute, packed)
 
     return await cached_artefact(request, stored, f"motions/{name}.json", "application/json", make)
 
 
-def played_in(assignment: Assignment, report: Report) -> dict[str, list[Motion]]:
-    """The motions that can be played, by the number of their exercise: of its exercises, those whose scene was finished."""
-    told, finished = {e.number for e in report.exercises}, {e.scene for e in report.scene_ends if e.ended is Ended.FINISHED}
+def playable_motions(assignment: Assignment, report: Report) -> dict[str, list[Motion]]:
+    """Return the motions whose scene finished, by exercise number."""
+    reported, finished = {e.number for e in report.exercises}, {e.scene for e in report.scene_ends if e.ended is Ended.FINISHED}
     return {
         e.number: found
         for e in assignment.exercises
-        if e.number in told and (found := [m for m in e.motions if m.scene in finished])
+        if e.number in reported and (found := [m for m in e.motions if m.scene in finished])
     }

@@ -35,8 +35,8 @@ ENVIRONMENT = {
 class Isolation:
     """The isolation of a guest: its ``level``, its ``layers``, and the command and environment that start it.
 
-    The command is ``around`` followed by ``inside``, the interpreter's own command. The zygote appends the number of its control
-    socket.
+    The command is ``around`` followed by ``inside``, the interpreter's own command. The host appends the number of the zygote's
+    control socket.
     """
 
     level: Level

@@ -24,7 +24,7 @@ def server(url, paths):
 
 def log_in(page, server, token):
     page.goto(f"{server.url}/login")
-    page.get_by_label("The token your course gave you").fill(token)
+    page.get_by_label("Token from your course").fill(token)
     page.get_by_role("button", name="Log in").click()
     page.locator("nav .me").wait_for()
 

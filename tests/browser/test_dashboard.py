@@ -70,7 +70,7 @@ def log_in(page, address, **fields):
     """Go there, by the login form that is in the way."""
     page.goto(address)
     assert page.title() == "Log in · polhode"
-    labels = {"name": "Name", "password": "Password", "token": "The token your course gave you"}
+    labels = {"name": "Name", "password": "Password", "token": "Token from your course"}
     for name, value in fields.items():
         page.get_by_label(labels[name], exact=True).fill(value)
     page.get_by_role("button", name="Log in").click()
@@ -101,10 +101,10 @@ def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, nam
     page, password = page(), f"a polhode rolls for {name}"
     log_in(page, f"{server.url}/", token=tokens[name])
     page.locator("nav .me").click()
-    page.get_by_label("New password").fill(password)
-    page.get_by_label("The same again").fill(password)
-    page.get_by_role("button", name="Set the password").click()
-    assert page.get_by_role("status").first.inner_text() == "✓ Your password is set. Other browsers are logged out."
+    page.get_by_label("New password (").fill(password)
+    page.get_by_label("Repeat new password").fill(password)
+    page.get_by_role("button", name="Save password").click()
+    assert page.get_by_role("status").first.inner_text() == "✓ Password saved. Other browsers are logged out."
     page.get_by_role("button", name="Log out", exact=True).click()
     page.get_by_text("You are logged out.").wait_for()
     assert page.locator("nav .me").count() == 0
@@ -113,8 +113,8 @@ def test_first_by_token_then_by_a_password_of_ones_own(page, server, tokens, nam
     page.get_by_role("button", name="Log in").click()
     page.locator("nav .me").wait_for()
     shown = page.locator("nav a").all_inner_texts()
-    assert ("people" in shown) == (name != "ann") and shown[-1] == (name if name == "ann" else f"{name}, {ROLES[name]}")
-    assert heading(page) == ("Submissions" if name == "ann" else "The course")
+    assert ("People" in shown) == (name != "ann") and shown[-1] == (name if name == "ann" else f"{name}, {ROLES[name]}")
+    assert heading(page) == ("Submissions" if name == "ann" else "Course")
 
 
 def test_a_wrong_password_is_told_at_the_form(page, server):
@@ -133,11 +133,11 @@ def test_students_see_their_own_work_and_pages_that_say_no(seen_by, server, sent
     page = seen_by("ann")
     for path in (*STAFF_ONLY, f"/submissions/{sent['ben']}", f"/submissions/{sent['ben']}/diff"):
         answer = page.goto(server.url + path)
-        assert answer.status == 403 and heading(page) == "This is not yours to do", path
+        assert answer.status == 403 and heading(page) == "Permission denied", path
         assert page.get_by_role("alert").inner_text() and "ben" not in page.locator("main").inner_text().split()
-    page.get_by_role("link", name="To the first page").click()
+    page.get_by_role("link", name="Home").click()
     page.locator("table[data-rows] tbody a").first.click()
-    assert page.url.endswith(sent["ann"]) and page.get_by_text("Give points by hand").count() == 0
+    assert page.url.endswith(sent["ann"]) and page.get_by_text("Override score").count() == 0
 
 
 def test_assistants_see_everything_and_may_not_decide(seen_by, server, sent):
@@ -150,23 +150,23 @@ def test_assistants_see_everything_and_may_not_decide(seen_by, server, sent):
         page.goto(f"{server.url}{BASE}/regrades")
         with page.expect_navigation() as going:  # the page's own form, sent elsewhere
             page.evaluate("path => { const form = document.querySelector('main form'); form.action = path; form.submit(); }", path)
-        assert going.value.status == 403 and heading(page) == "This is not yours to do", path
+        assert going.value.status == 403 and heading(page) == "Permission denied", path
 
 
 def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, server, tmp_path):
     prof, file = seen_by("prof", "/people"), tmp_path / "class.csv"
     file.write_text("name,role,full_name,email,student_id\nzoe,student,Zoë Ågård,zoe@example.org,0042\nyan,former,,,\n")
-    prof.locator("summary", has_text="Enter a roster").click()
-    prof.get_by_label("Roster").set_input_files(file)
-    prof.get_by_role("button", name="Enter").click()
-    prof.get_by_text("2 people entered.").wait_for()
+    prof.locator("summary", has_text="Import roster").click()
+    prof.get_by_label("Roster file").set_input_files(file)
+    prof.get_by_role("button", name="Import").click()
+    prof.get_by_text("Imported 2 people.").wait_for()
     prof.get_by_label("Filter").fill("agard")
     assert rows(prof, "#people") == ["zoe Zoë Ågård student zoe@example.org 0042 0 –"]
-    prof.locator("summary", has_text="Enter a roster").click()
-    prof.get_by_label("Roster").set_input_files(file)
-    prof.get_by_label("Give each a new token").check()
+    prof.locator("summary", has_text="Import roster").click()
+    prof.get_by_label("Roster file").set_input_files(file)
+    prof.get_by_label("Create a new login token").check()
     with prof.expect_download() as coming:
-        prof.get_by_role("button", name="Enter").click()
+        prof.get_by_role("button", name="Import").click()
     given = dict(csv.reader(io.StringIO(coming.value.path().read_text())))
     assert set(given) == {"name", "zoe", "yan"}
     log_in(page(), f"{server.url}{BASE}", token=given["zoe"])
@@ -176,22 +176,22 @@ def test_a_roster_that_is_none_is_told_with_its_line(seen_by, tmp_path):
     seen_by.allowed.append("status of 422")
     prof, file = seen_by("prof", "/people"), tmp_path / "bad.csv"
     file.write_text("name,role\nzoe,queen\n")
-    prof.locator("summary", has_text="Enter a roster").click()
-    prof.get_by_label("Roster").set_input_files(file)
-    prof.get_by_role("button", name="Enter").click()
+    prof.locator("summary", has_text="Import roster").click()
+    prof.get_by_label("Roster file").set_input_files(file)
+    prof.get_by_role("button", name="Import").click()
     assert "bad.csv, line 2: a role is" in prof.get_by_role("alert").inner_text()
 
 
 def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(seen_by, sent):
     page = seen_by("prof", f"{BASE}/class")
     page.locator("#heat").get_by_role("link", name="2-energy").click()
-    assert heading(page).startswith("3 of ") and [row[:3] for row in rows(page, "#chosen")] == ["ann", "cle", "dan"]
-    page.locator("#chosen tr", has_text="cleo").get_by_role("link").click()
+    assert heading(page).startswith("3 of ") and [row[:3] for row in rows(page, "#submissions")] == ["ann", "cle", "dan"]
+    page.locator("#submissions tr", has_text="cleo").get_by_role("link").click()
     assert page.url.endswith(f"/submissions/{sent['cleo']}#check-2-energy") and "By cleo" in page.locator("main").inner_text()
     page.go_back()
     page.go_back()
     page.locator("tr", has_text=OTHER.sentence).get_by_role("link", name="1 student").click()
-    assert heading(page).startswith("1 of ") and [row[:4] for row in rows(page, "#chosen")] == ["cleo"]
+    assert heading(page).startswith("1 of ") and [row[:4] for row in rows(page, "#submissions")] == ["cleo"]
     assert page.locator("main q").inner_text() == OTHER.sentence
 
 
@@ -216,37 +216,37 @@ def test_the_class_is_filtered_by_typing_and_gone_through_by_keys(seen_by, sent)
 
 def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, url):
     page = seen_by("prof", f"{BASE}/class")
-    page.get_by_label("Deadline (UTC)").fill("2036-02-29T12:30")
-    page.get_by_label("Grace, minutes").fill("90")
-    page.get_by_role("button", name="Set").click()
-    assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; any number" in " ".join(page.locator("main").inner_text().split())
+    page.get_by_label("Deadline (UTC)", exact=True).fill("2036-02-29T12:30")
+    page.get_by_label("Grace period (minutes)").fill("90")
+    page.get_by_role("button", name="Save", exact=True).click()
+    assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; unlimited" in " ".join(page.locator("main").inner_text().split())
     page.get_by_label("Name").fill("ann")
-    page.get_by_label("Until (UTC)").fill("2036-03-07T12:30")
+    page.get_by_label("New deadline (UTC)").fill("2036-03-07T12:30")
     page.get_by_label("Reason").fill("was ill for a week")
-    page.get_by_role("button", name="Give", exact=True).click()
-    table = page.locator("table", has_text="Extensions given")
+    page.get_by_role("button", name="Save extension").click()
+    table = page.locator("table", has_text="Current extensions")
     assert re.search(r"ann\s+2036-03-07 12:30\s+was ill for a week\s+prof", table.inner_text())
     page.get_by_label("Name").fill("ann")
-    page.get_by_role("button", name="Give", exact=True).click()
+    page.get_by_role("button", name="Save extension").click()
     assert table.count() == 0
-    page.get_by_label("Deadline (UTC)").fill("")
-    page.get_by_role("button", name="Set").click()
-    assert "Deadline: none; any number" in " ".join(page.locator("main").inner_text().split())
+    page.get_by_label("Deadline (UTC)", exact=True).fill("")
+    page.get_by_role("button", name="Save", exact=True).click()
+    assert "Deadline: none; unlimited" in " ".join(page.locator("main").inner_text().split())
 
 
 def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, server):
     prof, ann = seen_by("prof", f"/submissions/{sent['ann']}"), seen_by("ann")
-    prof.get_by_text("Give points by hand").click()
-    prof.get_by_label("For").select_option("2-energy")
+    prof.get_by_text("Override score").click()
+    prof.get_by_label("Check").select_option("2-energy")
     prof.get_by_label("Points").fill("1")
-    prof.get_by_label("Reason, which the student reads").fill("the sign convention was not told in the notebook")
-    prof.get_by_role("button", name="Give these points").click()
+    prof.get_by_label("Reason (shown to the student)").fill("the sign convention was not told in the notebook")
+    prof.get_by_role("button", name="Save override").click()
     assert "2 of 2 (graded 1)" in prof.locator("#points").inner_text()
     ann.goto(f"{server.url}/submissions/{sent['ann']}")
     told = ann.locator("#points").inner_text()
     assert "the sign convention was not told in the notebook" in told and "prof" in told and "2 of 2 (graded 1)" in told
     assert ann.locator("#points button").count() == 0
-    prof.get_by_role("button", name="Withdraw the points for 2-energy").click()
+    prof.get_by_role("button", name="Withdraw the override of 2-energy").click()
     ann.reload()
     told = ann.locator("#points").inner_text()
     assert "withdrawn by prof" in told and "1 of 2." in told
@@ -257,14 +257,19 @@ def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, ser
 def test_a_checks_victims_are_graded_again_looked_at_and_let_count(seen_by, sent, server):
     page, ann = seen_by("tutor", f"{BASE}/regrades"), seen_by("ann", f"/submissions/{sent['ann']}")
     page.get_by_label("best submissions that do not pass this check").check()
-    page.get_by_label("The check").select_option("2-energy")
-    page.get_by_role("button", name="Grade again, look first").click()
-    assert heading(page).startswith("Regrade of") and "best submissions without ✓ at 2-energy" in page.locator("main").inner_text()
+    page.get_by_label("Check", exact=True).select_option("2-energy")
+    page.get_by_role("button", name="Regrade (preview)").click()
+    assert (
+        heading(page).startswith("Regrade of") and "best submissions that do not pass 2-energy" in page.locator("main").inner_text()
+    )
     page.evaluate("window.been = true")
     page.get_by_text("3 of 3 graded").wait_for()
     page.get_by_text("2 gain, 1 lose, 0 keep their points").wait_for()
     assert page.evaluate("window.been"), "told without being loaded again"
-    assert page.get_by_role("button", name="Apply").count() == 0 and page.get_by_text("An instructor applies it.").is_visible()
+    assert (
+        page.get_by_role("button", name="Apply").count() == 0
+        and page.get_by_text("Only an instructor can apply the regrade.").is_visible()
+    )
     lost = page.locator("[role=region][aria-label=Lose] tbody").inner_text()
     assert lost.startswith("dan") and "1 of 2 → 0 of 5" in lost and "✓ → !" in lost
     ann.reload()
@@ -274,7 +279,7 @@ def test_a_checks_victims_are_graded_again_looked_at_and_let_count(seen_by, sent
     assert "✓ applied by prof" in prof.locator("#live").inner_text()
     ann.reload()
     assert "graded: 5 of 5 points (public checks" in " ".join(ann.locator("main").inner_text().split())
-    assert "2, shown, a regrade" in ann.locator("#gradings").inner_text()
+    assert "2, shown, regrade" in ann.locator("#gradings").inner_text()
 
 
 def test_every_export_is_downloaded_and_can_be_read(seen_by):
@@ -289,7 +294,7 @@ def test_every_export_is_downloaded_and_can_be_read(seen_by):
         page.get_by_role("link", name="JSON").click()
     assert {"ann", "ben"} <= {row["student"] for row in json.loads(coming.value.path().read_text())["students"]}
     with page.expect_download() as coming:
-        page.get_by_role("link", name="everything (zip)").click()
+        page.get_by_role("link", name="all data (zip)").click()
     with zipfile.ZipFile(coming.value.path()) as archive:
         assert archive.testzip() is None and "rigid-body/grades.csv" in archive.namelist() and len(archive.namelist()) > 5
 
@@ -298,7 +303,7 @@ def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server
     page = seen_by("tutor", "/queue")
     page.evaluate("window.been = true")
     loop = post(server, tokens["ben"], LOOP)
-    page.get_by_text("perhaps an endless loop").wait_for()
+    page.get_by_text("possibly an endless loop").wait_for()
     assert page.locator(f"table.going a[href='/submissions/{loop}']").inner_text() == "ben"
     assert page.locator(".stuck").inner_text().startswith("⏱ ")
     waiting = post(server, tokens["ann"], GOOD)
@@ -306,10 +311,10 @@ def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server
     assert page.evaluate("window.been"), "it tells by itself"
     page.get_by_role("button", name="Cancel the grading of ann").click()
     page.get_by_role("button", name="Cancel the grading of ben").click()
-    page.get_by_role("button", name="Grade the submission of ben again").wait_for()
+    page.get_by_role("button", name="Retry grading the submission of ben").wait_for()
     assert page.get_by_text("cancelled by tutor").count() == 2
-    page.get_by_role("button", name="Grade the submission of ann again").click()
-    page.get_by_role("heading", name="Without a report: 1").wait_for()
+    page.get_by_role("button", name="Retry grading the submission of ann").click()
+    page.get_by_role("heading", name="Failed or cancelled: 1").wait_for()
     ann = seen_by("ann", f"/submissions/{waiting}")
     ann.locator(".outcomes li.pass").first.wait_for()
     assert sql(url, "SELECT count(*) FROM grading WHERE submission_id = %s", waiting) == [(2,)]

@@ -48,7 +48,7 @@ def seen_by(page, server, url):
         new = page(reduced_motion="reduce", user_agent=f"Mozilla {TAGS}")
         new.goto(server.url + path)
         assert new.title() == "Log in · polhode"
-        new.get_by_label("The token your course gave you").fill(entered(url, name, role=None))
+        new.get_by_label("Token from your course").fill(entered(url, name, role=None))
         new.get_by_role("button", name="Log in").click()
         new.locator("nav .me").wait_for()
         assert new.url == server.url + path
@@ -73,12 +73,12 @@ def test_a_student_sets_a_password_sees_a_motion_and_no_page_of_the_staff(seen_b
     seen_by.allowed.append("status of 403")
     page, password = seen_by("cleo"), "a polhode rolls for cleo"
     for path in (*STAFF_ONLY, paths["failed"]):
-        assert show(page, server.url + path).status == 403 and heading(page) == "This is not yours to do", path
+        assert show(page, server.url + path).status == 403 and heading(page) == "Permission denied", path
     page.locator("nav .me").click()
-    page.get_by_label("New password").fill(password)
-    page.get_by_label("The same again").fill(password)
-    page.get_by_role("button", name="Set the password").click()
-    assert page.get_by_role("status").first.inner_text() == "✓ Your password is set. Other browsers are logged out."
+    page.get_by_label("New password (").fill(password)
+    page.get_by_label("Repeat new password").fill(password)
+    page.get_by_role("button", name="Save password").click()
+    assert page.get_by_role("status").first.inner_text() == "✓ Password saved. Other browsers are logged out."
     page.get_by_role("button", name="Log out", exact=True).click()
     page.get_by_text("You are logged out.").wait_for()
     page.get_by_label("Name").fill("cleo")
@@ -109,33 +109,33 @@ def test_an_assistant_filters_the_class_cancels_what_runs_and_may_not_decide(see
     assert page.locator("form[action$='/overrides']").count() == 0
     show(page, f"{server.url}/queue")
     page.evaluate("window.been = true")
-    running = page.get_by_role("button", name="Cancel the attempt of")
+    running = page.get_by_role("button", name="Cancel the grading of")
     before = running.count()
     running.first.click()
     page.get_by_text("cancelled by tutor").nth(1).wait_for()
-    assert page.get_by_role("button", name="Cancel the attempt of").count() == before - 1
+    assert page.get_by_role("button", name="Cancel the grading of").count() == before - 1
     for path in ("/people", f"{BASE}/rules"):
         show(page, f"{server.url}{BASE}/regrades")
         with page.expect_navigation() as going:  # the page's own form, sent elsewhere
             page.evaluate("path => { const form = document.querySelector('main form'); form.action = path; form.submit(); }", path)
-        assert going.value.status == 403 and heading(page) == "This is not yours to do", path
+        assert going.value.status == 403 and heading(page) == "Permission denied", path
 
 
 def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(seen_by, server, paths, tmp_path):
     page, file = seen_by("prof", "/people"), tmp_path / "class.csv"
     file.write_text("name,role,full_name\nzoe,student,Zoë Ågård\n")
-    page.locator("summary", has_text="Enter a roster").click()
-    page.get_by_label("Roster").set_input_files(file)
-    page.get_by_role("button", name="Enter").click()
-    page.get_by_text("1 people entered.").wait_for()
+    page.locator("summary", has_text="Import roster").click()
+    page.get_by_label("Roster file").set_input_files(file)
+    page.get_by_role("button", name="Import").click()
+    page.get_by_text("Imported 1 person.").wait_for()
     page.get_by_label("Filter").fill("agard")
     assert page.locator("#people > tbody > tr:visible").count() == 1
     show(page, server.url + paths["moving"])
-    page.get_by_text("Give points by hand").click()
-    page.get_by_label("For").select_option("2-motion")
+    page.get_by_text("Override score").click()
+    page.get_by_label("Check").select_option("2-motion")
     page.get_by_label("Points").fill("1")
-    page.get_by_label("Reason, which the student reads").fill(TAGS)
-    page.get_by_role("button", name="Give these points").click()
+    page.get_by_label("Reason (shown to the student)").fill(TAGS)
+    page.get_by_role("button", name="Save override").click()
     page.get_by_text("(graded ").wait_for()
     cleo = seen_by("cleo", paths["moving"])
     assert TAGS in cleo.locator("#points").inner_text() and "(graded " in inert(cleo)

@@ -12,9 +12,9 @@ from tests.image.engine import Failed, Podman
 
 PEOPLE = "name,role\nada,student\nemmy,instructor\n"
 ENTER = "polhode roster /dev/stdin --tokens tokens.csv >&2 && cat tokens.csv && rm tokens.csv"
-BY_WORKER = "SELECT split_part(worker, '/', 1), count(*) FROM run WHERE scene_end = 'finished' GROUP BY 1"
+BY_WORKER = "SELECT split_part(worker, '/', 1), count(*) FROM run WHERE end_reason = 'finished' GROUP BY 1"
 IN_HAND = "SELECT DISTINCT split_part(worker, '/', 1) FROM run WHERE ended_at IS NULL"
-LOST = "SELECT count(*) FROM run WHERE scene_end = 'lost'"
+LOST = "SELECT count(*) FROM run WHERE end_reason = 'lost'"
 STOP_S = 30
 
 

@@ -219,7 +219,7 @@ class Chaos:
         with psycopg.connect(url) as connection:
             stored = dict(connection.execute("SELECT idempotency_key, id::text FROM submission").fetchall())
             graded = {id for (id,) in connection.execute(_RIGHT).fetchall()}
-            runs = dict(connection.execute("SELECT scene_end, count(*) FROM run GROUP BY 1").fetchall())
+            runs = dict(connection.execute("SELECT end_reason, count(*) FROM run GROUP BY 1").fetchall())
         accepted = {key: id for key, id in self.sent.items() if id is not None}
         return {
             "harm": sum(self.done.values()),

@@ -76,7 +76,7 @@ async def _queue(database, url, name):
     await runs.heartbeat(database, claimed[0], "playing", 2, 5)
     ended = "INSERT INTO result (grading_id, run_id, fault) VALUES (%s, %s, %s)"
     sql(url, ended, grading_ids[2], claimed[1].run, f"the worker of {name} was lost")
-    sql(url, "UPDATE run SET ended_at = now(), scene_end = 'failed' WHERE id = %s", claimed[1].run)
+    sql(url, "UPDATE run SET ended_at = now(), end_reason = 'failed' WHERE id = %s", claimed[1].run)
     sql(
         url, "UPDATE run SET scene_at = now() - interval '8 s', heartbeat_at = now() + interval '1 h' WHERE id = %s", claimed[0].run
     )

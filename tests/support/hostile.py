@@ -1,6 +1,6 @@
 """Texts that would like to be more than text, in every field that takes one, and whether a page in a browser shows them as text."""
 
-from service.http.templating import TURNING
+from service.http.templating import BIDI_CONTROLS
 
 RUNS = "window.pwned=1"
 TAGS = f'"><img src=x onerror={RUNS}><svg onload={RUNS}>'
@@ -39,5 +39,5 @@ def inert(page):
     """Assert that nothing ran and nothing of it became an element; what is shown."""
     assert page.locator("header nav").is_visible() and page.evaluate("typeof window.pwned") == "undefined", page.url
     assert page.locator(ALIVE).count() == 0, page.url
-    assert not set(TURNING) & set(page.content()), page.url
+    assert not set(BIDI_CONTROLS) & set(page.content()), page.url
     return page.locator("body").inner_text()

@@ -64,7 +64,7 @@ def test_an_outage(out_s, sleep_s, workers, settings, new_server, tmp_path):
 
 
 def _out(url, body, seconds):
-    """Ask again and again while the database is out: every answer says that, and when to come back."""
+    """Ask again and again while database unavailable: every answer says that, and when to come back."""
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         for target, document in ((PATH, body), ("/readyz", None)):
@@ -80,8 +80,8 @@ def _nothing_is_left(url, workers):
         began = "SELECT min(extract(epoch FROM started_at - %s)) FROM run WHERE started_at > %s"
         up = connection.execute("SELECT pg_postmaster_start_time()").fetchone()[0]
         assert connection.execute(began, (up, up)).fetchone()[0] < 5
-        ends = dict(connection.execute("SELECT scene_end, count(*) FROM run GROUP BY 1").fetchall())
+        ends = dict(connection.execute("SELECT end_reason, count(*) FROM run GROUP BY 1").fetchall())
         assert ends.get("failed", 0) == 0, ends  # a lost connection is no failure of a grading
-        before = "SELECT count(*) FROM run WHERE started_at < %s AND scene_end = 'finished'"
+        before = "SELECT count(*) FROM run WHERE started_at < %s AND end_reason = 'finished'"
         assert connection.execute(before, (up,)).fetchone() == (workers,), "what was in hand is kept"
         wait_for(lambda: connection.execute("SELECT count(*) FROM procrastinate_jobs").fetchone() == (0,), 10)

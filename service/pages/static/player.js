@@ -1,16 +1,16 @@
-// The player of a motion: two boxes that turn, the student's beside the exact one. Play, scrub, turn by dragging or by arrow keys.
+// Motion player: the student's rotating box next to the exact one. Play, scrub, turn the view by dragging or with the arrow keys.
 
-import { apart, attitude, column, longer, product, times, transposed, upright } from "./turning.js";
+import { angleBetween, attitude, column, product, rotationToZ, scaled, times, transposed } from "./rotation.js";
 
 const CORNERS = [[1, 1], [1, -1], [-1, -1], [-1, 1]];
-const INKS = ["face1", "face2", "face3", "edge", "axis", "trail", "momentum", "words", "rule"];
-const LIGHT = [0.35, 0.55, 0.76]; // right, up, towards the eye
-const SIZE = 0.78, TIP = 1.15; // of the box's half diagonal and of an arrow, in the reach of the picture
-const SHORTEST = 8, LONGEST = 20; // seconds a motion is played in
-const still = matchMedia("(prefers-reduced-motion: reduce)");
+const COLOURS = ["face1", "face2", "face3", "edge", "axis", "trail", "momentum", "words", "rule"];
+const LIGHT = [0.35, 0.55, 0.76]; // right, up, towards the viewer
+const SIZE = 0.78, TIP = 1.15; // lengths of the box's half diagonal and of an arrow, relative to this.reach
+const SHORTEST = 8, LONGEST = 20; // playing time in seconds
+const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
-/** Make a player of a canvas whose data-motion is the address of a motion; it stays hidden where there is none. */
+/** Start a player on a canvas whose data-motion is the URL of a motion. The canvas stays hidden if the request fails. */
 export async function play(canvas) {
   const answer = await fetch(canvas.dataset.motion).catch(() => null);
   if (answer?.ok && canvas.isConnected) new Player(canvas, await answer.json());
@@ -22,18 +22,18 @@ class Player {
   constructor(canvas, motion) {
     Object.assign(this, { canvas, motion, at: 0, yaw: -0.6, pitch: 0.35, playing: false, pen: canvas.getContext("2d") });
     this.end = motion.t.at(-1);
-    this.rate = this.end / Math.min(Math.max(this.end / 1000, SHORTEST), LONGEST); // ms of the motion in a second
-    this.upright = upright(motion.L); // L is drawn vertical
-    this.half = longer(motion.half, SIZE / Math.hypot(...motion.half));
+    this.rate = this.end / Math.min(Math.max(this.end / 1000, SHORTEST), LONGEST); // ms of motion per second of playing time
+    this.upright = rotationToZ(motion.L); // draw L vertically
+    this.half = scaled(motion.half, SIZE / Math.hypot(...motion.half));
     this.addControls(canvas.closest("figure"));
     this.listen();
-    new ResizeObserver(() => this.size()).observe(canvas);
-    dark.addEventListener("change", () => this.colour());
-    this.colour();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    dark.addEventListener("change", () => this.updateColours());
+    this.updateColours();
     const seen = new IntersectionObserver(entries => {
       if (!entries.some(entry => entry.isIntersecting)) return;
       seen.disconnect();
-      if (!still.matches) this.toggle(true); // once, from the beginning to the end
+      if (!reducedMotion.matches) this.toggle(true); // play once
     }, { threshold: 0.6 });
     seen.observe(canvas);
   }
@@ -43,11 +43,11 @@ class Player {
     this.button = make("button", { type: "button" });
     this.slider = make("input", { type: "range", min: 0, max: this.end, step: 1, value: 0 });
     this.slider.setAttribute("aria-label", "Time");
-    this.told = make("span", { className: "at" });
-    bar.append(this.button, this.slider, this.told);
+    this.status = make("span", { className: "at" });
+    bar.append(this.button, this.slider, this.status);
     this.canvas.after(bar);
-    this.canvas.title = "Drag, or use the arrow keys, to turn the view";
-    figure.querySelector("figcaption").append(`. ${this.motion.told.join(" ")}`);
+    this.canvas.title = "Drag or use the arrow keys to turn the view";
+    figure.querySelector("figcaption").append(`. ${(this.motion.notes ?? this.motion.told).join(" ")}`);
     figure.hidden = false;
     this.toggle(false);
   }
@@ -91,13 +91,13 @@ class Player {
     requestAnimationFrame(tick);
   }
 
-  colour() {
+  updateColours() {
     const style = getComputedStyle(this.canvas);
-    this.ink = Object.fromEntries(INKS.map(name => [name, style.getPropertyValue(`--motion-${name}`).trim()]));
-    this.size();
+    this.colours = Object.fromEntries(COLOURS.map(name => [name, style.getPropertyValue(`--motion-${name}`).trim()]));
+    this.resize();
   }
 
-  size() {
+  resize() {
     const dense = devicePixelRatio || 1, { clientWidth: wide, clientHeight: high } = this.canvas;
     Object.assign(this.canvas, { width: Math.round(wide * dense), height: Math.round(high * dense) });
     Object.assign(this, { wide, high, dense });
@@ -112,7 +112,7 @@ class Player {
     if (!this.wide) return;
     const { pen, wide, high, dense } = this;
     const [c, s, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
-    this.view = product([[c, s, 0], [-s * sp, c * sp, cp], [s * cp, -c * cp, sp]], this.upright); // right, up, towards the eye
+    this.view = product([[c, s, 0], [-s * sp, c * sp, cp], [s * cp, -c * cp, sp]], this.upright); // right, up, towards the viewer
     pen.setTransform(dense, 0, 0, dense, 0, 0);
     pen.clearRect(0, 0, wide, high);
     pen.textAlign = "center";
@@ -121,24 +121,24 @@ class Player {
     const yours = this.attitude("yours", this.at), exact = this.attitude("exact", this.at);
     this.body("yours", yours, wide / 4);
     this.body("exact", exact, 3 * wide / 4);
-    this.line([[wide / 2, 8], [wide / 2, high - 8]], this.ink.rule, 1);
-    const difference = yours ? `${apart(yours, exact).toFixed(1)}° apart` : "yours is not a rotation";
-    this.told.textContent = `${(this.at / 1000).toFixed(2)} s, ${difference}`;
+    this.line([[wide / 2, 8], [wide / 2, high - 8]], this.colours.rule, 1);
+    const difference = yours ? `${angleBetween(yours, exact).toFixed(1)}° apart` : "your R is not a rotation";
+    this.status.textContent = `${(this.at / 1000).toFixed(2)} s, ${difference}`;
     this.slider.value = this.at;
-    this.slider.setAttribute("aria-valuetext", this.told.textContent);
+    this.slider.setAttribute("aria-valuetext", this.status.textContent);
   }
 
   body(which, R, x) {
     const { pen, half } = this, { axis, L } = this.motion, y = (this.high - 24) / 2;
-    this.put = v => [x + this.reach * v[0], y - this.reach * v[1]];
-    pen.fillStyle = this.ink.words;
+    this.project = v => [x + this.reach * v[0], y - this.reach * v[1]];
+    pen.fillStyle = this.colours.words;
     pen.fillText(R ? which : `${which}: not a rotation`, x, this.high - 8);
     if (!R) return;
     const turned = product(this.view, R), along = column(turned, axis), seenL = times(this.view, L), inBody = times(transposed(R), L);
     const ways = half.map((h, k) => h / Math.max(Math.abs(inBody[k]), 1e-9)), way = Math.min(...ways), out = ways.indexOf(way);
-    const arrows = [ // from where they leave the box; over it, where that is a face that is seen
-      { from: longer(along, half[axis]), to: along, ink: this.ink.axis, name: "ê" + "₁₂₃"[axis], over: along[2] > 0 },
-      { from: longer(seenL, way), to: seenL, ink: this.ink.momentum, name: "L", over: turned[2][out] * inBody[out] > 0 },
+    const arrows = [ // from the point where they leave the box; drawn over it if that face is visible
+      { from: scaled(along, half[axis]), to: along, colour: this.colours.axis, name: "ê" + "₁₂₃"[axis], over: along[2] > 0 },
+      { from: scaled(seenL, way), to: seenL, colour: this.colours.momentum, name: "L", over: turned[2][out] * inBody[out] > 0 },
     ];
     this.trail(which, -1);
     for (const arrow of arrows) if (!arrow.over) this.arrow(arrow);
@@ -150,46 +150,46 @@ class Player {
   face(turned, k, side) {
     const { pen, half } = this, [p, q] = [0, 1, 2].filter(other => other !== k);
     const lit = side * LIGHT.reduce((sum, l, i) => sum + l * turned[i][k], 0), path = new Path2D();
-    for (const [a, b] of CORNERS) path.lineTo(...this.put(turned.map(row => side * half[k] * row[k] + a * half[p] * row[p] + b * half[q] * row[q])));
+    for (const [a, b] of CORNERS) path.lineTo(...this.project(turned.map(row => side * half[k] * row[k] + a * half[p] * row[p] + b * half[q] * row[q])));
     path.closePath();
     const shade = `rgb(0 0 0 / ${(0.45 * (1 - Math.max(0, lit))).toFixed(3)})`;
-    for (const ink of [this.ink[`face${k + 1}`], side < 0 ? "rgb(255 255 255 / 0.35)" : "transparent", shade]) { // the far end of an axis is paler
-      pen.fillStyle = ink;
+    for (const colour of [this.colours[`face${k + 1}`], side < 0 ? "rgb(255 255 255 / 0.35)" : "transparent", shade]) { // the face at an axis' negative end is paler
+      pen.fillStyle = colour;
       pen.fill(path);
     }
-    Object.assign(pen, { strokeStyle: this.ink.edge, lineWidth: 1, lineJoin: "round" });
+    Object.assign(pen, { strokeStyle: this.colours.edge, lineWidth: 1, lineJoin: "round" });
     pen.stroke(path);
   }
 
-  arrow({ from, to, ink, name }) {
-    const { pen } = this, [x0, y0] = this.put(from), [x, y] = this.put(longer(to, TIP)), length = Math.hypot(x - x0, y - y0);
+  arrow({ from, to, colour, name }) {
+    const { pen } = this, [x0, y0] = this.project(from), [x, y] = this.project(scaled(to, TIP)), length = Math.hypot(x - x0, y - y0);
     const [u, v] = length > 1 ? [(x - x0) / length, (y - y0) / length] : [0, -1];
-    this.line([[x0, y0], [x, y]], ink, 2.5);
-    pen.fillStyle = ink;
+    this.line([[x0, y0], [x, y]], colour, 2.5);
+    pen.fillStyle = colour;
     pen.beginPath();
     for (const [f, g] of [[4, 0], [-6, 4], [-6, -4]]) pen.lineTo(x + f * u - g * v, y + f * v + g * u);
     pen.fill();
     pen.fillText(name, x + 13 * u, y + 13 * v + 4);
   }
 
-  /** The path so far of the axis' tip, on a sphere around the box: its half towards the eye (1) or away (-1). */
+  /** Draw the path of the axis' tip so far on a sphere around the box: the half towards the viewer (1) or away from it (-1). */
   trail(which, side) {
-    const { t, axis } = this.motion, so = [...t.flatMap((one, k) => (k ? [(one + t[k - 1]) / 2, one] : [one])).filter(one => one < this.at), this.at];
+    const { t, axis } = this.motion, moments = [...t.flatMap((one, k) => (k ? [(one + t[k - 1]) / 2, one] : [one])).filter(one => one < this.at), this.at];
     let points = [];
     this.pen.globalAlpha = side > 0 ? 0.8 : 0.35;
-    for (const time of [...so, null]) {
+    for (const time of [...moments, null]) {
       const R = time === null ? null : this.attitude(which, time), v = R && times(this.view, column(R, axis));
-      if (v) points.push(this.put(longer(v, TIP)));
+      if (v) points.push(this.project(scaled(v, TIP)));
       if (v && v[2] * side >= 0) continue;
-      if (points.length > 1) this.line(points, this.ink.trail, 1.2);
+      if (points.length > 1) this.line(points, this.colours.trail, 1.2);
       points = points.slice(-1);
     }
     this.pen.globalAlpha = 1;
   }
 
-  line(points, ink, wide) {
+  line(points, colour, wide) {
     const { pen } = this;
-    Object.assign(pen, { strokeStyle: ink, lineWidth: wide });
+    Object.assign(pen, { strokeStyle: colour, lineWidth: wide });
     pen.beginPath();
     for (const [x, y] of points) pen.lineTo(x, y);
     pen.stroke();

@@ -1,14 +1,14 @@
-// Manners of our pages, which work without this:
-//   [data-rows]            a table or list whose rows j and k go through; o or Enter opens a row's first link
-//   table[data-grid]       arrows, Home and End go from cell to cell
-//   input[data-filter=ID]  hides the rows of that table that lack what is typed; / goes there. Put it into a [data-js][hidden]
-//   [data-live=URL][id]    asked for anew at each event of that stream; data-events names them, default "message"
-//   [data-confirm=TEXT]    a button that asks first
-//   canvas[data-motion]    the player
-// A letter is a key only outside of fields and without Ctrl, Alt or Meta; keys can be turned off in the dialog of "?".
+// Progressive enhancement: every page also works without JavaScript.
+//   [data-rows]            table or list; j and k move between its rows, o or Enter opens a row's first link
+//   table[data-grid]       arrow keys, Home and End move between cells
+//   input[data-filter=ID]  hides the rows of table ID that do not contain the typed text; / focuses it. Wrap it in [data-js][hidden]
+//   [data-live=URL][id]    is reloaded at each event of the stream URL; data-events lists the event names, default "message"
+//   [data-confirm=TEXT]    button that asks for confirmation
+//   canvas[data-motion]    motion player, see player.js
+// Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
 
-const KEYS = [["j", "next row"], ["k", "row before"], ["o or Enter", "open the row"], ["arrows, Home, End", "from cell to cell of a table of marks"],
-  ["/", "filter the table"], ["?", "this list"]];
+const KEYS = [["j", "next row"], ["k", "previous row"], ["o or Enter", "open the row"], ["arrows, Home, End", "move between the cells of the class table"],
+  ["/", "filter the table"], ["?", "show this list"]];
 const all = (selector, root = document) => [...root.querySelectorAll(selector)];
 const make = (name, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(name), properties);
@@ -16,11 +16,11 @@ const make = (name, properties = {}, ...children) => {
   return made;
 };
 
-// ---- telling
+// ---- announcements
 
-const spoken = make("p", { className: "spoken", role: "status" });
-document.body.append(spoken);
-const say = words => { if (spoken.textContent !== words) spoken.textContent = words; };
+const announcement = make("p", { className: "announcement", role: "status" });
+document.body.append(announcement);
+const announce = text => { if (announcement.textContent !== text) announcement.textContent = text; };
 
 // ---- rows
 
@@ -35,11 +35,11 @@ function goTo(element, others) {
 
 function step(by) {
   const known = rows(), at = known.findIndex(row => row.contains(document.activeElement));
-  const from = at >= 0 ? at : known.findIndex(row => row.tabIndex === 0 && row.dataset.been);
+  const from = at >= 0 ? at : known.findIndex(row => row.tabIndex === 0 && row.dataset.visited);
   const next = known[from < 0 ? (by > 0 ? 0 : known.length - 1) : Math.min(Math.max(from + by, 0), known.length - 1)];
   if (!next) return;
-  for (const row of known) delete row.dataset.been;
-  next.dataset.been = "yes";
+  for (const row of known) delete row.dataset.visited;
+  next.dataset.visited = "yes";
   goTo(next, known);
 }
 
@@ -49,58 +49,58 @@ function open(row) {
 
 // ---- cells
 
-const stop = cell => cell.querySelector("a[href], button") ?? cell;
+const focusable = cell => cell.querySelector("a[href], button") ?? cell;
 
 function enterGrid(table) {
-  const stops = all("tbody th, tbody td", table).map(stop);
-  stops.forEach((one, at) => { one.tabIndex = at === 0 ? 0 : -1; });
+  const targets = all("tbody th, tbody td", table).map(focusable);
+  targets.forEach((one, at) => { one.tabIndex = at === 0 ? 0 : -1; });
 }
 
 function moveInGrid(event, table) {
   const cell = event.target.closest("th, td"), row = cell?.parentElement;
   if (!row || !table.tBodies[0]?.contains(row)) return false;
   const shown = [...table.tBodies[0].rows].filter(one => !one.hidden), at = shown.indexOf(row);
-  const beside = row.cells[cell.cellIndex + { ArrowLeft: -1, ArrowRight: 1 }[event.key]];
-  const above = shown[at + { ArrowUp: -1, ArrowDown: 1 }[event.key]]?.cells[cell.cellIndex];
+  const sideways = row.cells[cell.cellIndex + { ArrowLeft: -1, ArrowRight: 1 }[event.key]];
+  const vertical = shown[at + { ArrowUp: -1, ArrowDown: 1 }[event.key]]?.cells[cell.cellIndex];
   const edge = { Home: row.cells[0], End: row.cells[row.cells.length - 1] }[event.key];
-  const next = beside ?? above ?? edge;
-  if (next) goTo(stop(next), [stop(cell), ...all('[tabindex="0"]', table.tBodies[0])]);
+  const next = sideways ?? vertical ?? edge;
+  if (next) goTo(focusable(next), [focusable(cell), ...all('[tabindex="0"]', table.tBodies[0])]);
   return Boolean(next);
 }
 
 // ---- filter
 
-const folded = words => words.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();
+const normalized = text => text.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();
 
 function filter(input) {
-  const table = document.getElementById(input.dataset.filter), wanted = folded(input.value.trim());
+  const table = document.getElementById(input.dataset.filter), wanted = normalized(input.value.trim());
   const known = all(":scope > tbody > tr", table);
-  for (const row of known) row.hidden = !folded(row.textContent).includes(wanted);
+  for (const row of known) row.hidden = !normalized(row.textContent).includes(wanted);
   const shown = known.find(row => !row.hidden), entry = table.querySelector('tbody [tabindex="0"]');
   if (shown && entry?.closest("tr").hidden) {
     entry.tabIndex = -1;
-    (table.matches("[data-grid]") ? stop(shown.cells[0]) : shown).tabIndex = 0;
+    (table.matches("[data-grid]") ? focusable(shown.cells[0]) : shown).tabIndex = 0;
   }
-  say(wanted ? `${known.filter(row => !row.hidden).length} of ${known.length} rows` : `all ${known.length} rows`);
+  announce(wanted ? `${known.filter(row => !row.hidden).length} of ${known.length} rows` : `all ${known.length} rows`);
 }
 
 // ---- keys
 
-const off = () => { try { return localStorage.getItem("keys") === "off"; } catch { return false; } };
+const shortcutsOff = () => { try { return localStorage.getItem("keys") === "off"; } catch { return false; } };
 
 const help = make("dialog", { id: "keys" });
 help.setAttribute("aria-labelledby", "keys-title");
 
 function showKeys() {
-  const list = make("dl", {}, ...KEYS.flatMap(([key, does]) => [make("dt", {}, make("kbd", { textContent: key })), make("dd", { textContent: does })]));
-  const box = make("input", { type: "checkbox", checked: !off() });
-  box.addEventListener("change", () => { try { localStorage.setItem("keys", box.checked ? "on" : "off"); } catch { /* not kept */ } });
+  const list = make("dl", {}, ...KEYS.flatMap(([key, effect]) => [make("dt", {}, make("kbd", { textContent: key })), make("dd", { textContent: effect })]));
+  const box = make("input", { type: "checkbox", checked: !shortcutsOff() });
+  box.addEventListener("change", () => { try { localStorage.setItem("keys", box.checked ? "on" : "off"); } catch { /* storage is disabled */ } });
   const close = make("form", { method: "dialog" }, make("button", { textContent: "Close" }));
-  help.replaceChildren(make("h2", { id: "keys-title", textContent: "Keys" }), list, make("p", {}, make("label", {}, box, " letters are keys")), close);
+  help.replaceChildren(make("h2", { id: "keys-title", textContent: "Keyboard shortcuts" }), list, make("p", {}, make("label", {}, box, " enable letter shortcuts")), close);
   if (!help.open) help.showModal();
 }
 
-function pressed(event) {
+function onKeydown(event) {
   if (event.defaultPrevented || event.ctrlKey || event.altKey || event.metaKey || help.open) return;
   const target = event.target;
   if (target.closest?.("input, textarea, select, [contenteditable]")) return;
@@ -111,35 +111,35 @@ function pressed(event) {
   const list = target === row && !grid;
   if (list && event.key === "ArrowDown") { event.preventDefault(); return step(1); }
   if (list && event.key === "ArrowUp") { event.preventDefault(); return step(-1); }
-  if (off()) return;
-  const does = { j: () => step(1), k: () => step(-1), o: () => open(row), "?": showKeys, "/": () => document.querySelector("input[data-filter]")?.focus() }[event.key];
-  if (does) { event.preventDefault(); does(); }
+  if (shortcutsOff()) return;
+  const action = { j: () => step(1), k: () => step(-1), o: () => open(row), "?": showKeys, "/": () => document.querySelector("input[data-filter]")?.focus() }[event.key];
+  if (action) { event.preventDefault(); action(); }
 }
 
 // ---- live
 
 function live(element) {
   const stream = new EventSource(element.dataset.live);
-  let asking = false, again = false, lost;
-  const over = () => { clearTimeout(lost); stream.close(); };
-  async function renew() {
-    if (asking) { again = true; return; }
-    asking = true;
+  let loading = false, again = false, lost;
+  const close = () => { clearTimeout(lost); stream.close(); };
+  async function reload() {
+    if (loading) { again = true; return; }
+    loading = true;
     try {
       const answer = await fetch(location.href, { headers: { Accept: "text/html" } });
       const fresh = answer.ok && new DOMParser().parseFromString(await answer.text(), "text/html").getElementById(element.id);
       if (fresh) replace(element, fresh);
-      if (fresh && !fresh.dataset.live) over();
-    } catch { /* the stream tells when there is a connection again */ }
-    asking = false;
-    if (again) { again = false; renew(); }
+      if (fresh && !fresh.dataset.live) close();
+    } catch { /* the event stream reconnects and triggers the next reload */ }
+    loading = false;
+    if (again) { again = false; reload(); }
   }
-  for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, renew);
-  stream.addEventListener("open", () => { clearTimeout(lost); lost = undefined; say(""); });
+  for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, reload);
+  stream.addEventListener("open", () => { clearTimeout(lost); lost = undefined; announce(""); });
   stream.addEventListener("error", () => {
-    lost ??= setTimeout(() => say(stream.readyState === EventSource.CLOSED ? "Connection lost: load the page again." : "Connection lost, trying again…"), 2000);
+    lost ??= setTimeout(() => announce(stream.readyState === EventSource.CLOSED ? "Connection lost. Reload the page." : "Connection lost. Reconnecting…"), 2000);
   });
-  addEventListener("pagehide", over, { once: true });
+  addEventListener("pagehide", close, { once: true });
 }
 
 function replace(element, fresh) {
@@ -148,7 +148,7 @@ function replace(element, fresh) {
     : active.getAttribute("href") ? `[href="${CSS.escape(active.getAttribute("href"))}"]` : null);
   const typing = inside && active.matches("input, textarea, select");
   const opened = all("details[open]", element).map(one => one.querySelector("summary")?.textContent);
-  if (typing) return; // what is being filled in stays; the next event shows what is new
+  if (typing) return; // keep a form field that the user is editing; the next event updates the page
   element.replaceChildren(...fresh.childNodes);
   for (const one of all("details", element)) if (opened.includes(one.querySelector("summary")?.textContent)) one.open = true;
   prepare(element);
@@ -156,7 +156,7 @@ function replace(element, fresh) {
   for (const input of all("input[data-filter]")) if (input.value) filter(input);
 }
 
-// ---- all of it
+// ---- initialization
 
 function prepare(root) {
   for (const one of all("[data-js]", root)) one.hidden = false;
@@ -171,16 +171,16 @@ function prepare(root) {
 }
 
 document.body.append(help);
-document.addEventListener("keydown", pressed);
+document.addEventListener("keydown", onKeydown);
 document.addEventListener("input", event => { if (event.target.matches?.("input[data-filter]")) filter(event.target); });
 document.addEventListener("submit", event => {
-  const asked = event.submitter?.dataset.confirm;
-  if (asked && !confirm(asked)) event.preventDefault();
+  const question = event.submitter?.dataset.confirm;
+  if (question && !confirm(question)) event.preventDefault();
 });
 const bar = document.querySelector("header nav");
 if (bar) {
-  const button = make("button", { type: "button", className: "keys", textContent: "?", title: "Keys" });
-  button.setAttribute("aria-label", "Keys");
+  const button = make("button", { type: "button", className: "keys", textContent: "?", title: "Keyboard shortcuts" });
+  button.setAttribute("aria-label", "Keyboard shortcuts");
   button.addEventListener("click", showKeys);
   bar.append(button);
 }

@@ -57,17 +57,17 @@ class StudentRow:
     cells: Mapping[str, Cell] = field(default_factory=dict)
 
     @property
-    def called(self) -> str:
-        """The name to show."""
+    def display_name(self) -> str:
+        """The full name, or the login name without one."""
         return self.full_name or self.name
 
-    def told(self, check: str | None, cause: str | None) -> list[tuple[str, Cell, str]]:
-        """The cell of that check, or without one those at which the cause was told; each with its id and first cause."""
+    def matching_cells(self, check: str | None, cause: str | None) -> list[tuple[str, Cell, str]]:
+        """Return the cell of ``check``, or without it the cells with ``cause``; each with its check id and first cause."""
         if check is not None:
             found = {check: self.cells[check]} if check in self.cells else {}
         else:
             wrong = {id: c for id, c in self.cells.items() if c.shown != "pass"}
-            found = {id: c for id, c in wrong.items() if any(told == cause for _, told in c.causes)}
+            found = {id: c for id, c in wrong.items() if any(sentence == cause for _, sentence in c.causes)}
         return [(id, c, c.causes[0][1] if c.causes and c.shown != "pass" else "") for id, c in found.items()]
 
 
@@ -83,8 +83,8 @@ async def student_rows(database: Database, slug: str) -> list[StudentRow]:
 
 
 def _cells(row: Row[Any]) -> dict[str, Cell]:
-    told = zip(row.states, row.counted, row.margins, strict=True)
-    return dict(zip(row.checks, itertools.starmap(Cell, told), strict=True))
+    cells = zip(row.states, row.counted, row.margins, strict=True)
+    return dict(zip(row.checks, itertools.starmap(Cell, cells), strict=True))
 
 
 async def students(database: Database, slug: str) -> list[StudentRow]:
@@ -107,7 +107,7 @@ _STANDINGS = f"""
 WITH best AS MATERIALIZED ({BEST})
 SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0) AS submissions, best.id AS submission,
     best.filename, best.submitted_at,
-    best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'nothing sent') AS status,
+    best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'no submission') AS status,
     best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.grading
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
 WHERE c.slug = :course AND m.role = 'student' AND {SOMEBODY}

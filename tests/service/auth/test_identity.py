@@ -72,7 +72,11 @@ def test_nobody_gets_in_without_a_good_token(server, url):
     good, old = given(url, "ann"), given(url, "ann", seconds=-1.0)
     assert call(server, SLUG, ZEROS, good)[0] == call(server, SLUG, ZEROS, good, scheme="token")[0] == 202
     assert kind(call(server, SLUG, ZEROS))[:2] == (401, "nobody")
-    assert kind(call(server, SLUG, ZEROS, "polhode_wrong")) == (401, "nobody", "this server never gave that token")
+    assert kind(call(server, SLUG, ZEROS, "polhode_wrong")) == (
+        401,
+        "nobody",
+        "this token is not valid here: check it, or log in again to get a new one",
+    )
     assert "this token expired on 20" in kind(call(server, SLUG, ZEROS, old))[2]
     run(url, inside(lambda connection: tokens.revoke(connection, person="ann")))
     assert "this token was revoked on 20" in kind(call(server, SLUG, ZEROS, good))[2]
@@ -89,7 +93,11 @@ def test_a_token_is_kept_as_its_digest_only(server, url):
 def test_a_token_does_what_it_is_for_and_nothing_else(server, url):
     reading = given(url, "ann", ["read"])
     assert call(server, f"{SLUG}", token=reading)[0] == 200
-    assert kind(call(server, SLUG, ZEROS, reading)) == (403, "not-allowed", "this token may read, not submit")
+    assert kind(call(server, SLUG, ZEROS, reading)) == (
+        403,
+        "not-allowed",
+        "this token does not permit submit, only read: use another token",
+    )
 
 
 def test_what_others_sent_is_for_staff_only(server, url):
@@ -98,7 +106,11 @@ def test_what_others_sent_is_for_staff_only(server, url):
     path = f"/v1/submissions/{call(server, SLUG, ZEROS, ann)[1]['id']}"
     assert call(server, path, token=ann)[0] == call(server, path, token=prof)[0] == 200
     for part in ("", "/events", "/report.txt", "/figures/omega.png", "/sweep.json"):
-        assert kind(call(server, path + part, token=ben)) == (403, "not-allowed", "somebody else sent this submission"), part
+        assert kind(call(server, path + part, token=ben)) == (
+            403,
+            "not-allowed",
+            "you don't have permission: another student sent this submission",
+        ), part
         assert call(server, path + part)[0] == 401, part
     assert [len(call(server, SLUG, token=t)[1]["submissions"]) for t in (ben, prof)] == [0, 0]
 
@@ -117,7 +129,7 @@ def test_a_notebook_is_logged_in_by_a_code_confirmed_in_the_browser(server, url)
     assert status == 200 and asked["user_code"] in page and "Python on &lt;b&gt;x&lt;/b&gt;" in page
     assert browser.send("/login", code=asked["user_code"], token="polhode_wrong")[0] == 401
     status, page = browser.send("/login", code=asked["user_code"], token=given(url, "eve"))
-    assert status == 200 and "The notebook is logged in as eve" in page
+    assert status == 200 and "Notebook authorized as eve" in page
     status, told, headers = call(server, "/v1/logins/token", collect)
     assert status == 200 and told["person"] == "eve" and headers["cache-control"] == "no-store"
     assert kind(call(server, "/v1/logins/token", collect))[:2] == (410, "login-over")
@@ -141,7 +153,7 @@ def test_another_site_cannot_confirm_in_a_persons_name(server, url):
     assert browser.open("/login", code=asked["user_code"])[0] == 403, "without the token of a form"
     assert browser.send("/login", page, origin="https://evil.example", code=asked["user_code"])[0] == 403
     assert call(server, "/v1/logins/token", json.dumps({"device_code": asked["device_code"]}).encode())[0] == 202
-    assert "logged in as eve" in browser.send("/login", page, code=asked["user_code"])[1]  # its own page needs no token again
+    assert "authorized as eve" in browser.send("/login", page, code=asked["user_code"])[1]  # its own page needs no token again
 
 
 def test_revoking_a_person_also_ends_a_login_that_is_confirmed_and_not_collected(server, url):
@@ -153,14 +165,14 @@ def test_revoking_a_person_also_ends_a_login_that_is_confirmed_and_not_collected
 
 def test_a_notebooks_own_token_opens_no_browser_and_confirms_nothing(server, url):
     status, page = Browser(server).send("/login", token=given(url, "eve", tokens.NOTEBOOK))
-    assert status == 403 and "only one that your course gave you logs in here" in page
+    assert status == 403 and "use the token from your course" in page
 
 
 def test_a_browser_sees_its_own_after_login_and_nothing_after_logout(server, url):
     call(server, SLUG, ZEROS, given(url, "fay"))
     browser = Browser(server)
     for path in ("/", "/assignments/rigid-body"):
-        assert "The token your course gave you" in browser.open(path)[1]
+        assert "Token from your course" in browser.open(path)[1]
     browser.log_in(token=given(url, "fay"))
     assert all(browser.open(path)[1].count('href="/submissions/') == 1 for path in ("/", "/assignments/rigid-body"))
     browser.send("/logout", "/assignments/rigid-body")
@@ -191,7 +203,7 @@ def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_othe
     call(server, SLUG, ZEROS, hub.token_of("ann"))
     assert attempts({"POLHODE_SERVER": server.url + "/"}).startswith("sent ")
     for named in ({}, {"POLHODE_SERVER": "http://other.example"}):
-        assert "does not know who you are" in attempts(named) and hub.token_of("ann") not in attempts(named)
+        assert "You are not logged in at" in attempts(named) and hub.token_of("ann") not in attempts(named)
 
 
 def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_app, database_url):

@@ -59,7 +59,7 @@ def test_the_whole_dance(server, url, provider):
     assert status == 200 and browser.at == "/assignments/rigid-body" and "Zoë" in page
     assert sql(url, "SELECT role FROM member m JOIN person p ON p.id = person_id WHERE name = 'Zoë'") == [("student",)]
     assert sql(url, "SELECT issuer, subject FROM oidc_account") == [(provider.url, "s-1")]
-    assert "by Uni Ω <b>(this one)</b>" in browser.open("/account")[1] and browser.cookie("polhode_sign_in") is None
+    assert "by Uni Ω <b>(this session)</b>" in browser.open("/account")[1] and browser.cookie("polhode_sign_in") is None
     assert browser.cookie("polhode_session").has_nonstandard_attr("HttpOnly")
 
 
@@ -97,7 +97,7 @@ def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, prov
     owner = Browser(server).log_in(name="ben", password="correct horse battery")
     assert "Connect your account at Uni Ω" in owner.open("/account")[1]
     status, page = sign_in(owner, "s-5", "/oidc/login?next=%2Faccount%3Fdone%3Dconnected")
-    assert status == 200 and "is connected" in page and provider.url in page
+    assert status == 200 and "Account connected" in page and provider.url in page
     assert ">ben</dd>" in sign_in(Browser(server), "s-5")[1]
     monkeypatch.setenv("POLHODE_DATABASE_URL", url)
     assert (main(["unlink", "ben"]), capsys.readouterr().out) == (0, "ben is disconnected\n")
@@ -172,7 +172,7 @@ def test_the_way_back_is_for_the_browser_that_went_and_for_once(server, provider
         (browser, back.replace("state=", "state=x")),
     ):
         status, page = other.open(address)
-        assert status == 403 and "was not begun in this browser" in page and other.cookie("polhode_session") is None
+        assert status == 403 and "was not started in this browser" in page and other.cookie("polhode_session") is None
     attacker, victim = Stopping(server), Stopping(server)
     theirs = attacker.way_back("s-8")
     victim.way_back("s-8")
@@ -192,7 +192,7 @@ def test_who_refuses_at_the_provider_is_told_so(server):
     browser = Browser(server)
     browser.open("/oidc/login")
     status, page = browser.open(browser.at, action="deny")
-    assert status == 403 and "the provider did not sign you in (access_denied)" in page
+    assert status == 403 and "the sign-in provider refused the sign-in (access_denied)" in page
     state = "error=%3Cscript%3E&state=x"
     assert "<script>alert" not in browser.open(f"/oidc/callback?{state}")[1]
 
@@ -211,7 +211,7 @@ def test_who_has_no_name_there_is_told_so(server, provider):
     for claims in ({}, {"preferred_username": ""}, {"preferred_username": "\x00"}, {"preferred_username": 7}):
         provider.user("s-11", **claims)
         status, page = sign_in(Browser(server), "s-11")
-        assert status == 403 and "does not tell your name" in page, claims
+        assert status == 403 and "did not send a usable name" in page, claims
 
 
 def test_nobody_is_led_elsewhere_after_signing_in(server, provider):
@@ -225,7 +225,7 @@ def test_a_provider_that_is_not_what_it_should_be_gives_a_sentence(new_app, url,
     server = new_app(**settings(url, provider))
     provider.tamper(how)
     status, page = Browser(server).open("/oidc/login")
-    assert status == 503 and "the provider" in page
+    assert status == 503 and "the sign-in provider" in page
     provider.tamper("")
     assert "Authorize Client" in Browser(server).open("/oidc/login")[1], "it is asked again"
 
@@ -245,7 +245,7 @@ def test_a_provider_that_is_away_keeps_nobody_else_out(new_app, url, away):
     back = browser.way_back("s-1")
     away.stop()
     for status, page in (browser.open(back), Browser(other).open("/oidc/login")):
-        assert status == 503 and "the provider does not answer" in page and "log in another way" in page
+        assert status == 503 and "the sign-in provider does not respond" in page and "log in another way" in page
     entered(url, "ida", password="correct horse battery")
     assert Browser(other).log_in(name="ida", password="correct horse battery").open("/v1/me")[0] == 200
 

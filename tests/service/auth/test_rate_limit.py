@@ -10,41 +10,41 @@ from service.http.errors import Problem
 ANN, BEN, HERE = (BY_NAME, "name", "ann"), (BY_NAME, "name", "ben"), (BY_ADDRESS, "address", "10.0.0.1")
 
 
-def fail(throttle, *keys, status=401):
-    with pytest.raises(Problem) as told, throttle.attempt(*keys):
+def fail(limiter, *keys, status=401):
+    with pytest.raises(Problem) as told, limiter.guard(*keys):
         raise Problem(status, "nobody", "wrong")
     return told.value
 
 
 def test_an_address_may_fail_at_many_names_but_not_at_all_of_them():
-    throttle = LoginRateLimiter()
-    assert {fail(throttle, (BY_NAME, "name", str(n)), HERE).status for n in range(100)} == {401}
-    refused = fail(throttle, ANN, HERE)
+    limiter = LoginRateLimiter()
+    assert {fail(limiter, (BY_NAME, "name", str(n)), HERE).status for n in range(100)} == {401}
+    refused = fail(limiter, ANN, HERE)
     assert refused.status == 429 and 590 < refused.retry_after <= 600
-    assert fail(throttle, ANN, (BY_ADDRESS, "address", "10.0.0.2")).status == 401
+    assert fail(limiter, ANN, (BY_ADDRESS, "address", "10.0.0.2")).status == 401
 
 
 def test_only_what_was_wrong_counts_and_a_refusal_does_not():
-    throttle = LoginRateLimiter()
+    limiter = LoginRateLimiter()
     for _ in range(20):
-        fail(throttle, ANN, status=503)
-        with throttle.attempt(ANN):
+        fail(limiter, ANN, status=503)
+        with limiter.guard(ANN):
             pass
-    assert [fail(throttle, ANN).status for _ in range(30)] == [401] * 10 + [429] * 20
-    with throttle.attempt(BEN):
+    assert [fail(limiter, ANN).status for _ in range(30)] == [401] * 10 + [429] * 20
+    with limiter.guard(BEN):
         pass
 
 
 def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
-    throttle = LoginRateLimiter()
+    limiter = LoginRateLimiter()
     with ExitStack() as stack:
         for _ in range(10):
-            stack.enter_context(throttle.attempt(ANN))
-        refused = fail(throttle, ANN)
+            stack.enter_context(limiter.guard(ANN))
+        refused = fail(limiter, ANN)
         assert (refused.status, refused.retry_after) == (429, 1)
-    with throttle.attempt(ANN):
+    with limiter.guard(ANN):
         pass
-    assert not throttle._tried
+    assert not limiter._pending
 
 
 @pytest.mark.parametrize(

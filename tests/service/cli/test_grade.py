@@ -176,7 +176,7 @@ def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     os.kill(hands[0], signal.SIGKILL)
     stdout, stderr = running.communicate(timeout=60)
     reports = json.loads(stdout)["reports"]
-    assert running.returncode == 2 and "a process that grades was lost" in stderr
+    assert running.returncode == 2 and "a grading process was lost" in stderr
     assert any("fault" in r for r in reports) and all(bool(r["report"]) != bool(r.get("fault")) for r in reports)
 
 
@@ -243,4 +243,4 @@ def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2
     (told,) = json.loads(capsys.readouterr().out)["reports"]
-    assert told["report"] is None and "before it read the submission" in told["fault"] and "error" not in told
+    assert told["report"] is None and "before the submission ran" in told["fault"] and "error" not in told

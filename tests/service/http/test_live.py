@@ -63,8 +63,8 @@ def test_who_comes_back_is_not_told_the_same_twice_and_a_change_of_ours_is_seen_
         two = asyncio.create_task(collect(watch, again, first[0][1]))
         await asyncio.sleep(0.2)
         told["value"] = "b"
-        stale, _ = await watch.now(), watch.changed()
-        fresh = await watch.now()
+        stale, _ = await watch.current(), watch.invalidate()
+        fresh = await watch.current()
         listener.leave()
         await asyncio.gather(one, two)
         return first, again, stale, fresh
@@ -75,11 +75,11 @@ def test_who_comes_back_is_not_told_the_same_twice_and_a_change_of_ours_is_seen_
 
 def test_a_look_that_began_before_a_change_is_not_kept():
     async def action(watch, told, listener):
-        asked = asyncio.create_task(watch.now())
+        asked = asyncio.create_task(watch.current())
         await asyncio.sleep(0.005)
-        watch.changed()
+        watch.invalidate()
         await asked
         told["value"] = "b"
-        return await watch.now()
+        return await watch.current()
 
     assert watched(action) == "b"

@@ -37,7 +37,7 @@ def test_a_failure_of_ours_is_a_problem_with_an_id_to_find_it_by(caplog):
     headers = dict(start["headers"])
     assert start["status"] == 500 and json.loads(body)["type"] == "urn:polhode:problem:fault"
     assert len(headers[b"x-request-id"]) == 16 and b"content-security-policy" in headers
-    assert any(r.message == "fault" and r.exc_info for r in caplog.records)
+    assert any(r.message == "unhandled exception" and r.exc_info for r in caplog.records)
 
 
 def test_head_is_get_without_its_body():

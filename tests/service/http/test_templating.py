@@ -5,14 +5,14 @@ import re
 import pytest
 from markupsafe import Markup
 
-from service.http.templating import ENVIRONMENT, TURNING
+from service.http.templating import BIDI_CONTROLS, ENVIRONMENT
 
 
 def shown(template, **values):
     return ENVIRONMENT.from_string("{% autoescape true %}" + template + "{% endautoescape %}").render(values)
 
 
-@pytest.mark.parametrize("control", TURNING)
+@pytest.mark.parametrize("control", BIDI_CONTROLS)
 def test_nothing_turns_what_stands_beside_it(control):
     value = f"<b>{control}x"
     assert shown("{{ v }}", v=value) == "&lt;b&gt;\ufffdx"

@@ -31,7 +31,7 @@ def test_it_tells_who_one_is(server, url):
         ">ann</dd>",
         "Ann &lt;b&gt;Bo&lt;/b&gt;",
         ">assistant</dd>",
-        "Firefox on Linux, by token <b>(this one)</b>",
+        "Firefox on Linux, by token <b>(this session)</b>",
         token[:12],
     ):
         assert told in page, told
@@ -42,13 +42,13 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
     first = Browser(server).log_in(token=entered(url, "ben"))
     other = Browser(server).log_in(token=entered(url, "ben"))
     status, page = first.send("/account/password", password=PASSWORD, again=PASSWORD)
-    assert status == 200 and 'role="status"' in page and "Your password is set" in page
+    assert status == 200 and 'role="status"' in page and "Password saved" in page
     assert first.open("/v1/me")[0] == 200 and other.open("/v1/me")[0] == 401, "other browsers are logged out"
     assert Browser(server).send("/login", name="ben", password=PASSWORD)[0] == 200
     assert sql(url, "SELECT password FROM person WHERE name = 'ben'")[0][0].startswith("$argon2id$")
     assert first.send("/account/password", password=ANOTHER, again=ANOTHER)[0] == 401, "now the present one is asked for"
     status, page = first.send("/account/password", present="wrong password", password=ANOTHER, again=ANOTHER)
-    assert status == 401 and "the present password is wrong" in page and 'role="alert"' in page
+    assert status == 401 and "the current password is wrong" in page and 'role="alert"' in page
     assert first.send("/account/password", present=PASSWORD, password=ANOTHER, again=ANOTHER)[0] == 200
     assert Browser(server).send("/login", name="ben", password=PASSWORD)[0] == 401
     assert Browser(server).send("/login", name="ben", password=ANOTHER)[0] == 200
@@ -60,8 +60,8 @@ def test_a_token_logs_in_once_and_then_there_is_a_password(server, url):
 
 @pytest.mark.parametrize(
     ("password", "again", "why"),
-    [("short", "short", "10 to 200"), ("x" * 201, "x" * 201, "10 to 200"), (PASSWORD, ANOTHER, "the same twice"),
-     ("Ferdinand Q", "Ferdinand Q", "neither the name"), ("aaaaaaaaaaaa", "aaaaaaaaaaaa", "one character over and over")],
+    [("short", "short", "10 to 200"), ("x" * 201, "x" * 201, "10 to 200"), (PASSWORD, ANOTHER, "passwords do not match"),
+     ("Ferdinand Q", "Ferdinand Q", "neither your name"), ("aaaaaaaaaaaa", "aaaaaaaaaaaa", "one repeated character")],
 )  # fmt: skip
 def test_what_is_no_password_is_not_set(server, url, password, again, why):
     browser = Browser(server).log_in(token=entered(url, "ferdinand q"))
@@ -111,7 +111,7 @@ def test_a_notebooks_token_changes_no_account(server, url):
 
     notebook = Browser(server, Authorization=f"Bearer {run(url, give)}")
     status, page = notebook.send("/account/password", password=PASSWORD, again=PASSWORD)
-    assert status == 403 and "this token may read, submit, not login" in page
+    assert status == 403 and "this token does not permit login, only read, submit" in page
     assert sql(url, "SELECT password FROM person WHERE name = 'lea'") == [(None,)]
 
 

@@ -155,7 +155,7 @@ def test_forms_without_their_token_are_refused_also_before_login(server, url):
     before = HIDDEN.search(page)[1]
     for path in ("/logout", "/account/password", "/account/revoke", "/account/logout-everywhere"):
         status, told = mine.open(path, csrf=before, id="x", password=PASSWORD, again=PASSWORD)
-        assert status == 403 and "this form is no longer good" in told, path
+        assert status == 403 and "this form has expired" in told, path
         assert mine.open(path, x="1")[0] == 403, path
     assert theirs.open("/logout", origin="https://evil.example", x="1")[0] == 403, "nor where no cookie came along"
     assert sessions(url, "gus") == 1
@@ -164,9 +164,9 @@ def test_forms_without_their_token_are_refused_also_before_login(server, url):
 def test_who_is_at_home_alone_still_needs_the_token_of_the_form(new_app, database_url):
     server = new_app(database_url=database_url, identity="local")
     browser = Browser(server)
-    assert "no login is needed" in browser.open("/login")[1] and "needs no account" in browser.open("/account")[1]
+    assert "no login is needed" in browser.open("/login")[1] and "no account is needed" in browser.open("/account")[1]
     status, page = browser.open("/account/logout-everywhere", x="1")
-    assert status == 403 and "this form is no longer good" in page
+    assert status == 403 and "this form has expired" in page
 
 
 def test_wrong_names_and_passwords_get_one_answer_for_as_much_work(server, url, monkeypatch):

@@ -35,7 +35,10 @@ def test_a_preview_tells_who_gains_and_who_loses_and_only_an_instructor_applies(
     hers, his = graded(url, "ann", "+--"), graded(url, "ben", "+++")
     status, where = tutor.send(REGRADES, REGRADES, which="all")
     assert status == 303 and "0 of 2 graded" in tutor.open(where)[1] and 'data-live="' + where in tutor.open(where)[1]
-    assert prof.send(f"{where}/apply", where) == (409, "this cannot be applied yet: 2 of its submissions have not been graded yet")
+    assert prof.send(f"{where}/apply", where) == (
+        409,
+        "the regrade cannot be applied yet: 2 of its submissions have not been graded yet",
+    )
     grade_open(url, {hers: "++-"})
     assert "1 of 2 graded" in prof.open(where)[1] and "Apply" not in prof.open(where)[1]
     grade_open(url, {his: "-+?"})
@@ -56,8 +59,8 @@ def test_a_preview_tells_who_gains_and_who_loses_and_only_an_instructor_applies(
 def test_one_of_them_and_a_checks_victims(server, url, people):
     prof, tutor = people["prof"], people["tutor"]
     hers, his = graded(url, "ann", "+-"), graded(url, "ben", "++")
-    assert "Grade this one again" in tutor.open(f"/submissions/{hers}")[1]
-    assert "Grade this one again" not in people["ann"].open(f"/submissions/{hers}")[1]
+    assert "Regrade (preview)" in tutor.open(f"/submissions/{hers}")[1]
+    assert "Regrade (preview)" not in people["ann"].open(f"/submissions/{hers}")[1]
     status, where = tutor.send(REGRADES, f"/submissions/{hers}", which=hers)
     assert status == 303 and [s for s, _ in open_gradings(url)] == [hers] and "one submission of ann" in tutor.open(where)[1]
     assert people["ann"].send(f"{where}/drop", "/")[0] == 403
@@ -66,10 +69,10 @@ def test_one_of_them_and_a_checks_victims(server, url, people):
     assert tutor.send(f"{where}/drop", where)[0] == 403 and prof.send(f"{where}/drop", where)[0] == 303
     for asked, status, why in (
         ({"which": "check", "check": "nope"}, 422, "no check nope"),
-        ({"which": ""}, 422, "tell which"),
-        ({"which": "x"}, 404, "nothing by the id x"),
+        ({"which": ""}, 422, "select submissions"),
+        ({"which": "x"}, 404, "no entry with the id x"),
         ({"which": "00000000-0000-0000-0000-000000000000"}, 404, "has no submission"),
-        ({"which": "check", "check": "euler.direction"}, 409, "nothing to grade again"),
+        ({"which": "check", "check": "euler.direction"}, 409, "nothing to regrade"),
     ):
         labels = re.findall(r'<option value="([^"]+)"', prof.open(REGRADES)[1])
         asked = {k: labels[0] if v == "euler.direction" else v for k, v in asked.items()}
@@ -85,7 +88,7 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
     own, give = f"/submissions/{id}", f"/submissions/{id}/overrides"
     for other in (tutor, ann):
         assert other.send(give, own, check="c2", points="1", reason="please")[0] == 403
-        assert "Give points by hand" not in other.open(own)[1]
+        assert "Override score" not in other.open(own)[1]
     reason = "Her figure shows it <b>&</b> more.\nSee you."
     assert prof.send(give, own, check="c2", points="1", reason=reason, seen="0") == (303, f"{own}#points")
     page = ann.open(own)[1]
@@ -144,6 +147,6 @@ def test_what_waits_and_is_held_is_shown_in_the_queue(server, url, people):
     for _ in range(2):
         submitted(url, "ben")
     page = people["tutor"].open("/queue")[1]
-    assert "Waiting: 3" in page and "2 interactive, 1 regrade" in page and "to look at first" in page
+    assert "Waiting: 3" in page and "2 interactive, 1 regrade" in page and "preview only" in page
     assert re.search(rf'<td>3</td>\s*<th scope="row"><a href="/submissions/{mine}">ann</a>', page)
-    assert "There is no worker" in page
+    assert "No worker is running" in page

@@ -60,7 +60,7 @@ def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_
 def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting, monkeypatch):
     monkeypatch.setattr(grader, "_sandbox", None)
     grade(database_url, waiting)
-    assert sql(database_url, RUNS, waiting) == [("failed", "starting", "this worker was not started")]
+    assert sql(database_url, RUNS, waiting) == [("failed", "starting", "the sandbox of this process was not started")]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
 
 

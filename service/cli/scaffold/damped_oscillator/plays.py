@@ -11,7 +11,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ecp.return_value import WrongAnswer, real_array, takes
+from ecp.return_value import WrongAnswer, check_signature, real_array
 
 RTOL, ATOL, MOST_CALLS = 1e-10, 1e-12, 20_000  # a correct submission needs fewer than 2000 calls
 CALLED = ("t", "y", "omega", "gamma")
@@ -19,7 +19,7 @@ CALLED = ("t", "y", "omega", "gamma")
 
 def rates(student, inputs):
     """Return ``rate`` (n, 2): oscillator called once for each row of t (n,), y (n, 2), omega (n,) and gamma (n,)."""
-    takes(student["oscillator"], CALLED, "oscillator")
+    check_signature(student["oscillator"], CALLED, "oscillator")
     rows = zip(inputs["t"], np.asarray(inputs["y"]), inputs["omega"], inputs["gamma"], strict=True)
     return {"rate": np.array([_rate(student, *row) for row in rows])}
 

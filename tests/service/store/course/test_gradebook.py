@@ -32,7 +32,13 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
     counts = run(database_url, fill)
     ann, zoe = standing(database_url, "ann"), standing(database_url, "zoe")
     assert (ann.submission, ann.points, ann.max_score, ann.submissions, ann.status) == (counts, 2, 2, 4, "graded")
-    assert (zoe.submission, zoe.points, zoe.submissions, zoe.status, zoe.called) == (None, None, 0, "nothing sent", "Zoe Adams")
+    assert (zoe.submission, zoe.points, zoe.submissions, zoe.status, zoe.display_name) == (
+        None,
+        None,
+        0,
+        "no submission",
+        "Zoe Adams",
+    )
     told = [s.name for s in run(database_url, lambda database: gradebook.student_rows(database, "rigid-body"))]
     assert told == ["ann", "zoe"]
     row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))

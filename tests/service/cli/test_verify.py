@@ -135,12 +135,12 @@ def test_every_error_of_the_expectations_is_told_and_nothing_is_graded(folder, c
     told = capsys.readouterr()
     assert told.out == ""
     for part in (
-        "hostile_endless.py: no key is called unmesured",
-        "right_matrix.py: exercises, the numbers of those graded, is missing",
+        "hostile_endless.py: unknown key unmesured",
+        "right_matrix.py: exercises (the numbers of the graded exercises) is missing",
         "right_matrix.py: there is no exercise 9",
         "wrong_zeros.py: its exercises have no check 1-motoin",
         "wrong_zeros.py: the check 1-rates is listed more than once",
-        "wrong_no_damping.py: codes is no list of strings",
+        "wrong_no_damping.py: codes is not a list of strings",
     ):
         assert part in told.err
     expected.write_text("[")
@@ -188,7 +188,7 @@ def test_an_assignment_that_leaves_by_sys_exit_gives_no_verdict(folder, capsys, 
 def test_a_public_side_that_students_cannot_play(folder, capsys):
     change(folder / "public" / "__init__.py", '"undamped",\n', '"probes",\n')
     assert verify(folder, "--only", "right_terms.py") == 2
-    assert "public/: exercise 1 reads the scene probes, which is drawn for each attempt" in capsys.readouterr().err
+    assert "public/: exercise 1 reads the scene probes, whose inputs are random" in capsys.readouterr().err
 
 
 def test_an_export_of_a_broken_assignment_tells_what_is_wrong_with_it(folder, capsys, tmp_path):

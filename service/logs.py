@@ -1,4 +1,4 @@
-"""Logs: one JSON object a line on stderr, with the ids of the request and of the grading it is about."""
+"""Logs: one JSON object per line on stderr, with the ids of the request and of the grading concerned."""
 
 import logging
 import sys
@@ -13,14 +13,14 @@ grading_id: ContextVar[str | None] = ContextVar("grading_id", default=None)
 
 
 def install(level: str) -> None:
-    """Log from ``level`` on; a library's routine words only from warnings on."""
+    """Log to stderr from ``level`` on; messages of libraries only from warnings on."""
     logging.basicConfig(level=level.upper(), handlers=[handler(sys.stderr)], force=True)
     for library in ("procrastinate", "alembic", "psycopg.pool", "uvicorn.access", "asyncio"):
         logging.getLogger(library).setLevel(max(logging.WARNING, logging.root.level))
 
 
 def handler(stream: TextIO) -> logging.Handler:
-    """Return what writes log lines as JSON objects to the stream."""
+    """Return a handler that writes log records as JSON lines to ``stream``."""
     lines = logging.StreamHandler(stream)
     fields = ["levelname", "name", "message"]
     lines.setFormatter(
@@ -36,6 +36,7 @@ def handler(stream: TextIO) -> logging.Handler:
 
 
 def _with_ids(record: logging.LogRecord) -> bool:
+    # "attempt" is the former name of "grading".
     for name, value in (("request", request_id.get()), ("attempt", grading_id.get()), ("grading", grading_id.get())):
         if value is not None:
             setattr(record, name, value)

@@ -1,1 +1,1 @@
-"""What must not be lost: submissions and results in PostgreSQL, embedded by default."""
+"""Durable state in PostgreSQL: submissions, gradings, queue, gradebook, people, tokens, audit log."""

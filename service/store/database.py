@@ -1,4 +1,4 @@
-"""The connection to PostgreSQL: one engine per process, every wait bounded, an outage told apart from a mistake."""
+"""Connect to PostgreSQL, limit every wait, and distinguish outages from programming errors."""
 
 import asyncio
 import time
@@ -22,8 +22,8 @@ from service.settings import DATABASE_WAIT_S
 
 T = TypeVar("T")
 CONNECT_S = 3
-ANSWER_S = 25.0  # longer than a statement may take: a server that is frozen does not end it
-# What a server does with a client that is cut off or frozen: it gives up its locks within seconds.
+ANSWER_S = 25.0  # longer than statement_timeout, which a frozen server does not enforce
+# Make the server release the locks of a disconnected or frozen client within seconds.
 SERVER_SIDE = {
     "statement_timeout": "20s",
     "lock_timeout": "10s",
@@ -36,7 +36,7 @@ SERVER_SIDE = {
 
 
 def connect_options(name: str) -> dict[str, Any]:
-    """Arguments of every connection: ``name`` as it shows in pg_stat_activity, and timeouts on both sides."""
+    """Return the arguments of a psycopg connection called ``name``, with timeouts on both sides."""
     return {
         "application_name": name,
         "connect_timeout": CONNECT_S,
@@ -49,23 +49,23 @@ def connect_options(name: str) -> dict[str, Any]:
 
 
 class Database:
-    """The database behind ``url``; its tables must be up to date.
+    """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
 
-    ``connections`` is the most it opens at a time, ``wait_s`` how long a caller waits for one of them.
+    A caller waits at most ``wait_s`` seconds for a connection.
     """
 
     def __init__(self, url: str, name: str, connections: int = 8, wait_s: float = DATABASE_WAIT_S) -> None:
         self.url = url
-        self.persons: dict[str, UUID] = {}  # ids known to be entered, by name
+        self.persons: dict[str, UUID] = {}  # ids of stored people, by name
         self._engine = create_async_engine(
             driver_url(url),
             pool_size=1,
             max_overflow=connections - 1,
             pool_timeout=wait_s,
-            hide_parameters=True,  # an error that is logged must not hold a student's source
+            hide_parameters=True,  # keeps students' sources out of logged errors
             connect_args=connect_options(name),
         )
-        self._reading = self._engine.execution_options(isolation_level="AUTOCOMMIT")  # one statement needs no transaction
+        self._reading = self._engine.execution_options(isolation_level="AUTOCOMMIT")  # a single statement needs no transaction
 
     async def close(self) -> None:
         """Close all connections."""
@@ -73,30 +73,30 @@ class Database:
 
     @asynccontextmanager
     async def begin(self) -> AsyncIterator[AsyncConnection]:
-        """A transaction, committed at the end of the block."""
+        """Open a transaction; it is committed at the end of the block and rolled back if the block raises."""
         async with _bounded(), self._engine.begin() as connection:
             yield connection
 
     async def rows(self, query: Executable | str, values: Mapping[str, Any] | None = None) -> Sequence[Row[Any]]:
-        """All rows of a query, which changes nothing; SQL text names its ``values`` with a colon.
+        """Run a read-only query and return all rows; SQL text names its ``values`` with a colon.
 
-        Asked once more if the connection has died in the pool, which then lets go of all that are as old. Whoever goes away
-        while waiting for the answer leaves the connection whole.
+        If a pooled connection turns out to be dead, the pool drops it and its contemporaries and the query
+        runs once more. Cancelling the caller does not interrupt the query, so its connection stays usable.
         """
-        asked = text(query) if isinstance(query, str) else query
+        statement = text(query) if isinstance(query, str) else query
         try:
-            return await asyncio.shield(asyncio.ensure_future(self._ask(asked, values)))
+            return await asyncio.shield(asyncio.ensure_future(self._fetch(statement, values)))
         except DBAPIError as error:
             if not error.connection_invalidated:
                 raise
-            return await asyncio.shield(asyncio.ensure_future(self._ask(asked, values)))
+            return await asyncio.shield(asyncio.ensure_future(self._fetch(statement, values)))
 
-    async def _ask(self, query: Executable, values: Mapping[str, Any] | None) -> Sequence[Row[Any]]:
+    async def _fetch(self, query: Executable, values: Mapping[str, Any] | None) -> Sequence[Row[Any]]:
         async with _bounded(), self._reading.connect() as connection:
             return (await connection.execute(query, values)).all()
 
     async def ping(self) -> None:
-        """Raise unless the database answers."""
+        """Run a trivial query. Raises an outage (see ``is_outage``) if the database does not answer."""
         await self.rows("SELECT 1")
 
 
@@ -110,14 +110,17 @@ async def _bounded() -> AsyncIterator[None]:
 
 
 def is_outage(error: BaseException) -> bool:
-    """Whether the database could not be reached or went away, so that the same may work later."""
+    """Return whether the error means that the database is unreachable, so that a retry may succeed."""
     if isinstance(error, DBAPIError):
         return error.connection_invalidated or isinstance(error.orig, psycopg.OperationalError | psycopg.InterfaceError)
     return isinstance(error, NoConnection | psycopg.OperationalError | ConnectorException | OSError)
 
 
 async def patiently(action: Callable[[], Awaitable[T]], most_s: float) -> T:
-    """Repeat ``action`` while the database is out, for at most ``most_s``; it must be harmless to do twice."""
+    """Retry ``action`` during a database outage, for at most ``most_s`` seconds, and return its result.
+
+    It must be idempotent.
+    """
     until, pause = time.monotonic() + most_s, 0.1
     while True:
         try:
@@ -129,17 +132,17 @@ async def patiently(action: Callable[[], Awaitable[T]], most_s: float) -> T:
             pause = min(2 * pause, 2.0)
 
 
-# Any constant of our own: PostgreSQL's advisory locks are named by a number.
+# An arbitrary constant: a number names PostgreSQL's advisory locks.
 MIGRATION_LOCK = 2_6_2026
 
 
 def driver_url(url: str) -> str:
-    """A ``postgresql://`` address for SQLAlchemy with the psycopg driver."""
+    """Return a ``postgresql://`` address in the form that makes SQLAlchemy use psycopg."""
     return url.replace("postgresql://", "postgresql+psycopg://", 1).replace("postgres://", "postgresql+psycopg://", 1)
 
 
 def migrate(url: str) -> str:
-    """Run the missing revisions in one transaction under a lock; the revision reached."""
+    """Run the missing revisions in one transaction under an advisory lock, and return the revision reached."""
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     bounded = {"connect_timeout": 5, "options": "-c lock_timeout=60s -c statement_timeout=600s"}

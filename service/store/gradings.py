@@ -1,4 +1,4 @@
-"""Stopping what waits or is being graded: the grading gets a result that says by whom, which costs its person nothing."""
+"""Cancel gradings. The result names the staff member, and the submission does not use up the limit."""
 
 from collections.abc import Sequence
 from uuid import UUID
@@ -15,50 +15,51 @@ from service.store.tables import result
 
 
 class AlreadyFinished(Exception):
-    """There is nothing to cancel: the grading has its result."""
+    """The grading already has a result, so it cannot be cancelled."""
 
 
-async def cancel(database: Database, grading: UUID, who: str) -> UUID | None:
-    """Cancel that grading; the id of its submission, or None where there is no such grading. Over if it has its result.
+async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
+    """Cancel a grading and return the id of its submission, or None if the grading does not exist.
 
-    A worker that has it notices at its next beat.
+    A worker that is grading it stops at its next heartbeat. Raises AlreadyFinished if the grading has a result.
     """
     async with database.begin() as connection:
         found = (await connection.execute(_FOUND, {"grading": grading})).first()
         if found is None:
             return None
-        if not await _stop(connection, [grading], who):
+        if not await _stop(connection, [grading], actor):
             raise AlreadyFinished
         await lock_person(connection, found.submission)
         await connection.execute(_FORGET_JOBS, {"gradings": [str(grading)]})
         await send_next(connection, grading, found.submission)
         detail = {"person": found.person, "grading": found.number, "preview": found.preview}
-        await record_audit(connection, who, "cancel", str(found.submission), detail)
+        await record_audit(connection, actor, "cancel", str(found.submission), detail)
         await runs.notify_in(connection, found.submission)
     submission: UUID = found.submission
     return submission
 
 
-async def cancel_all_of(connection: AsyncConnection, regrade: UUID, who: str) -> int:
-    """Cancel what of a regrade has no result yet, in this transaction; how many."""
+async def cancel_all_of(connection: AsyncConnection, regrade: UUID, actor: str) -> int:
+    """Cancel the unfinished gradings of a regrade in this transaction and return their number."""
     open = [row.id for row in (await connection.execute(_OPEN, {"regrade": regrade})).all()]
-    stopped = await _stop(connection, open, who) if open else []
+    stopped = await _stop(connection, open, actor) if open else []
     await connection.execute(_FORGET_JOBS, {"gradings": [str(id) for id in stopped]})
     return len(stopped)
 
 
-async def _stop(connection: AsyncConnection, gradings: Sequence[UUID], who: str) -> Sequence[UUID]:
-    """Write results and end the runs; those of the gradings that had no result before."""
-    told = f"cancelled by {who}"
-    rows = [{"grading_id": grading, "fault": told, "cancelled_by": who} for grading in gradings]
+async def _stop(connection: AsyncConnection, gradings: Sequence[UUID], actor: str) -> Sequence[UUID]:
+    """Record results, end runs and return the gradings that had no result before."""
+    note = f"cancelled by {actor}"
+    rows = [{"grading_id": grading, "fault": note, "cancelled_by": actor} for grading in gradings]
     written = insert(result).values(rows).on_conflict_do_nothing().returning(result.c.grading_id)
     stopped = [row.grading_id for row in (await connection.execute(written)).all()]
-    await connection.execute(_END_RUNS, {"gradings": stopped, "note": told})
+    await connection.execute(_END_RUNS, {"gradings": stopped, "note": note})
     return stopped
 
 
-# Locked as by who claims it, and before the person: so a run begun meanwhile is seen and ended, and nobody waits in a circle. Not
-# more than that, as a result that is being written locks the grading's key.
+# Takes the lock of ``claim``, and takes it before the person's: so it sees and ends a run that starts
+# meanwhile, without deadlock. A stronger lock would conflict with the key lock of a result that is being
+# inserted.
 _FOUND = text("""
 SELECT a.number, a.preview, s.id AS submission, p.name AS person
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id

@@ -1,4 +1,4 @@
-"""A person's submissions to an assignment with what became of each: what a student looks back on; and the gradings at one."""
+"""Read a person's past submissions to an assignment, and the gradings of one submission."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ MOST = 100
 
 @dataclass(frozen=True)
 class PastSubmission:
-    """A submission of theirs; ``verdicts`` by check are those of the report shown for it, empty without one."""
+    """A person's submission; ``verdicts`` by check id are those of the report shown, if any."""
 
     id: UUID
     filename: str
@@ -31,7 +31,10 @@ class PastSubmission:
 
 @dataclass(frozen=True)
 class TimelineEntry:
-    """A submission as a timeline shows it; ``points`` are None where there is no report, ``before`` is the one before it."""
+    """A submission in a timeline.
+
+    ``points`` is None without a report; ``before`` is the id of the preceding submission.
+    """
 
     id: UUID
     filename: str
@@ -46,9 +49,10 @@ class TimelineEntry:
 
 @dataclass(frozen=True)
 class GradingRecord:
-    """A grading: why it was made, when it was asked for, when the run that counts was started, where and with what result.
+    """A grading with its result and the start and worker of the run that produced it.
 
-    ``runs`` is how many were begun. A ``preview`` one belongs to a regrade that has not been applied.
+    ``kind`` is "interactive", "regrade" or "bulk"; ``runs`` counts all runs started. A ``preview`` grading
+    belongs to a regrade that has not been applied.
     """
 
     number: int
@@ -67,23 +71,23 @@ class GradingRecord:
 
 
 async def timeline(database: Database, person: str, slug: str) -> Sequence[TimelineEntry]:
-    """The latest MOST of a person's submissions, newest first, without their sources."""
+    """Return the person's latest MOST submissions to an assignment, newest first, without their sources."""
     return [TimelineEntry(**row._mapping) for row in await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})]
 
 
 async def previous(database: Database, submission: UUID) -> UUID | None:
-    """The same person's submission before that one, to the same assignment."""
+    """Return the id of the same person's preceding submission to the same assignment, or None."""
     rows = await database.rows(_BEFORE, {"submission": submission})
     return rows[0].id if rows else None
 
 
 async def gradings(database: Database, submission: UUID) -> Sequence[GradingRecord]:
-    """All gradings at a submission, the first one first."""
+    """Return all gradings of a submission, oldest first."""
     return [GradingRecord(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
 
 
 async def past_submissions(database: Database, person: str, slug: str) -> Sequence[PastSubmission]:
-    """The latest MOST of them, newest first."""
+    """Return the person's latest MOST submissions to an assignment, newest first, with source and verdicts."""
     rows = await database.rows(_PAST, {"person": person, "slug": slug, "most": MOST})
     return [PastSubmission(**{**row._mapping, "verdicts": row.verdicts or {}}) for row in rows]
 

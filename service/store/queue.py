@@ -1,7 +1,9 @@
-"""The queue: Procrastinate's jobs in our own database. A job holds the id of a grading and nothing else.
+"""Queue gradings as Procrastinate jobs in the same database.
 
-The queue only wakes workers; the tables are the truth. Whatever was accepted and has no result gets a job again, see
-``service.store.workers``.
+A job holds the id of a grading and nothing else.
+
+Jobs only wake workers; the tables are authoritative. ``service.store.workers`` queues every grading without
+a result again.
 """
 
 from collections import defaultdict
@@ -18,12 +20,12 @@ from service.store.database import connect_options
 
 QUEUE = "grade"
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
-RECONNECT_S = 0.5  # the queue's pool's pause between gradings doubles: after a long outage it would sleep long into the day
-STEP = 1000  # between kinds; within one, a person's n-th open grading ranks n lower
+RECONNECT_S = 0.5  # the pool doubles its pause between attempts, so a long outage would leave it asleep for hours
+STEP = 1000  # priority between kinds; within a kind, a person's n-th open grading ranks n lower
 
 
 def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
-    """A Procrastinate application on the database; whoever takes jobs from it opens it."""
+    """Return a Procrastinate application on the database; the caller opens it to take jobs."""
     return App(
         connector=PsycopgConnector(
             conninfo=url, kwargs=connect_options(name), min_size=0, max_size=3, timeout=wait_s, reconnect_timeout=RECONNECT_S
@@ -31,50 +33,51 @@ def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
     )
 
 
-_sender = App(connector=PsycopgConnector())  # never opened: it writes through the transactions it is handed
+_sender = App(connector=PsycopgConnector())  # never opened: it writes through its callers' transactions
 
 
 async def send(connection: AsyncConnection, grading: UUID, *, task: str = "grade", priority: int) -> None:
-    """Add a job in this transaction."""
+    """Add a job for the grading in this transaction. ``task`` is "grade" or "sweep"."""
     raw = (await connection.get_raw_connection()).driver_connection
     job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=raw)
     await job.defer_async(**job_arguments(grading))
 
 
 def job_arguments(grading: UUID) -> dict[str, JSONValue]:
-    """Return the arguments of a grading's job; ``attempt`` is also the name in jobs queued by older versions."""
+    """Return the arguments of a job, which are the same in jobs queued by older versions."""
     return {"attempt": str(grading)}
 
 
 def priority_of(kind: str, open_before: int) -> int:
-    """The priority of a grading whose person has so many open ones of that kind before it."""
+    """Return the priority of a grading whose person has ``open_before`` earlier open gradings of that kind."""
     return STEP * KINDS[kind] - min(STEP - 1, open_before)
 
 
 async def send_grading(connection: AsyncConnection, grading: UUID, *, begun: bool = False) -> None:
-    """Add the job of a grading, ranked by its kind and by how many gradings its person has open before it.
+    """Add the job of a grading, ranked by its kind and by the person's number of earlier open gradings.
 
-    One that had ``begun`` and lost its worker has waited already: it goes before all others of its kind.
+    A grading that had ``begun`` before its worker was lost goes ahead of all others of its kind.
     """
     found = (await connection.execute(_OPEN_BEFORE, {"gradings": [grading]})).one()
     await send(connection, grading, priority=priority_of(found.kind, 0) + 1 if begun else priority_of(found.kind, found.open))
 
 
 async def send_gradings(connection: AsyncConnection, gradings: Sequence[UUID]) -> None:
-    """The same for many, none of which was begun."""
+    """Add the jobs of many gradings that have not begun, ranked as by ``send_grading``."""
     by_rank: defaultdict[int, list[UUID]] = defaultdict(list)
     for row in (await connection.execute(_OPEN_BEFORE, {"gradings": list(gradings)})).all():
         by_rank[priority_of(row.kind, row.open)].append(row.id)
     raw = (await connection.get_raw_connection()).driver_connection
-    for priority, those in by_rank.items():
+    for priority, ids in by_rank.items():
         job = _sender.configure_task("grade", queue=QUEUE, priority=priority, connection=raw)
-        await job.batch_defer_async(*[job_arguments(grading) for grading in those])
+        await job.batch_defer_async(*[job_arguments(grading) for grading in ids])
 
 
 async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -> None:
-    """When a grading has its result, its person's next one moves up, to the end of those of the same rank.
+    """Move the person's next grading up after ``done`` got its result, behind others of its new rank.
 
-    So persons take turns however many each has sent, and whoever sends again early need not wait for everybody who comes later.
+    So people take turns however many submissions each has queued, and later arrivals do not delay an early
+    second submission indefinitely.
     """
     await lock_person(connection, submission)
     row = (await connection.execute(_NEXT, {"grading": done})).first()
@@ -84,18 +87,18 @@ async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -
 
 
 async def lock_person(connection: AsyncConnection, submission: UUID) -> None:
-    """Wait until nobody else ranks this person's gradings, to the end of the transaction: a rank counts what others may change."""
-    await connection.execute(_TURN, {"submission": submission})
+    """Lock the ranking of this person's gradings until the end of the transaction."""
+    await connection.execute(_LOCK_PERSON, {"submission": submission})
 
 
 async def lock_persons(connection: AsyncConnection, submissions: Sequence[UUID]) -> None:
-    """The same for the persons of many, always in the same order, so that two who do this do not wait for each other."""
-    await connection.execute(_TURNS, {"submissions": list(submissions)})
+    """Lock the rankings of the people of many submissions, in a fixed order that avoids deadlocks."""
+    await connection.execute(_LOCK_PERSONS, {"submissions": list(submissions)})
 
 
 PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
-_TURN = text(f"SELECT {PERSON_LOCK.format('person_id')} FROM submission WHERE id = :submission")
-_TURNS = text(f"""
+_LOCK_PERSON = text(f"SELECT {PERSON_LOCK.format('person_id')} FROM submission WHERE id = :submission")
+_LOCK_PERSONS = text(f"""
 SELECT {PERSON_LOCK.format("person_id")}
 FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(:submissions) ORDER BY person_id) AS persons
 """)

@@ -1,4 +1,4 @@
-"""What an operator sees of the queue and may ask of it: who waits, who works, what failed, and to grade again."""
+"""Show the queue to the staff, and regrade submissions immediately."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -17,7 +17,8 @@ from service.store.tables import assignment
 
 @dataclass(frozen=True)
 class QueueSnapshot:
-    """Waiting jobs by kind, the first of them one by one, runs under way, workers, and gradings that ended in a fault."""
+    """Snapshot of the queue: waiting jobs by kind, the first jobs in order, active runs, workers, and
+    submissions whose grading ended in a system fault or was cancelled."""
 
     waiting: Sequence[Row[tuple[object, ...]]]
     places: Sequence[Row[tuple[object, ...]]]
@@ -28,7 +29,7 @@ class QueueSnapshot:
 
 @dataclass(frozen=True)
 class Rules:
-    """Until when, and how often, a person may submit; None: no deadline, any number."""
+    """Deadline, grace period in seconds and submission limit of an assignment; None: no limit."""
 
     due_at: datetime | None
     grace_s: float
@@ -36,40 +37,42 @@ class Rules:
 
 
 async def snapshot(database: Database) -> QueueSnapshot:
-    """The queue as it is now."""
+    """Read the present state of the queue."""
     return QueueSnapshot(*[await database.rows(query) for query in (_WAITING, _PLACES, _GOING, _WORKERS, _FAULTS)])
 
 
-async def regrade(database: Database, which: Sequence[UUID] | str, who: str, *, faults: bool = False) -> int:
-    """A new grading with the same seed for these submissions, for "faults" (those without a report) or for "all"; how many.
+async def regrade(database: Database, which: Sequence[UUID] | str, actor: str, *, faults: bool = False) -> int:
+    """Queue a new grading, with the same seed, for each selected submission and return their number.
 
-    With ``faults``, of these submissions only those without a report. What is being graded is left alone. What was shown stays
-    until the new result is there.
+    ``which`` is a list of ids, "faults" (submissions without a report) or "all"; with ``faults``,
+    submissions that have a report are skipped. Submissions that are being graded are skipped. The former
+    result stays visible until the new one is recorded.
     """
     faults = faults or which == "faults"
     values = {"ids": None if isinstance(which, str) else list(which), "faults": faults}
     count = 0
     for one in await database.rows(_AGAIN, values):
-        async with database.begin() as connection:  # each by itself: who submits meanwhile waits for none but their own
+        # One transaction each, so that a student who submits meanwhile waits only for their own.
+        async with database.begin() as connection:
             await lock_person(connection, one.id)
             row = (await connection.execute(_AGAIN, {"ids": [one.id], "faults": faults})).first()
             if row is None:
                 continue
             await add_grading(connection, row.id, "regrade", row.seed)
-            await record_audit(connection, who, "regrade", str(row.id), {"fault": row.fault})
+            await record_audit(connection, actor, "regrade", str(row.id), {"fault": row.fault})
             await runs.notify_in(connection, row.id)
             count += 1
     return count
 
 
-async def set_rules(database: Database, slug: str, rules: Rules, who: str) -> bool:
-    """Set the rules of an assignment. False if there is no such assignment."""
+async def set_rules(database: Database, slug: str, rules: Rules, actor: str) -> bool:
+    """Set the rules of an assignment. Return False if the assignment does not exist."""
     async with database.begin() as connection:
         changed = (await connection.execute(update(assignment).where(assignment.c.slug == slug).values(asdict(rules)))).rowcount
         if not changed:
             return False
-        told = {name: str(value) for name, value in asdict(rules).items()}
-        await record_audit(connection, who, "rules", slug, told)
+        detail = {name: str(value) for name, value in asdict(rules).items()}
+        await record_audit(connection, actor, "rules", slug, detail)
     return True
 
 
@@ -107,7 +110,7 @@ SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM 
 WHERE seen_at > now() - interval '30 s' ORDER BY name
 """
 
-# A preview grading is not one that counts: neither as the last one nor as one with a report.
+# Preview gradings do not count, neither as the last grading nor as one with a report.
 _LAST = """
 LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
     JOIN result r ON r.grading_id = a.id

@@ -1,4 +1,4 @@
-"""What is read from the tables: a submission with what became of it, and a line of a list."""
+"""Read submissions with their shown result, and store and find artefacts."""
 
 import hashlib
 import time
@@ -20,7 +20,7 @@ from service.store.tables import artefact, grading_artefact
 
 @dataclass(frozen=True)
 class NewSubmission:
-    """A submission about to be stored; ``arrived`` is when its request did, by this process's monotonic clock."""
+    """A submission to be stored; ``arrived`` is its request's time in seconds of the monotonic clock."""
 
     id: UUID
     assignment: str
@@ -32,17 +32,18 @@ class NewSubmission:
 
     @property
     def fingerprint(self) -> str:
-        """What two requests must share to be the same submission."""
+        """Return a hash of the content, which is the same for a repeated request."""
         parts = [self.assignment, self.submission.filename, self.submission.source, repr(self.exercises)]
         return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
 class SubmissionRecord:
-    """A submission as accepted, with the result shown for it, if there is one: a report, or the fault that kept us from making it.
+    """A submission as accepted, with the result shown for it, if any: a report or a system fault.
 
-    ``grading`` is the one shown: the last with a report, else the last one. ``status`` is queued, running, graded or faulted.
-    ``cancelled_by`` tells who of the staff stopped it, ``points`` the score but for what an instructor gave instead.
+    ``grading`` is the grading shown: the last one with a report, else the last one. ``status`` is "queued",
+    "running", "graded" or "faulted". ``cancelled_by`` names the staff member who cancelled it. ``points``
+    is the score after overrides.
     """
 
     id: UUID
@@ -64,15 +65,15 @@ class SubmissionRecord:
 
     @property
     def finished(self) -> bool:
-        """Whether there is a result."""
+        """Return whether the submission has a result."""
         return self.status in ("graded", "faulted")
 
 
 @dataclass(frozen=True)
 class SubmissionRow:
-    """A submission as a list shows it; ``score``, ``max_score``, ``points`` and ``total`` are None where there is no report.
+    """A submission in a list; ``score``, ``max_score``, ``points`` and ``total`` are None without a report.
 
-    ``total`` is that of the report, or of the checks made where the report was stored without one.
+    ``total`` is the report's total, or ``max_score`` for reports stored before the total was recorded.
     """
 
     id: UUID
@@ -87,8 +88,8 @@ class SubmissionRow:
 
 
 def points(given: str, grading: str, score: str) -> str:
-    """SQL to join, as ``given``, the ``points`` of that grading of submission ``s``: its score, but for what an instructor gave
-    instead; and whether anything was given, ``overridden``."""
+    """Return a lateral subquery, named by ``given``, with the ``points`` of a grading of submission ``s``
+    after overrides, and whether any override is in force, ``overridden``."""
     return f"""LATERAL (
     SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
         {score} + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
@@ -97,8 +98,8 @@ def points(given: str, grading: str, score: str) -> str:
 ) {given} ON true"""
 
 
-# The grading shown: the last with a report; without any, the last one. So a regrade under way does not hide what there was, and
-# one that is preview is not shown.
+# The grading shown is the last one with a report or, without any report, the last one. So a regrade in
+# progress does not hide the former report. Preview gradings are never shown.
 SHOWN = f"""
 LATERAL (
     SELECT a.id AS grading, a.number, a.seed, r.fault, r.cancelled_by, r.score, r.max_score, r.report,
@@ -117,7 +118,7 @@ LEFT JOIN LATERAL (
 STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
     WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
 
-# A deadline that was moved later, for all or for one person, forgives; one that was moved earlier does not make late.
+# A later deadline, for everyone or for one person, clears lateness; an earlier one never adds it.
 LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
     SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
 )), false)) AS late"""
@@ -148,13 +149,13 @@ FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 
 
 async def read(database: Database, id: UUID) -> SubmissionRecord | None:
-    """The submission of that id, or None."""
+    """Return the submission with that id, or None."""
     rows = await database.rows(_ONE, {"id": id})
     return _stored(rows[0]) if rows else None
 
 
 async def recent(database: Database, most: int, person: str | None = None) -> Sequence[SubmissionRow]:
-    """The latest submissions, of all or of one person, newest first, without their source and report."""
+    """Return the latest ``most`` submissions, of everyone or of one person, newest first."""
     return [
         SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
         for r in await database.rows(_LIST, {"most": most, "person": person})
@@ -162,32 +163,32 @@ async def recent(database: Database, most: int, person: str | None = None) -> Se
 
 
 async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
-    """What of a submission changes while it is graded: a row with ``finished``, ``status``, scores, ``grading`` and progress."""
+    """Return status, scores, ``grading`` and progress of a submission as a row, or None."""
     rows = await database.rows(_STATE, {"id": id})
     return rows[0] if rows else None
 
 
 async def positions(database: Database) -> Mapping[str, int]:
-    """By grading, which place in the queue it has; the next to start is at 1."""
+    """Return the position in the queue by grading id; the next one to start has position 1."""
     return {row.grading: row.position for row in await database.rows(_POSITIONS)}
 
 
 async def find_artefact(database: Database, grading: UUID, name: str) -> tuple[bytes, str] | None:
-    """Content and SHA-256 of an artefact, or None."""
+    """Return content and SHA-256 (hexadecimal) of a grading's artefact, or None."""
     query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, grading_artefact)
     rows = await database.rows(query.where(grading_artefact.c.grading_id == grading, grading_artefact.c.name == name))
     return (rows[0].content, rows[0].sha256) if rows else None
 
 
 async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
-    """Keep artefacts made later, such as a figure drawn when somebody looked."""
+    """Store artefacts made after the grading, such as a figure drawn on the first request."""
     async with database.begin() as connection:
         for statement in artefact_statements(grading, artefacts):
             await connection.execute(statement)
 
 
 def artefact_statements(grading: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
-    """The statements that keep them, each content once however many gradings share it."""
+    """Return the statements that store artefacts; content that several gradings share is stored once."""
     marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
     contents = {marks[name]: content for name, content in artefacts.items()}
     return [

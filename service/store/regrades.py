@@ -1,4 +1,4 @@
-"""Grading again with a look first: a regrade's gradings are preview, so that nothing shown changes until it is applied."""
+"""Previewed regrades: nothing shown changes until an instructor applies the regrade."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,27 +18,29 @@ from service.store.records import LATE, SHOWN, points
 from service.store.submissions import MAX_RUNS
 from service.store.tables import regrade
 
-AT_ONCE = 50
+BATCH = 50
 BEST, EVERY = "all", "every"
-"""What is graded again: everybody's best submission, or each submission of everybody."""
+"""What a regrade covers: each student's best submission, or every submission."""
 
 
 class NothingToGrade(Exception):
-    """No submission that was meant has a result to compare with, or all of them are being graded."""
+    """No selected submission can be regraded: none has a result yet, or all are being graded."""
 
 
 class RegradeClosed(Exception):
-    """The regrade was applied or dropped before; the message says by whom."""
+    """The regrade has already been applied or dropped; the message says by whom."""
 
 
 class RegradeIncomplete(Exception):
-    """It cannot be applied yet; the message says how many gradings have no result."""
+    """The regrade cannot be applied yet; the message says how many gradings have no result."""
 
 
 @dataclass(frozen=True)
 class Regrade:
-    """A regrade: what it is about (``description``), who asked, what became of it, and of its gradings, how many are finished
-    and how many of these have a report (``graded``)."""
+    """A regrade. ``decided`` is "applied", "dropped" or None.
+
+    Of its ``total`` gradings, ``finished`` have a result and ``graded`` have a report.
+    """
 
     id: UUID
     assignment: str
@@ -53,85 +55,92 @@ class Regrade:
     total: int
 
 
-async def create(database: Database, slug: str, which: UUID | str, who: str, *, check: str | None = None, description: str) -> UUID:
-    """Grade again, preview: one submission by its id, the best or every one of everybody; with ``check``, those without ✓ at it.
+async def create(
+    database: Database, slug: str, which: UUID | str, actor: str, *, check: str | None = None, description: str
+) -> UUID:
+    """Queue preview gradings and return the id of the new regrade.
 
-    Few persons at once: who submits meanwhile hardly waits. What is being graded is left alone. ``description`` is what
-    pages show for it.
+    ``which`` is the id of one submission, BEST or EVERY; with ``check``, only submissions that do not pass
+    that check. Submissions that are being graded are skipped. Pages show ``description``. Raises
+    NothingToGrade if no submission is left.
     """
     if isinstance(which, UUID):
-        query, asked = _ONE, {"slug": slug, "one": which}
+        query, values = _ONE, {"slug": slug, "one": which}
     else:
-        query, asked = _MEANT[which], {"slug": slug, "check": check}
+        query, values = _SELECTED[which], {"slug": slug, "check": check}
     async with database.begin() as connection:
-        made = (await connection.execute(_BEGIN, {"slug": slug, "description": description, "actor": who})).one().id
-        meant = (await connection.execute(query, asked)).all()
-    count, ids = 0, [row.id for row in meant]
-    for start in range(0, len(ids), AT_ONCE):
-        count += await _add(database, made, ids[start : start + AT_ONCE])
+        id = (await connection.execute(_BEGIN, {"slug": slug, "description": description, "actor": actor})).one().id
+        selected = [row.id for row in (await connection.execute(query, values)).all()]
+    count = 0  # in batches, each its own transaction, so that students who submit meanwhile wait little
+    for start in range(0, len(selected), BATCH):
+        count += await _add(database, id, selected[start : start + BATCH])
     async with database.begin() as connection:
         if count:
             await record_audit(
-                connection, who, "regrade begun", str(made), {"assignment": slug, "what": description, "submissions": count}
+                connection, actor, "regrade begun", str(id), {"assignment": slug, "what": description, "submissions": count}
             )
-            return UUID(str(made))
-        await connection.execute(delete(regrade).where(regrade.c.id == made))
+            return UUID(str(id))
+        await connection.execute(delete(regrade).where(regrade.c.id == id))
     raise NothingToGrade
 
 
-async def _add(database: Database, made: UUID, submissions: Sequence[UUID]) -> int:
-    """Held gradings of those that are not being graded, unless the regrade has been decided meanwhile; how many."""
+async def _add(database: Database, id: UUID, submissions: Sequence[UUID]) -> int:
+    """Queue preview gradings and return their number, which is 0 if the regrade has been decided meanwhile."""
     async with database.begin() as connection:
         await lock_persons(connection, submissions)
-        if (await connection.execute(_UNDECIDED, {"id": made})).first() is None:
+        if (await connection.execute(_UNDECIDED, {"id": id})).first() is None:
             return 0
-        values = {"regrade": made, "submissions": list(submissions), "max_runs": MAX_RUNS}
+        values = {"regrade": id, "submissions": list(submissions), "max_runs": MAX_RUNS}
         added = [row.id for row in (await connection.execute(_ADD, values)).all()]
         await send_gradings(connection, added)
     return len(added)
 
 
 async def find(database: Database, id: UUID) -> Regrade | None:
-    """The regrade of that id."""
+    """Return the regrade with that id, or None."""
     rows = await database.rows(_FIND, {"id": id, "slug": None})
     return Regrade(**rows[0]._mapping) if rows else None
 
 
 async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
-    """Its regrades, newest first."""
+    """Return the latest hundred regrades of an assignment, newest first."""
     return [Regrade(**row._mapping) for row in await database.rows(_FIND, {"id": None, "slug": slug})]
 
 
-async def apply(database: Database, id: UUID, who: str) -> int:
-    """Let what was graded count, all of it at once; how many submissions show the new result. Faults are left preview.
+async def apply(database: Database, id: UUID, actor: str) -> int:
+    """Make all reports of the regrade count, and return the number of submissions that changed.
 
-    Raises Decided where somebody was first, Unfinished while a result is missing.
+    Gradings that ended in a system fault stay previews. Raises RegradeClosed if the regrade was decided
+    before, and RegradeIncomplete while a result is missing.
     """
     async with database.begin() as connection:
-        if not (await connection.execute(_DECIDE, {"id": id, "how": "applied", "who": who})).rowcount:
-            raise RegradeClosed(await _by_whom(database, id))
+        if not (await connection.execute(_DECIDE, {"id": id, "how": "applied", "actor": actor})).rowcount:
+            raise RegradeClosed(await _decision(database, id))
         if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():
             raise RegradeIncomplete(f"{open} of its submissions have not been graded yet")
         changed = (await connection.execute(_RELEASE, {"id": id})).all()
-        await record_audit(connection, who, "regrade applied", str(id), {"submissions": len(changed)})
+        await record_audit(connection, actor, "regrade applied", str(id), {"submissions": len(changed)})
         for row in changed:
             await runs.notify_in(connection, row.submission_id)
     return len(changed)
 
 
-async def drop(database: Database, id: UUID, who: str) -> int:
-    """Leave everything as it is for good, and grade no more for it; how many gradings were cancelled. Raises Decided."""
+async def drop(database: Database, id: UUID, actor: str) -> int:
+    """Discard the regrade and return the number of gradings cancelled.
+
+    Raises RegradeClosed if it was decided before.
+    """
     async with database.begin() as connection:
-        if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "who": who})).rowcount:
-            raise RegradeClosed(await _by_whom(database, id))
-        cancelled = await cancel_all_of(connection, id, who)
-        await record_audit(connection, who, "regrade dropped", str(id), {"cancelled": cancelled})
+        if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "actor": actor})).rowcount:
+            raise RegradeClosed(await _decision(database, id))
+        cancelled = await cancel_all_of(connection, id, actor)
+        await record_audit(connection, actor, "regrade dropped", str(id), {"cancelled": cancelled})
     return cancelled
 
 
-async def _by_whom(database: Database, id: UUID) -> str:
-    known = await find(database, id)
-    return f"it was {known.decided} by {known.decided_by} already" if known and known.decided else "there is no such regrade"
+async def _decision(database: Database, id: UUID) -> str:
+    regrade = await find(database, id)
+    return f"{regrade.decided_by} has {regrade.decided} it already" if regrade and regrade.decided else "there is no such regrade"
 
 
 _BEGIN = text("""
@@ -148,11 +157,11 @@ _ONE = text("""
 SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
 """)
 
-_MEANT = {
+_SELECTED = {
     which: text(f"""
-SELECT id FROM ({query}) meant
+SELECT id FROM ({query}) counted
 WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
-    SELECT 1 FROM outcome o WHERE o.grading_id = meant.grading AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
+    SELECT 1 FROM outcome o WHERE o.grading_id = counted.grading AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
 ORDER BY person_id
 """)
     for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
@@ -179,14 +188,14 @@ WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.
 """
 
 _DECIDE = text("""
-UPDATE regrade SET decided = :how, decided_by = :who, decided_at = clock_timestamp() WHERE id = :id AND decided IS NULL
+UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp() WHERE id = :id AND decided IS NULL
 """)
 
 _OPEN = text("""
 SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = a.id)
 """)
 
-# What was graded again since, and is shown, stays.
+# A report of a later grading stays shown.
 _RELEASE = text("""
 UPDATE grading a SET preview = false FROM result r
 WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT EXISTS (
@@ -197,19 +206,19 @@ RETURNING a.submission_id
 
 
 async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """By submission, what counts without this regrade (``was``) and what with it, points given by an instructor included.
+    """Return a row per submission with points without this regrade (``was_…``) and with it.
 
-    Rows also have ``overridden``, and ``overtaken`` where a later grading is shown already.
+    Rows also have ``overridden`` and ``overtaken``, which says that a later grading is shown already.
     """
     return await database.rows(_PAIRS, {"id": id})
 
 
 async def check_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """Every check whose state is another than before: ``grading``, ``check_id``, ``was`` and ``now``, None where there was none."""
+    """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` (or None)."""
     return await database.rows(_FLIPS, {"id": id})
 
 
-# The grading that counts without this regrade: the last before it with a report.
+# The grading that counts without this regrade: the last earlier one with a report.
 _BEFORE = """
 LATERAL (
     SELECT b.id AS grading, q.score, q.max_score, q.version FROM grading b JOIN result q ON q.grading_id = b.id

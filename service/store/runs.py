@@ -1,6 +1,7 @@
-"""A worker's side of a grading: claim it, tell that it is alive and how far it is, and write the one result.
+"""The runs of a grading, as a worker reports them: claim, heartbeat, and finish or release.
 
-Every function is one transaction and harmless to repeat, because a lost connection leaves open whether it was committed.
+Every function is one idempotent transaction, because a lost connection leaves unknown whether the
+transaction was committed.
 """
 
 from collections.abc import Mapping
@@ -26,7 +27,7 @@ CHANNEL = "polhode"
 
 @dataclass(frozen=True)
 class GradingJob:
-    """What a grading asks: everything that grading it needs, so that no more is read while it runs."""
+    """All input of a grading, so that the worker reads nothing more while it grades."""
 
     grading: UUID
     submission_id: UUID
@@ -38,15 +39,15 @@ class GradingJob:
 
 @dataclass(frozen=True)
 class Claim(GradingJob):
-    """A grading that this worker grades, as its run ``run``."""
+    """A grading that a worker has claimed, with the id of its run."""
 
     run: UUID
 
 
 async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
-    """Begin run ``new_run`` of the grading; None where there is nothing to do, as it has its result.
+    """Start run ``new_run`` of a grading. Return None if the grading already has a result.
 
-    Where too many runs were lost or failed, the result is a fault, with what is known of them.
+    After ``max_runs`` lost or failed runs, record a system fault that lists them, and return None.
     """
     async with database.begin() as connection:
         found = (await connection.execute(_CLAIM, {"grading": grading})).first()
@@ -54,8 +55,8 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
             return None
         if found.lost >= found.max_runs:
             lost = (await connection.execute(_LOST, {"grading": grading})).all()
-            known = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
-            fault = f"grading was begun {len(lost)} times and never ended ({known})"
+            listed = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
+            fault = f"grading was begun {len(lost)} times and never finished ({listed})"
             await connection.execute(insert(result).values(grading_id=grading, fault=fault).on_conflict_do_nothing())
             await send_next(connection, grading, found.submission_id)
             await notify_in(connection, found.submission_id)
@@ -63,30 +64,30 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
         values = {"id": new_run, "grading_id": grading, "worker": worker, "phase": "starting"}
         await connection.execute(insert(run).values(values).on_conflict_do_nothing())
         await notify_in(connection, found.submission_id)
-    return Claim(**_asked(grading, found), run=new_run)
+    return Claim(**_job_fields(grading, found), run=new_run)
 
 
 async def read_grading(database: Database, grading: UUID) -> GradingJob:
-    """What a grading asks, without claiming it."""
+    """Return the input of a grading without claiming it."""
     async with database.begin() as connection:
-        return GradingJob(**_asked(grading, (await connection.execute(_CLAIM, {"grading": grading})).one()))
+        return GradingJob(**_job_fields(grading, (await connection.execute(_CLAIM, {"grading": grading})).one()))
 
 
 async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
-    """Tell that the run is alive and how far it is. If it was thought to be lost, it is not.
+    """Record a heartbeat and the run's progress, reviving a run that was marked lost.
 
-    False where it is wanted no more: it was cancelled, or another run was first.
+    Return False if the run is obsolete: cancelled, or superseded by another run.
     """
     values = {"run": claimed.run, "phase": phase, "scene": scene, "scenes": scenes}
     async with database.begin() as connection:
-        row = (await connection.execute(_BEAT, values)).first()
+        row = (await connection.execute(_HEARTBEAT, values)).first()
         if row is not None and row.moved:
             await notify_in(connection, claimed.submission_id)
     return row is not None
 
 
 async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
-    """Write the result and its artefacts together. False if another run was first: then nothing of this one is kept."""
+    """Record the result with its artefacts. Return False, and store nothing, if another run finished first."""
     of = {"grading": claimed.grading}
     values = {
         "grading_id": claimed.grading,
@@ -102,8 +103,8 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         written = insert(result).values(values).on_conflict_do_nothing().returning(result.c.run_id)
         owner = (await connection.execute(written)).scalar() or (await connection.execute(_OWNER, of)).scalar()
         first = owner == claimed.run
-        kept = [*artefact_statements(claimed.grading, artefacts), *_by_check(claimed.grading, report)]
-        for statement in kept if first else []:
+        statements = [*artefact_statements(claimed.grading, artefacts), *_insert_outcomes(claimed.grading, report)]
+        for statement in statements if first else []:
             await connection.execute(statement)
         await connection.execute(_END, {"run": claimed.run, "end_reason": "finished" if first else "superseded"})
         if first:
@@ -113,10 +114,14 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
 
 
 async def release(database: Database, claimed: Claim, end_reason: str, note: str) -> None:
-    """End a run without result: "released" when the worker stops, "failed" by a failure of ours; the grading is queued again."""
+    """End a run without result and queue its grading again.
+
+    ``end_reason`` is "released" (the worker stops) or "failed".
+    """
     async with database.begin() as connection:
         values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600]}
-        open = (await connection.execute(_END_IF_OPEN, values)).rowcount  # else it was lost, and is queued already
+        # A run that is not open was marked lost, and its grading is queued already.
+        open = (await connection.execute(_END_IF_OPEN, values)).rowcount
         if open and (await connection.execute(_OWNER, {"grading": claimed.grading})).first() is None:
             await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
             await send_grading(connection, claimed.grading, begun=end_reason == "released")
@@ -124,18 +129,18 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
 
 
 async def supersede(database: Database, claimed: Claim) -> None:
-    """End a run whose grading has its result from elsewhere."""
+    """End a run whose grading got its result from another run or was cancelled."""
     async with database.begin() as connection:
         await connection.execute(_END, {"run": claimed.run, "end_reason": "superseded"})
 
 
 async def notify(database: Database, submission_id: UUID) -> None:
-    """Wake whoever follows that submission, on any server."""
+    """Notify all servers that the submission has changed."""
     async with database.begin() as connection:
         await notify_in(connection, submission_id)
 
 
-def _asked(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
+def _job_fields(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
     return {
         "grading": grading,
         "submission_id": row.submission_id,
@@ -146,13 +151,13 @@ def _asked(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
     }
 
 
-def _by_check(grading: UUID, report: Report) -> list[Executable]:
+def _insert_outcomes(grading: UUID, report: Report) -> list[Executable]:
     rows = outcome_rows(grading, report)
     return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
 
 
 async def notify_in(connection: AsyncConnection, submission_id: UUID) -> None:
-    """The same when this transaction is committed."""
+    """Notify all servers when this transaction is committed."""
     await connection.execute(text("SELECT pg_notify(:channel, :id)"), {"channel": CHANNEL, "id": str(submission_id)})
 
 
@@ -165,13 +170,13 @@ FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON 
 WHERE a.id = :grading FOR NO KEY UPDATE OF a
 """)
 
-# A run that came back late is no loss: its worker lives, it was only slow.
+# A run that was marked lost and revived does not count: its worker was only slow.
 _LOST = text("""
 SELECT started_at, worker, note FROM run
 WHERE grading_id = :grading AND end_reason IN ('lost', 'failed') ORDER BY started_at
 """)
 
-_BEAT = text("""
+_HEARTBEAT = text("""
 WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
 UPDATE run SET heartbeat_at = now(), phase = :phase, scene = :scene, scenes = :scenes,
     ended_at = NULL, end_reason = NULL, note = NULL,
@@ -194,7 +199,7 @@ _DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grad
 
 
 def outcome_rows(grading: UUID, report: Report) -> list[dict[str, Any]]:
-    """A row of the table ``outcome`` for each check of the report."""
+    """Return a row of the table ``outcome`` for each check of the report."""
     return [
         {
             "grading_id": grading,

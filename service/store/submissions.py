@@ -1,4 +1,4 @@
-"""Accepting a submission: it, its first grading and its job in one transaction, where limits and deadline are decided too."""
+"""Accept a submission: check deadline and limit and store it with its job in one transaction."""
 
 import json
 import time
@@ -20,26 +20,26 @@ from service.store.queue import PERSON_LOCK, lock_person, priority_of, send, sen
 from service.store.records import LATE, NewSubmission
 from service.store.tables import assignment, assignment_version, course, grading
 
-MAX_RUNS = 3  # of one grading that end without result, before it is a fault
+MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
 
 
 class KeyReused(Exception):
-    """An idempotency key came with another body than the first time."""
+    """The idempotency key was used before with another body."""
 
 
 class SubmissionRejected(Exception):
-    """The submission is not taken; the message tells the student why, ``kind`` is "deadline-over" or "none-left"."""
+    """The submission is rejected for the reason in the message; ``kind`` is its problem type."""
 
     def __init__(self, kind: str, sentence: str) -> None:
         super().__init__(sentence)
         self.kind = kind
 
 
-async def register(database: Database, known: Iterable[Assignment]) -> None:
-    """Enter the assignments and their versions, where they are not entered yet."""
+async def register(database: Database, catalogue: Iterable[Assignment]) -> None:
+    """Store the assignments and their versions unless they are stored already."""
     async with database.begin() as connection:
         home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
-        for one in known:
+        for one in catalogue:
             await connection.execute(insert(assignment).values(course_id=home, slug=one.slug).on_conflict_do_nothing())
             where = assignment.c.slug == one.slug, assignment.c.course_id == home
             id = (await connection.execute(select(assignment.c.id).where(*where))).scalar_one()
@@ -49,7 +49,7 @@ async def register(database: Database, known: Iterable[Assignment]) -> None:
 
 @dataclass(frozen=True)
 class Accepted:
-    """A submission that is stored. Not ``fresh``: it was before, and may have its result already."""
+    """A stored submission. If not ``fresh``, an earlier request stored it, and it may have a result."""
 
     id: UUID
     submitted_at: datetime
@@ -58,14 +58,14 @@ class Accepted:
 
 
 async def accept(database: Database, new: NewSubmission, key: str | None = None, kind: str = "interactive") -> Accepted:
-    """Store a submission and send its job, ranked by ``kind``; under a known key, find the one stored before.
+    """Store a submission and queue its grading; with a known key, return the one stored before.
 
-    Raises KeyReused if that one was different, SubmissionRejected if the deadline has passed or no submission is left. Waits for a
-    request with the same key that is under way.
+    Waits for a concurrent request with the same key. Raises KeyReused if the stored submission differs, and
+    SubmissionRejected after the deadline or if no submission is left.
     """
     try:
         return await _accept(database, new, key, kind)
-    except (IntegrityError, NoResultFound):  # the database was restored to another state meanwhile
+    except (IntegrityError, NoResultFound):  # a backup was restored meanwhile: cached ids are wrong
         database.persons.clear()
         await register(database, assignments().values())
         return await _accept(database, new, key, kind)
@@ -73,13 +73,13 @@ async def accept(database: Database, new: NewSubmission, key: str | None = None,
 
 async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str) -> Accepted:
     async with database.begin() as connection:
-        who = await _person(connection, database, new.person)
-        asked = {"slug": new.assignment, "course": COURSE, "person": str(who), "age": time.monotonic() - new.arrived}
-        rules = (await connection.execute(_RULES, asked)).one()
+        person = await _person(connection, database, new.person)
+        request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
+        rules = (await connection.execute(_RULES, request)).one()
         values = {
             "id": new.id,
             "assignment": rules.id,
-            "person": who,
+            "person": person,
             "source": new.submission.source,
             "sha256": new.submission.sha256,
             "filename": new.submission.filename,
@@ -95,31 +95,31 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
         }
         stored = (await connection.execute(_STORE, values)).first()
         if stored is None:
-            return await _known(connection, new, who, key)
-        await _check(connection, rules, who)
+            return await _find_repeated(connection, new, person, key)
+        await _check(connection, rules, person)
         await send(connection, values["grading"], priority=priority_of(kind, stored.open))
-    database.persons[new.person] = who  # only now is it certain that the person is entered
+    database.persons[new.person] = person  # cached after the commit only
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
 async def add_grading(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
-    """The next grading of a submission, with its job."""
+    """Add the next grading of a submission with its job, and return its id."""
     await lock_person(connection, of)
     id, numbers = uuid4(), select(func.coalesce(func.max(grading.c.number), 0) + 1).where(grading.c.submission_id == of)
     values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "max_runs": MAX_RUNS}
-    values["requested_at"] = func.clock_timestamp()  # a transaction may have begun long ago
+    values["requested_at"] = func.clock_timestamp()  # now() is the start of the transaction
     await connection.execute(insert(grading).values(values | {"number": numbers.scalar_subquery()}))
     await send_grading(connection, id)
     return id
 
 
 async def _person(connection: AsyncConnection, database: Database, name: str) -> UUID:
-    """The person of that name; a person's id never changes, so it is asked for once."""
+    """Return the id of the person, from the cache if possible: ids never change."""
     return database.persons.get(name) or await add_person(connection, name)
 
 
-# A submission's time is that of its request, by the database's clock. One person's are accepted one after the other, so that two
-# at once cannot both be the last.
+# The submission time is that of the request, by the database's clock. The lock serializes a person's
+# submissions, so that two concurrent ones cannot both take the last place.
 _RULES = text(f"""
 SELECT a.id, until.due_at, a.grace_s, a.submission_limit, at, coalesce(at > until.due_at, false) AS late,
     coalesce(at > until.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
@@ -130,7 +130,7 @@ FROM assignment a JOIN course c ON c.id = a.course_id
 WHERE a.slug = :slug AND c.slug = :course
 """)
 
-# A statement sees what was committed when it began: the count of the open ones, after the lock, is one of its own.
+# A separate statement: it must see what was committed before the lock was granted to count the open gradings.
 _STORE = text("""
 WITH stored AS (
     INSERT INTO submission
@@ -146,32 +146,32 @@ RETURNING (
 ) AS open
 """)
 
-_KNOWN = text(f"""
+_REPEATED = text(f"""
 SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assignment x ON x.id = s.assignment_id
 WHERE s.person_id = :person AND s.idempotency_key = :key
 """)
 
 _USED = text("""
 SELECT count(*) FROM submission s
-    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS ours FROM grading a LEFT JOIN result r ON r.grading_id = a.id
-        WHERE a.submission_id = s.id AND NOT a.preview) fault ON NOT fault.ours
+    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS faulted FROM grading a LEFT JOIN result r ON r.grading_id = a.id
+        WHERE a.submission_id = s.id AND NOT a.preview) state ON NOT state.faulted
 WHERE s.person_id = :person AND s.assignment_id = :assignment
 """)
 
 
-async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], who: UUID) -> None:
-    """Raise SubmissionRejected if the deadline has passed or no submission is left; system faults do not count."""
+async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], person: UUID) -> None:
+    """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
         raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
     if rules.submission_limit is not None:
-        used = (await connection.execute(_USED, {"person": who, "assignment": rules.id})).scalar_one()
+        used = (await connection.execute(_USED, {"person": person, "assignment": rules.id})).scalar_one()
         if used > rules.submission_limit:
             raise SubmissionRejected("none-left", f"all {rules.submission_limit} submissions allowed have been used")
 
 
-async def _known(connection: AsyncConnection, new: NewSubmission, who: UUID, key: str | None) -> Accepted:
-    found = (await connection.execute(_KNOWN, {"person": who, "key": key})).one()
+async def _find_repeated(connection: AsyncConnection, new: NewSubmission, person: UUID, key: str | None) -> Accepted:
+    found = (await connection.execute(_REPEATED, {"person": person, "key": key})).one()
     if found.fingerprint != new.fingerprint:
         raise KeyReused
     return Accepted(found.id, found.submitted_at, found.late, fresh=False)

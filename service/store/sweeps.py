@@ -1,4 +1,4 @@
-"""Sweeps of submissions' own functions, speed against accuracy: asked for one at a time or for a class, and kept as artefacts."""
+"""Sweeps: speed against accuracy of a submission's own function, stored as artefacts."""
 
 import json
 from collections.abc import Iterable
@@ -16,28 +16,31 @@ SWEPT = "sweep.json"
 
 
 async def request(database: Database, grading: UUID) -> None:
-    """A job to sweep the function of this grading, unless there is one: a person waits, so it goes before regrades."""
+    """Queue a sweep of this grading's function unless one is queued.
+
+    It goes before regrades, as a person waits for it.
+    """
     async with database.begin() as connection:
-        await _ask(connection, grading, "interactive")
+        await _queue_once(connection, grading, "interactive")
 
 
 async def request_class(database: Database, class_: Iterable[StudentRow]) -> int:
-    """The same for every submission that counts and has not been swept, behind everybody who waits for a grade; how many."""
+    """Queue sweeps of all counted submissions without one, behind all other jobs, and return their number."""
     gradings = _gradings(class_)
     done = {row.grading_id for row in await database.rows(_DONE, {"gradings": gradings})}
     async with database.begin() as connection:
-        return sum([await _ask(connection, grading, "bulk") for grading in gradings if grading not in done])
+        return sum([await _queue_once(connection, grading, "bulk") for grading in gradings if grading not in done])
 
 
 async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, int]:
-    """How many of the submissions that count have been swept, and how many that could be have not."""
+    """Return how many counted submissions have a sweep, and how many gradable ones have none."""
     gradings = _gradings(class_)
     rows = await database.rows(_DONE, {"gradings": gradings})
     return sum(row.name == SWEPT for row in rows), len(gradings) - len(rows)
 
 
 async def documents(database: Database, class_: Iterable[StudentRow]) -> list[dict[str, Any]]:
-    """The sweeps there are of the submissions that count, as JSON."""
+    """Return the stored sweeps of the counted submissions as JSON documents."""
     rows = await database.rows(_CONTENTS, {"gradings": _gradings(class_), "name": SWEPT})
     return [json.loads(row.content) for row in rows]
 
@@ -46,17 +49,17 @@ def _gradings(class_: Iterable[StudentRow]) -> list[UUID]:
     return [s.grading for s in class_ if s.grading is not None and s.status == "graded"]
 
 
-async def _ask(connection: AsyncConnection, grading: UUID, kind: str) -> bool:
-    await connection.execute(_ONE_ASKS, {"grading": str(grading)})
-    if (await connection.execute(_SENT, {"grading": str(grading)})).first() is not None:
+async def _queue_once(connection: AsyncConnection, grading: UUID, kind: str) -> bool:
+    await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
+    if (await connection.execute(_QUEUED, {"grading": str(grading)})).first() is not None:
         return False
     await send(connection, grading, task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
     return True
 
 
-_ONE_ASKS = text("SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :grading, 0))")
+_LOCK_SWEEP = text("SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :grading, 0))")
 
-_SENT = text("""
+_QUEUED = text("""
 SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing') AND args->>'attempt' = :grading
 """)
 

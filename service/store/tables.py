@@ -1,8 +1,10 @@
-"""The tables. A submission is never altered, a grading has one result, artefacts belong to the result's transaction.
+"""Declare the tables of the database.
 
-An *grading* is one grading of a submission, a *run* is one worker's try at it: the first run that ends gives the result.
-A *preview* grading belongs to a regrade that has not been applied: nothing of it is shown for the submission. An *override* gives
-points for a check (1 or 0) or, without one, for the whole submission; of each kind one is in force.
+A submission is immutable. A submission has gradings, and a grading has runs: one per worker that started
+it. The first run to finish records the grading's only result, with its artefacts in the same transaction. A
+preview grading belongs to a regrade that has not been applied; pages and grades ignore it. An override sets
+the points of a check (1 or 0) or, without a check, of the whole submission; at most one of each is in
+force.
 """
 
 from sqlalchemy import (

@@ -1,4 +1,4 @@
-"""Which workers are there, and what they grade behind or why they cannot."""
+"""Registered workers, and recovery of gradings whose worker or job was lost."""
 
 from uuid import UUID
 
@@ -13,32 +13,32 @@ from service.store.queue import send_grading
 async def register_worker(
     database: Database, worker: str, isolation: str | None, unavailable_reason: str | None, zygote_restarts: int = 0
 ) -> None:
-    """Tell that a worker is there and what it grades behind, or why it cannot grade."""
+    """Record that a worker is alive, with its isolation level or the reason why it cannot grade."""
     values = {"name": worker, "isolation": isolation, "reason": unavailable_reason, "zygote_restarts": zygote_restarts}
     async with database.begin() as connection:
-        await connection.execute(_ENROL, values)
+        await connection.execute(_REGISTER, values)
 
 
 async def unregister_worker(database: Database, worker: str) -> None:
-    """Tell that a worker is not there any more."""
+    """Remove a worker that stops."""
     async with database.begin() as connection:
         await connection.execute(text("DELETE FROM worker WHERE name = :name"), {"name": worker})
 
 
-_ENROL = text("""
+_REGISTER = text("""
 INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts) VALUES (:name, :isolation, :reason, :zygote_restarts)
 ON CONFLICT (name) DO UPDATE
     SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts, seen_at = now()
 """)
 
 
-SWEPT_AFTER_S = 5.0  # an open grading older than this has a job, or gets one
+JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
 
 
 async def recover(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
-    """Queue gradings again whose runs are lost, and forget jobs of gradings that have their result; return those queued again.
+    """Queue gradings of lost runs again, drop jobs of finished gradings, and return the former.
 
-    A run that has given no sign of life for ``lease_s`` is lost: its worker is dead, frozen or cut off.
+    A run without a heartbeat for ``lease_s`` seconds is lost: its worker is dead, frozen or disconnected.
     """
     again = []
     async with database.begin() as connection:
@@ -47,19 +47,19 @@ async def recover(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
                 continue
             again.append(UUID(job.grading))
             await _lose_and_send(connection, again[-1], lease_s, begun=True)
-        alone = (await connection.execute(_ALONE)).scalar()
-        for row in (await connection.execute(_ORPHANS, {"lease": lease_s})).all() if alone else []:
+        locked = (await connection.execute(_TRY_LOCK)).scalar()
+        for row in (await connection.execute(_ORPHANS, {"lease": lease_s})).all() if locked else []:
             again.append(row.grading_id)
             await _lose_and_send(connection, again[-1], lease_s, begun=True)
     return again
 
 
 async def sweep(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
-    """Queue gradings without result that have no job at all, and forget workers long gone; the gradings queued again."""
+    """Queue open gradings without a job, remove workers unseen for an hour, and return the gradings queued."""
     async with database.begin() as connection:
-        if not (await connection.execute(_ALONE)).scalar():
+        if not (await connection.execute(_TRY_LOCK)).scalar():
             return []
-        found = [row.id for row in (await connection.execute(_JOBLESS, {"after": SWEPT_AFTER_S})).all()]
+        found = [row.id for row in (await connection.execute(_JOBLESS, {"after": JOBLESS_AFTER_S})).all()]
         for grading in found:
             await _lose_and_send(connection, grading, lease_s, begun=False)
         await connection.execute(_FORGET_WORKERS)
@@ -71,10 +71,10 @@ async def _lose_and_send(connection: AsyncConnection, grading: UUID, lease_s: fl
     await send_grading(connection, grading, begun=begun)
 
 
-# Jobs in the hands of a worker whose run says nothing any more, or that never began one, or whose grading is finished. Nobody can
-# have said anything while the database was out, so a lease begins anew with it. The worker's own heartbeat is not asked:
-# Procrastinate may leave a job with a live worker that has forgotten it. A sweep of a submission's function has no run and may
-# take its time.
+# Jobs taken by a worker whose run is silent or never began, or whose grading is finished. No heartbeat can
+# arrive while the database is down, so a lease counts from the database's start at the earliest.
+# Procrastinate's own worker heartbeat is ignored: a live worker may have lost track of a job. A sweep has
+# no run, and gets 120 s.
 _STALE = text("""
 DELETE FROM procrastinate_jobs WHERE id IN (
     SELECT j.id FROM procrastinate_jobs j
@@ -91,11 +91,11 @@ DELETE FROM procrastinate_jobs WHERE id IN (
 """)
 
 _LOSE = text("""
-UPDATE run SET ended_at = now(), end_reason = 'lost', note = 'the worker was not heard of any more'
+UPDATE run SET ended_at = now(), end_reason = 'lost', note = 'the worker stopped sending heartbeats'
 WHERE grading_id = :grading AND ended_at IS NULL AND heartbeat_at < now() - make_interval(secs => :lease)
 """)
 
-# Runs that have fallen silent and whose job is gone.
+# Silent runs without a job.
 _ORPHANS = text("""
 SELECT DISTINCT grading_id FROM run LEFT JOIN result USING (grading_id)
 WHERE run.ended_at IS NULL AND result.grading_id IS NULL
@@ -103,7 +103,7 @@ WHERE run.ended_at IS NULL AND result.grading_id IS NULL
     AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade' AND j.args->>'attempt' = run.grading_id::text)
 """)
 
-_ALONE = text("SELECT pg_try_advisory_xact_lock(2626)")
+_TRY_LOCK = text("SELECT pg_try_advisory_xact_lock(2626)")
 
 _JOBLESS = text("""
 SELECT a.id FROM grading a LEFT JOIN result r ON r.grading_id = a.id

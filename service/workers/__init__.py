@@ -1,1 +1,1 @@
-"""Who grades: crews of worker processes, each with one warm guest, that take jobs from the queue."""
+"""Worker processes that take jobs from the queue and grade them, each with one warm guest."""

@@ -1,6 +1,6 @@
-"""A crew: worker processes on one machine, each replaced when it is gone, all of them ended with it.
+"""A pool of worker processes on one machine, which replaces processes that end.
 
-They are forked from one process that has imported everything, so they share its memory and start at once.
+Workers are forked from a process that has imported everything, so they share its memory and start quickly.
 """
 
 import gc
@@ -21,7 +21,7 @@ from service.workers.worker import work
 log = logging.getLogger(__name__)
 SHORT_LIFE_S, LONGEST_PAUSE_S = 3.0, 5.0
 STOPS = (signal.SIGTERM, signal.SIGINT)
-SETTLE_S = 5.0  # on top of the time to drain
+SETTLE_S = 5.0  # added to the drain time
 
 
 class WorkerPool:
@@ -33,24 +33,24 @@ class WorkerPool:
         self._stopping = False
 
     def run(self) -> int:
-        """Keep the crew complete until SIGTERM or SIGINT; then let it drain."""
-        for how in STOPS:
-            signal.signal(how, self._stop)
+        """Keep all workers running until SIGTERM or SIGINT, then let them drain. Return the exit status."""
+        for signal_number in STOPS:
+            signal.signal(signal_number, self._stop)
         assignments()
-        gc.freeze()  # what is imported stays shared
-        slots = [_WorkerSlot(number) for number in range(self._settings.workers)]
+        gc.freeze()  # keeps imported modules in shared pages
+        workers = [_WorkerProcess(number) for number in range(self._settings.workers)]
         while not self._stopping:
-            for slot in slots:
-                slot.fill(self._start)
-            wait([slot.process.sentinel for slot in slots if slot.process], timeout=0.2)
-        for slot in slots:
-            if slot.process and slot.process.pid:
-                os.kill(slot.process.pid, signal.SIGTERM)
+            for worker in workers:
+                worker.ensure_running(self._start)
+            wait([worker.process.sentinel for worker in workers if worker.process], timeout=0.2)
+        for worker in workers:
+            if worker.process and worker.process.pid:
+                os.kill(worker.process.pid, signal.SIGTERM)
         until = time.monotonic() + self._settings.drain + SETTLE_S
-        for slot in slots:
-            if slot.process:
-                slot.process.join(max(0.0, until - time.monotonic()))
-                slot.process.kill()
+        for worker in workers:
+            if worker.process:
+                worker.process.join(max(0.0, until - time.monotonic()))
+                worker.process.kill()
         return 0
 
     def _stop(self, signum: int, frame: object) -> None:
@@ -58,7 +58,7 @@ class WorkerPool:
 
     def _start(self, number: int) -> BaseProcess:
         process = self._fork.Process(target=_work, args=(self._settings, os.getpid()), name=f"worker {number}")
-        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # until the new process has handlers of its own
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # until the new process has set its own handlers
         try:
             process.start()
         finally:
@@ -66,28 +66,28 @@ class WorkerPool:
         return process
 
 
-class _WorkerSlot:
-    """Where one worker stands; a pause before the next one grows while they die young."""
+class _WorkerProcess:
+    """One worker of the pool. The pause before a restart grows while processes end soon after their start."""
 
     def __init__(self, number: int) -> None:
-        self._number, self._since, self._young, self._not_before = number, 0.0, 0, 0.0
+        self._number, self._since, self._early_ends, self._not_before = number, 0.0, 0, 0.0
         self.process: BaseProcess | None = None
 
-    def fill(self, start) -> None:  # type: ignore[no-untyped-def]
+    def ensure_running(self, start) -> None:  # type: ignore[no-untyped-def]
         now = time.monotonic()
         if self.process is not None and not self.process.is_alive():
-            log.warning("%s ended with %s", self.process.name, self.process.exitcode)
-            self._young = self._young + 1 if now - self._since < SHORT_LIFE_S else 0
-            self._not_before = now + (min(LONGEST_PAUSE_S, 0.1 * 2**self._young) if self._young else 0.0)
+            log.warning("%s ended with exit code %s and is restarted", self.process.name, self.process.exitcode)
+            self._early_ends = self._early_ends + 1 if now - self._since < SHORT_LIFE_S else 0
+            self._not_before = now + (min(LONGEST_PAUSE_S, 0.1 * 2**self._early_ends) if self._early_ends else 0.0)
             self.process.close()
             self.process = None
         if self.process is None and now >= self._not_before:
             self.process, self._since = start(self._number), now
 
 
-def _work(settings: Settings, crew: int) -> None:
-    die_with_parent(crew)
-    for how in STOPS:
-        signal.signal(how, signal.SIG_DFL)
+def _work(settings: Settings, parent: int) -> None:
+    die_with_parent(parent)
+    for signal_number in STOPS:
+        signal.signal(signal_number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
     work(settings, f"{socket.gethostname()}/{os.getpid()}")

@@ -1,4 +1,4 @@
-"""What a server keeps running beside itself: the embedded database and a crew of workers, started again when they are gone."""
+"""Run the embedded database and the worker pool of a server, and restart them when they end."""
 
 import logging
 import os
@@ -12,81 +12,84 @@ from service.store.database import migrate
 from service.store.postgres.server import EmbeddedPostgres
 
 log = logging.getLogger(__name__)
-LOOK_S, LONGEST_PAUSE_S = 0.2, 5.0
+POLL_S, LONGEST_PAUSE_S = 0.2, 5.0
 
 
 class Supervisor(threading.Thread):
-    """One thread starts, watches and stops them, as a child may be told by the kernel to end with the thread that started it."""
+    """A thread that starts, watches and stops child processes, as these may end with their thread."""
 
     def __init__(self, settings: Settings) -> None:
-        super().__init__(name="keeper")
+        super().__init__(name="supervisor")
         self._settings = settings
         self._database = None
         if settings.database_url is None:
             self._database = EmbeddedPostgres(settings.data, settings.postgres, settings.workers)
         self.url = settings.database_url or (self._database.url if self._database else "")
-        self._crew: subprocess.Popen[bytes] | None = None
-        self._ready, self._leaving = threading.Event(), threading.Event()
+        self._pool: subprocess.Popen[bytes] | None = None
+        self._ready, self._stopping = threading.Event(), threading.Event()
         self._failure: Exception | None = None
 
     def begin(self) -> None:
-        """Return when the database answers and its tables are up to date. Raises DatabaseUnavailable."""
+        """Start, and return once the database answers and its tables are up to date.
+
+        Raises DatabaseUnavailable.
+        """
         self.start()
         self._ready.wait()
         if self._failure is not None:
             raise self._failure
 
     def stop(self) -> None:
-        """Stop the workers, then the database; return when they are gone."""
-        self._leaving.set()
+        """Stop the workers, then the database, and return once both have ended."""
+        self._stopping.set()
         if self.is_alive():
             self.join()
 
     def run(self) -> None:
-        """The thread's life."""
+        """Run the thread until ``stop``."""
         try:
             if self._database is not None:
                 self._database.start()
             migrate(self.url)
         except Exception as error:
             self._failure = error
-            self._leaving.set()
+            self._stopping.set()
         self._ready.set()
         try:
             self._watch()
         finally:
-            self._end_crew()
+            self._stop_pool()
             if self._database is not None:
                 self._database.stop()
 
     def _watch(self) -> None:
-        pause, not_before = LOOK_S, 0.0
-        while not self._leaving.wait(LOOK_S):
+        pause, not_before = POLL_S, 0.0
+        while not self._stopping.wait(POLL_S):
             if time.monotonic() < not_before:
                 continue
             try:
                 if self._database is not None and not self._database.alive:
-                    log.error("the database ended: it is started again")
+                    log.error("the embedded database ended unexpectedly and is restarted")
                     self._database.restart()
-                if self._settings.workers and (self._crew is None or self._crew.poll() is not None):
-                    self._crew = self._start_crew()
-                pause = LOOK_S
+                if self._settings.workers and (self._pool is None or self._pool.poll() is not None):
+                    self._pool = self._start_pool()
+                pause = POLL_S
             except Exception:
-                log.exception("not started again yet")
+                log.exception("could not restart; trying again in at most %g s", LONGEST_PAUSE_S)
                 pause = min(2 * pause, LONGEST_PAUSE_S)
                 not_before = time.monotonic() + pause
 
-    def _start_crew(self) -> "subprocess.Popen[bytes]":
+    def _start_pool(self) -> "subprocess.Popen[bytes]":
         environment = os.environ | {"POLHODE_DATABASE_URL": self.url, "POLHODE_LOG_LEVEL": self._settings.log_level}
         command = [sys.executable, "-m", "service.cli", "worker", "--with-parent", str(os.getpid())]
         return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL)
 
-    def _end_crew(self) -> None:
-        if self._crew is None or self._crew.poll() is not None:
+    def _stop_pool(self) -> None:
+        if self._pool is None or self._pool.poll() is not None:
             return
-        self._crew.terminate()
+        self._pool.terminate()
         try:
-            self._crew.wait(self._settings.drain + 10)
+            self._pool.wait(self._settings.drain + 10)
         except subprocess.TimeoutExpired:
-            self._crew.kill()
-            self._crew.wait()
+            self._pool.kill()
+            self._pool.wait()

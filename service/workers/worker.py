@@ -1,7 +1,7 @@
-"""One worker process: takes jobs from the queue, grades them with its own warm guest, and looks after work that others lost.
+"""A worker process: it takes jobs, grades them, and recovers gradings of lost workers.
 
-Grading runs in one thread that lives as long as the process, as a guest dies with the thread that started it. The event loop
-beside it gives a sign of life of the run four times in a lease.
+Grading runs in one thread that lives as long as the process, because a guest ends with the thread that
+started it. Meanwhile the event loop sends four heartbeats per lease.
 """
 
 import asyncio
@@ -30,43 +30,43 @@ from service.store.queue import QUEUE, new_app
 from service.store.records import store_artefacts
 
 log = logging.getLogger(__name__)
-BEATS, LOOKS, LONGEST_LOOK_S = 4, 2, 1.0  # in a lease
-ENROL_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
-GIVE_BACK_S = 3.0
-PATIENCE_S = 3600.0  # a result in hand outlives an hour without database
-MOST_S = 900.0  # far beyond every budget of a submission: a worker that has not come back by then ends itself
+HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping rounds per lease
+REGISTER_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
+RELEASE_S = 3.0
+PATIENCE_S = 3600.0  # a finished result is kept for an hour of database outage
+MOST_S = 900.0  # far above every submission's budget: a worker that takes longer ends itself
 
 
 class Worker:
-    """``name`` tells the host and the process; ``settings.database_url`` is set."""
+    """One worker. ``name`` identifies host and process; ``settings.database_url`` must be set."""
 
     def __init__(self, settings: Settings, name: str) -> None:
         assert settings.database_url is not None
         self.name, self._settings, self._url = name, settings, settings.database_url
         self._database = Database(self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait)
-        self._beat_s, self._look_s = settings.lease / BEATS, min(LONGEST_LOOK_S, settings.lease / LOOKS)
+        self._heartbeat_s, self._round_s = settings.lease / HEARTBEATS, min(LONGEST_ROUND_S, settings.lease / ROUNDS)
         self._thread = ThreadPoolExecutor(1)
         self._stopping = asyncio.Event()
         self._claimed: runs.Claim | None = None
         self._progress = ("starting", 0, 0)
 
     async def run(self) -> None:
-        """Work until told to stop by SIGTERM or SIGINT; then finish within the time to drain, or give back."""
-        for how in (signal.SIGTERM, signal.SIGINT):
-            asyncio.get_running_loop().add_signal_handler(how, self._stopping.set)
-        if not (await self._find_tables() and await self._start_sandbox()):
+        """Work until SIGTERM or SIGINT; then finish the grading within the drain time or release it."""
+        for signal_number in (signal.SIGTERM, signal.SIGINT):
+            asyncio.get_running_loop().add_signal_handler(signal_number, self._stopping.set)
+        if not (await self._wait_for_tables() and await self._start_sandbox()):
             return
-        caring, taking = asyncio.create_task(self._look_after()), asyncio.create_task(self._take_jobs())
-        told = asyncio.create_task(self._stopping.wait())
-        await asyncio.wait([told, caring, taking], return_when=asyncio.FIRST_COMPLETED)
-        if not told.done():
-            log.critical("a worker that has stopped to look or to take ends itself")
-        caring.cancel()
+        housekeeping, taking = asyncio.create_task(self._keep_house()), asyncio.create_task(self._take_jobs())
+        stopping = asyncio.create_task(self._stopping.wait())
+        await asyncio.wait([stopping, housekeeping, taking], return_when=asyncio.FIRST_COMPLETED)
+        if not stopping.done():
+            log.critical("housekeeping or taking jobs ended unexpectedly: this worker stops")
+        housekeeping.cancel()
         await self._drain(taking)
         await self._database.close()
 
-    async def _find_tables(self) -> bool:
-        """Wait for a server to bring the tables up to date, or for the database; False if told to stop."""
+    async def _wait_for_tables(self) -> bool:
+        """Wait until a server has created the tables. Return False if the worker is stopped meanwhile."""
         while not self._stopping.is_set():
             try:
                 await self._database.rows("SELECT 1 FROM worker")
@@ -82,7 +82,10 @@ class Worker:
             await asyncio.wait_for(self._stopping.wait(), seconds)
 
     async def _start_sandbox(self) -> bool:
-        """Warm a guest and let it play the probe; report a failure and try again. Return False if the worker is stopped first."""
+        """Start a guest and run the self-test; while this fails, record the reason and retry.
+
+        Return False if the worker is stopped.
+        """
         while not self._stopping.is_set():
             try:
                 isolation = await asyncio.to_thread(choose, self._settings.min_isolation)
@@ -91,134 +94,132 @@ class Worker:
                 self._isolation = isolation.name
                 return True
             except (IsolationUnavailable, SystemFault) as reason:
-                log.error("nothing is graded here: %s", reason)
-                await self._enrol(None, str(reason))
+                log.error("this worker cannot grade and tries again: %s", reason)
+                await self._register(None, str(reason))
                 await self._pause(RETRY_SANDBOX_S)
         return False
 
     async def _take_jobs(self) -> None:
-        """Take jobs one at a time; begin anew when the database was out."""
-        told = False  # of this outage
+        """Take jobs one at a time; reconnect after a database outage."""
+        logged = False  # this outage
         while True:
             app = new_app(self._url, f"polhode queue {self.name}", self._settings.database_wait)
             app.task(name="grade", queue=QUEUE)(self._grade)
             app.task(name="sweep", queue=QUEUE)(self._sweep)
             try:
-                await self._database.ping()  # a pool that opens while the database is out waits for half a minute
-                told = False
+                await self._database.ping()  # opening the pool during an outage would block for half a minute
+                logged = False
                 async with app.open_async():
                     await app.run_worker_async(
                         queues=[QUEUE], name=self.name, fetch_job_polling_interval=1.0, delete_jobs="always",
                         install_signal_handlers=False, stalled_worker_timeout=3600,
                     )  # fmt: skip
             except Exception as error:
-                if not told or not is_outage(error):
-                    log.warning("taking jobs again after %s", type(error).__name__)
-                told = True
+                if not logged or not is_outage(error):
+                    log.warning("taking jobs was interrupted by %s and is resumed", type(error).__name__)
+                logged = True
             await asyncio.sleep(0.3)
 
     async def _grade(self, attempt: str) -> None:
-        """The job of a grading."""
+        """Run the job that grades; ``attempt`` is the id of the grading."""
         logs.grading_id.set(attempt)
         claim = partial(runs.claim, self._database, uuid.UUID(attempt), uuid.uuid4(), self.name)
         claimed = await patiently(claim, PATIENCE_S)
         if claimed is None:
             return
         self._claimed, self._progress = claimed, ("starting", 0, 0)
-        beats = asyncio.create_task(self._beat(claimed))
+        heartbeats = asyncio.create_task(self._send_heartbeats(claimed))
         try:
             report, artefacts = await self._call(
-                grader.grade_one, claimed.submission, claimed.assignment, claimed.exercises, claimed.seed, self._tell
+                grader.grade_one, claimed.submission, claimed.assignment, claimed.exercises, claimed.seed, self._set_progress
             )
             first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
-            log.info("graded" if first else "came second")
+            log.info("graded" if first else "superseded by another run")
         except Cancelled:
-            log.info("stopped, as the grading has its result")
+            log.info("stopped: the grading has a result already")
             await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
-            words = text(str(error) if isinstance(error, SystemFault) else f"{type(error).__name__}: {error}", 400)
-            await patiently(partial(runs.release, self._database, claimed, "failed", words), PATIENCE_S)
+            note = text(str(error) if isinstance(error, SystemFault) else f"{type(error).__name__}: {error}", 400)
+            await patiently(partial(runs.release, self._database, claimed, "failed", note), PATIENCE_S)
         finally:
-            beats.cancel()
+            heartbeats.cancel()
             grader.stop_playing(False)
             self._claimed = None
 
     async def _sweep(self, attempt: str) -> None:
-        """The job of a sweep that somebody looks for."""
-        asked = await patiently(partial(runs.read_grading, self._database, uuid.UUID(attempt)), PATIENCE_S)
+        """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
+        job = await patiently(partial(runs.read_grading, self._database, uuid.UUID(attempt)), PATIENCE_S)
         try:
-            document, chart = await self._call(grader.sweep_one, asked.submission, asked.assignment)
+            document, chart = await self._call(grader.sweep_one, job.submission, job.assignment)
             artefacts = {"sweep.json": document.encode(), "sweep.svg": chart}
         except SweepFailed as reason:
             artefacts = {"sweep.refused": str(reason).encode()}
-        await patiently(partial(store_artefacts, self._database, asked.grading, artefacts), PATIENCE_S)
-        await patiently(partial(runs.notify, self._database, asked.submission_id), PATIENCE_S)
+        await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
+        await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
 
-    def _tell(self, phase: str, scene: int, scenes: int) -> None:
+    def _set_progress(self, phase: str, scene: int, scenes: int) -> None:
         """Called in the grading thread."""
         self._progress = phase, scene, scenes
 
-    async def _beat(self, claimed: runs.Claim) -> None:
+    async def _send_heartbeats(self, claimed: runs.Claim) -> None:
         while True:
-            await asyncio.sleep(self._beat_s)
+            await asyncio.sleep(self._heartbeat_s)
             with _suppress_outages():
                 if not await runs.heartbeat(self._database, claimed, *self._progress):
                     grader.stop_playing()
 
-    async def _look_after(self) -> None:
-        """Tell that this worker is there, and rescue what others lost."""
-        lease, enrol_every, sweep_every = self._settings.lease, round(ENROL_S / self._look_s), round(SWEEP_S / self._look_s)
-        for look in range(1 << 62):
+    async def _keep_house(self) -> None:
+        """Register this worker regularly, and recover lost gradings."""
+        lease, register_every, sweep_every = self._settings.lease, round(REGISTER_S / self._round_s), round(SWEEP_S / self._round_s)
+        for turn in range(1 << 62):
             with _suppress_outages():
-                if look % enrol_every == 0:
-                    await self._enrol(self._isolation, None)
+                if turn % register_every == 0:
+                    await self._register(self._isolation, None)
                 if again := await workers.recover(self._database, lease):
-                    log.warning("queued again: %s", ", ".join(map(str, again)))
-                if look % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
-                    log.warning("without a job: %s", ", ".join(map(str, found)))
-            await asyncio.sleep(self._look_s)
+                    log.warning("gradings of lost runs queued again: %s", ", ".join(map(str, again)))
+                if turn % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
+                    log.warning("gradings without a job queued again: %s", ", ".join(map(str, found)))
+            await asyncio.sleep(self._round_s)
 
-    async def _enrol(self, isolation: str | None, refusal: str | None) -> None:
+    async def _register(self, isolation: str | None, unavailable_reason: str | None) -> None:
         with _suppress_outages():
-            await workers.register_worker(self._database, self.name, isolation, refusal, grader.zygotes())
+            await workers.register_worker(self._database, self.name, isolation, unavailable_reason, grader.zygotes())
 
     async def _drain(self, taking: "asyncio.Task[None]") -> None:
-        """Take no more, wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""
+        """Take no more jobs; after the drain time, queue the unfinished grading again as released."""
         taking.cancel()
         with _suppress_outages():
             await workers.unregister_worker(self._database, self.name)
-        await asyncio.wait([taking], timeout=self._settings.drain)  # it ends after the job that it has
+        await asyncio.wait([taking], timeout=self._settings.drain)  # it ends after its present job
         if taking.done():
             return
         if self._claimed is not None:
             with _suppress_outages():
-                await asyncio.wait_for(
-                    runs.release(self._database, self._claimed, "released", "the worker was stopped"), GIVE_BACK_S
-                )
-        os._exit(0)  # at once: Procrastinate would write down that the job is over
+                await asyncio.wait_for(runs.release(self._database, self._claimed, "released", "the worker was stopped"), RELEASE_S)
+        os._exit(0)  # without cleanup: a clean exit would make Procrastinate mark the job as finished
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
-        """Run in the grading thread. A thread that does not come back cannot be ended but with its process."""
+        """Run in the grading thread. A thread that hangs can only be ended with its process."""
         work = asyncio.get_running_loop().run_in_executor(self._thread, function, *args)
         await asyncio.wait([work], timeout=MOST_S)
         if not work.done():
-            log.critical("%s did not come back in %g s: this worker ends", function.__name__, MOST_S)
+            log.critical("%s did not return within %g s: this worker stops", function.__name__, MOST_S)
             os._exit(1)
         return work.result()
 
 
 @contextlib.contextmanager
 def _suppress_outages():  # type: ignore[no-untyped-def]
-    """What is done again soon anyway may fail while the database is out."""
+    """Suppress database outages in periodic housekeeping; the next round repeats the work."""
     try:
         yield
     except Exception as error:
         if not is_outage(error):
-            log.exception("a worker's housekeeping failed")
+            log.exception("the worker's housekeeping failed")
 
 
 def work(settings: Settings, name: str) -> None:
-    """The life of a worker process."""
+    """Run a worker until it is stopped, then exit the process."""
     asyncio.run(Worker(settings, name).run())
-    os._exit(0)  # a grading thread that is still at it would be waited for
+    os._exit(0)  # a normal exit would wait for the grading thread

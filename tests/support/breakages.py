@@ -573,8 +573,8 @@ STORE = [
     Breakage(
         "a fault uses up a submission",
         "service/store/submissions.py",
-        "fault ON NOT fault.ours",
-        "fault ON true",
+        "state ON NOT state.faulted",
+        "state ON true",
         ("tests/service/store/test_submissions.py",),
     ),
     Breakage(
@@ -741,8 +741,8 @@ STORE = [
     Breakage(
         "half a backup is restored as if it were whole",
         "service/store/postgres/backup.py",
-        "if told.returncode != 0:",
-        "if told.returncode < 0:",
+        "if done.returncode != 0:",
+        "if done.returncode < 0:",
         (
             "tests/service/store/postgres/test_backup.py::test_a_backup_that_breaks_off_destroys_nothing_and_nobody_else_can_read_it",
         ),
@@ -823,8 +823,8 @@ WEB = [
     Breakage(
         "a session goes on although it was ended or is over",
         "service/auth/identity.py",
-        "if known is None or known.over is not None:",
-        "if known is None:",
+        "if info is None or info.over is not None:",
+        "if info is None:",
         ("tests/service/pages/test_account.py::test_logging_out_everywhere_ends_every_browser_and_no_token",),
     ),
     Breakage(
@@ -875,7 +875,7 @@ WORKERS = [
     Breakage(
         "a failed grading is not given back",
         "service/workers/worker.py",
-        'await patiently(partial(runs.release, self._database, claimed, "failed", words), PATIENCE_S)',
+        'await patiently(partial(runs.release, self._database, claimed, "failed", note), PATIENCE_S)',
         "pass",
         ("tests/service/workers/test_worker.py",),
     ),

@@ -1,1 +1,1 @@
-"""The people of the course, their accounts, and what counts for them: gradebook, overrides, deadlines, audit log."""
+"""The people of the course and their accounts, gradebook, overrides, deadlines and audit log."""

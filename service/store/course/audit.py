@@ -1,4 +1,4 @@
-"""The audit trail as it is read: who did what to whom, newest first."""
+"""Read the audit log."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,11 +11,11 @@ MOST = 200
 
 
 async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:
-    """The latest MOST entries, of all or about one subject or person, and with ``before`` those older than the entry of that id."""
-    return await database.rows(_TRAIL, {"subject": subject, "before": before})
+    """Return the latest MOST entries, newest first, of all or one subject, with ids below ``before``."""
+    return await database.rows(_ENTRIES, {"subject": subject, "before": before})
 
 
-_TRAIL = f"""
+_ENTRIES = f"""
 SELECT id, at, actor, action, subject, detail FROM audit
 WHERE (CAST(:subject AS text) IS NULL OR CAST(:subject AS text) IN (subject, actor, detail->>'person'))
     AND id < coalesce(CAST(:before AS bigint), 9223372036854775807)

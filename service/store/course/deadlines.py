@@ -1,4 +1,4 @@
-"""Extensions: a later deadline for one person, with the reason."""
+"""Extensions: later deadlines for single people, with the reason."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -11,7 +11,7 @@ from service.store.database import Database
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
-    """Give that person until ``due_at`` for the assignment, instead of what was given before. False for nobody of the course."""
+    """Set or replace a person's extension of an assignment. Return False if the person is not in the course."""
     values = {"slug": slug, "name": name, "course": COURSE, "due": due_at, "reason": reason, "by": by}
     async with database.begin() as connection:
         if (await connection.execute(_EXTEND, values)).first() is None:
@@ -22,16 +22,16 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
 
 
 async def remove_extension(database: Database, slug: str, name: str, by: str) -> bool:
-    """Take a person's extension back. False where there is none."""
+    """Remove a person's extension. Return False if there is none."""
     async with database.begin() as connection:
-        taken = (await connection.execute(_TAKE_BACK, {"slug": slug, "name": name, "course": COURSE})).first() is not None
-        if taken:
+        removed = (await connection.execute(_REMOVE, {"slug": slug, "name": name, "course": COURSE})).first() is not None
+        if removed:
             await record_audit(connection, by, "extension taken back", name, {"assignment": slug})
-    return taken
+    return removed
 
 
 async def extensions(database: Database, slug: str) -> Sequence[Row[Any]]:
-    """Those of an assignment, the latest deadline first."""
+    """Return the extensions of an assignment, latest deadline first."""
     return await database.rows(_LIST, {"slug": slug, "course": COURSE})
 
 
@@ -46,7 +46,7 @@ ON CONFLICT (assignment_id, person_id) DO UPDATE SET due_at = :due, reason = :re
 RETURNING person_id
 """)
 
-_TAKE_BACK = text(f"""
+_REMOVE = text(f"""
 DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name) RETURNING person_id
 """)
 

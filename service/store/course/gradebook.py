@@ -1,6 +1,6 @@
-"""A class at one assignment: where every student stands, each check of the submission that counts, and what waits to be done.
+"""The gradebook of an assignment: each student's counted submission with its outcomes.
 
-Of a student's submissions the one with the most points counts, of equals the newest.
+The submission with the most points counts; of equal ones, the newest.
 """
 
 import itertools
@@ -12,14 +12,16 @@ from uuid import UUID
 
 from sqlalchemy import Row
 
-from service.store.course.grades import BEST, SOMEBODY
+from service.store.course.grades import BEST, IS_PERSON
 from service.store.course.people import COURSE
 from service.store.database import Database
 
 
 class Cell(NamedTuple):
-    """What became of one check: a key of ``states.MARKS``; ``given`` are the points an instructor set instead. ``causes`` are
-    codes and sentences."""
+    """The outcome of one check; ``given`` are the points of an override.
+
+    ``causes`` holds the code and the sentence of each diagnosis.
+    """
 
     state: str
     counted: bool
@@ -29,13 +31,13 @@ class Cell(NamedTuple):
 
     @property
     def shown(self) -> str:
-        """The state as it counts: that of an override, if there is one."""
+        """Return the state that counts: that of the override, if any."""
         return self.state if self.given is None else "pass" if self.given else "fail"
 
 
 @dataclass(frozen=True)
 class StudentRow:
-    """A student with the submission that counts, if there is one, and its cells by check."""
+    """A student with their counted submission, if any, and its cells by check id."""
 
     name: str
     full_name: str
@@ -72,13 +74,15 @@ class StudentRow:
 
 
 async def student_rows(database: Database, slug: str) -> list[StudentRow]:
-    """Every student of the course, by name, also those who sent nothing."""
+    """Return all students of the course, by name, including those without a submission."""
     found = await students(database, slug)
-    values = {"gradings": [s.grading for s in found if s.score is not None]}  # others may get their outcomes between two queries
+    values = {"gradings": [s.grading for s in found if s.score is not None]}  # the others may be graded between the queries
     cells = {row.grading_id: _cells(row) for row in await database.rows(_CELLS, values)}
     for row in await database.rows(_MORE, values):
-        own = cells[row.grading_id]
-        own[row.check_id] = own[row.check_id]._replace(given=row.points, causes=tuple(zip(row.codes, row.causes, strict=True)))
+        of_grading = cells[row.grading_id]
+        of_grading[row.check_id] = of_grading[row.check_id]._replace(
+            given=row.points, causes=tuple(zip(row.codes, row.causes, strict=True))
+        )
     return [replace(s, cells=cells[s.grading]) if s.grading in cells else s for s in found]
 
 
@@ -88,18 +92,18 @@ def _cells(row: Row[Any]) -> dict[str, Cell]:
 
 
 async def students(database: Database, slug: str) -> list[StudentRow]:
-    """The same without cells."""
+    """Return all students of the course, by name, with their counted submissions but without cells."""
     rows = await database.rows(_STANDINGS, {"slug": slug, "course": COURSE})
     return [StudentRow(**row._mapping) for row in rows]
 
 
 async def overview(database: Database) -> Sequence[Row[Any]]:
-    """The assignments with their rules, how many students there are and have submitted, and what waits for somebody."""
+    """Return a row per assignment: rules, numbers of students and submissions, and open work for the staff."""
     return await database.rows(_OVERVIEW, {"course": COURSE})
 
 
 async def rules(database: Database, slug: str) -> Row[Any]:
-    """One of these."""
+    """Return one assignment's overview row."""
     return next(row for row in await overview(database) if row.slug == slug)
 
 
@@ -110,11 +114,11 @@ SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0)
     best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'no submission') AS status,
     best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.grading
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
-WHERE c.slug = :course AND m.role = 'student' AND {SOMEBODY}
+WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 """
 
-# A row for every student rather than for every check: a class has tens of thousands of these.
+# One row per student rather than per check, as a class has tens of thousands of outcomes.
 _CELLS = """
 SELECT grading_id, array_agg(check_id) AS checks, array_agg(state) AS states, array_agg(counted) AS counted,
     array_agg(margin) AS margins
@@ -135,7 +139,7 @@ SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, coalesce(class.students,
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades
 FROM assignment x JOIN course c ON c.id = x.course_id
     LEFT JOIN (SELECT m.course_id, count(*) AS students FROM member m JOIN person p ON p.id = m.person_id
-        WHERE m.role = 'student' AND {SOMEBODY} GROUP BY 1) class
+        WHERE m.role = 'student' AND {IS_PERSON} GROUP BY 1) class
         ON class.course_id = c.id
     LEFT JOIN (
         SELECT s.assignment_id, count(*) AS submissions, count(DISTINCT s.person_id) FILTER (WHERE m.role = 'student') AS people,

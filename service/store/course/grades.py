@@ -1,4 +1,4 @@
-"""Grades for export: every student's best submission with the states of its checks; and all submissions, a batch at a time."""
+"""Read grades for export: each student's counted submission with its checks, and all submissions in batches."""
 
 from collections.abc import AsyncIterator, Sequence
 from typing import Any
@@ -12,10 +12,11 @@ from service.store.course.people import COURSE
 from service.store.database import Database
 from service.store.records import LATE, SHOWN, STATUS
 
-BATCH = 25  # of submissions with their reports: some megabytes at most
-MANY = 2000  # of short lines
+BATCH = 25  # submissions with reports: some megabytes at most
+AUDIT_BATCH = 2000  # short rows
 
-# The best submission of each student who sent something: by points, of equals the newest; before anything is graded the newest.
+# Each person's counted submission: the one with the most points; of equal ones, or if none is graded, the
+# newest.
 BEST = f"""
 SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE},
     shown.grading, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
@@ -24,8 +25,8 @@ FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slu
 ORDER BY s.assignment_id, s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC, s.id
 """
 
-# Every database has the person "local"; where persons are told apart it is nobody.
-SOMEBODY = "(p.name <> 'local' OR EXISTS (SELECT FROM submission o WHERE o.person_id = p.id))"
+# Every database has the person "local", which has no submissions, and is not listed, where people log in.
+IS_PERSON = "(p.name <> 'local' OR EXISTS (SELECT FROM submission o WHERE o.person_id = p.id))"
 
 _GRADES = f"""
 WITH best AS MATERIALIZED ({BEST})
@@ -39,7 +40,7 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
         WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL AND o.withdrawn_at IS NULL) overridden ON true
 WHERE c.slug = :course AND m.role = 'student' AND coalesce(x.slug = CAST(:slug AS text), true)
-    AND {SOMEBODY} ORDER BY x.slug, p.name
+    AND {IS_PERSON} ORDER BY x.slug, p.name
 """
 
 _SUBMISSIONS = f"""
@@ -64,18 +65,18 @@ WHERE x.slug = :slug ORDER BY o.given_at, o.id
 _ROSTER = f"""
 SELECT p.name, m.role, p.full_name, p.email, p.student_id FROM person p JOIN member m ON m.person_id = p.id
     JOIN course c ON c.id = m.course_id
-WHERE c.slug = :course AND {SOMEBODY} ORDER BY p.name
+WHERE c.slug = :course AND {IS_PERSON} ORDER BY p.name
 """
 
 
 async def grades(database: Database, slug: str | None = None) -> list[GradeRow]:
-    """A row for every student: of one assignment with the states of its checks, without ``slug`` of all of them without these."""
-    asked = {"slug": slug, "course": COURSE, "detailed": slug is not None}
-    return [_row(found) for found in await database.rows(_GRADES, asked)]
+    """Return a row per student: of one assignment with check states, or of all assignments without."""
+    values = {"slug": slug, "course": COURSE, "detailed": slug is not None}
+    return [_row(found) for found in await database.rows(_GRADES, values)]
 
 
 async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[Found[Any]]]:
-    """All submissions of the assignment with source and the report that is shown, BATCH at a time."""
+    """Yield all submissions of an assignment, with source and the report shown, in batches of BATCH."""
     after = UUID(int=0)
     while batch := await database.rows(_SUBMISSIONS, {"slug": slug, "after": after, "most": BATCH}):
         yield batch
@@ -83,34 +84,32 @@ async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[F
 
 
 async def trail(database: Database) -> AsyncIterator[Sequence[Found[Any]]]:
-    """The audit trail from its beginning, MANY entries at a time."""
+    """Yield the audit log from its beginning, in batches of AUDIT_BATCH entries."""
     after = 0
-    while batch := await database.rows(_AUDIT, {"after": after, "most": MANY}):
+    while batch := await database.rows(_AUDIT, {"after": after, "most": AUDIT_BATCH}):
         yield batch
         after = batch[-1].id
 
 
 async def overrides(database: Database, slug: str) -> Sequence[Found[Any]]:
-    """What was given instead of what was measured, those withdrawn too."""
+    """Return all overrides of an assignment, oldest first, including withdrawn ones."""
     return await database.rows(_OVERRIDES, {"slug": slug})
 
 
 async def roster(database: Database) -> Sequence[Found[Any]]:
-    """Everybody in the course with their role."""
+    """Return the people of the course with their roles, by name."""
     return await database.rows(_ROSTER, {"course": COURSE})
 
 
 def _row(found: Found[Any]) -> GradeRow:
-    known = assignments().get(found.slug)
-    of_row = {
-        name: getattr(found, name) for name in ("full_name", "email", "student_id", "submitted_at", "late", "score", "points")
-    }
+    assignment = assignments().get(found.slug)
+    same = {name: getattr(found, name) for name in ("full_name", "email", "student_id", "submitted_at", "late", "score", "points")}
     given = {check: points for check, points in (found.given or {}).items() if check in (found.checks or {})}
     grader = f"polhode {found.polhode}, assignment version {found.version}" if found.polhode else ""
     return GradeRow(
         assignment=found.slug,
-        title=known.title if known else found.slug,
-        max_points=known.max_points() if known else found.max_score or 0,
+        title=assignment.title if assignment else found.slug,
+        max_points=assignment.max_points() if assignment else found.max_score or 0,
         student=found.name,
         due_at=found.due_at,
         status=found.status or "none",
@@ -122,5 +121,5 @@ def _row(found: Found[Any]) -> GradeRow:
         grader=grader,
         checks=found.checks or {},
         given=given,
-        **of_row,
+        **same,
     )

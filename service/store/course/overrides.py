@@ -1,4 +1,7 @@
-"""Points that an instructor gives instead of what was measured, with a reason: never erased, only withdrawn or replaced."""
+"""Overrides of scores by instructors.
+
+An override has a reason and is never deleted, only withdrawn or replaced.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +24,7 @@ LONGEST_REASON = 1000
 
 @dataclass(frozen=True)
 class Override:
-    """Points given for a check (1 or 0) or, with ``check`` None, for the whole submission; in force until it was withdrawn."""
+    """Points of a check (1 or 0) or, if ``check`` is None, of the submission; valid until withdrawn."""
 
     id: UUID
     check: str | None
@@ -34,12 +37,12 @@ class Override:
 
     @property
     def in_force(self) -> bool:
-        """Whether it counts."""
+        """Return whether the override counts."""
         return self.withdrawn_at is None
 
 
 class OverrideRejected(Exception):
-    """These points cannot be given; ``kind`` is "invalid-request", "not-ready" or "changed-meanwhile"."""
+    """The override cannot be changed; ``kind`` is "invalid-request", "not-ready" or "changed-meanwhile"."""
 
     def __init__(self, kind: str, sentence: str) -> None:
         super().__init__(sentence)
@@ -47,86 +50,92 @@ class OverrideRejected(Exception):
 
 
 async def of_submission(database: Database, submission: UUID) -> Sequence[Override]:
-    """All that were ever given, oldest first."""
+    """Return all overrides of a submission, oldest first, including withdrawn ones."""
     return [Override(**row._mapping) for row in await database.rows(_ALL, {"id": submission})]
 
 
-def revision(known: Sequence[Override]) -> int:
-    """A number that grows with every change, so that a form tells what its sender had seen."""
-    return len(known) + sum(not one.in_force for one in known)
+def revision(overrides: Sequence[Override]) -> int:
+    """Return a number that grows with every change, with which a form states what its user had seen."""
+    return len(overrides) + sum(not one.in_force for one in overrides)
 
 
 async def give(
-    database: Database, submission: UUID, who: str, *, check: str | None, points: int, reason: str, seen: int | None = None
+    database: Database, submission: UUID, actor: str, *, check: str | None, points: int, reason: str, seen: int | None = None
 ) -> None:
-    """Give these points; what was in force for the same is withdrawn. NotGiven with the reason why they cannot be.
+    """Override the points of a check or of the submission, replacing an override in force.
 
-    With ``seen``, a stamp, nothing is given where the overrides have been changed since.
+    ``seen`` is the ``revision`` that the instructor saw. Raises OverrideRejected if the points are invalid,
+    the submission is not graded, or the overrides have changed since ``seen``.
     """
     async with database.begin() as connection:
         before = await _locked(connection, submission)
-        known = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
-        if seen is not None and seen != revision(known):
-            raise OverrideRejected(
-                "changed-meanwhile", "somebody else changed these points meanwhile: load the page again, then decide"
-            )
+        stored = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
+        if seen is not None and seen != revision(stored):
+            raise OverrideRejected("changed-meanwhile", "these points have been changed meanwhile: reload the page, then decide")
         outcome = (await connection.execute(_OUTCOME, {"grading": before.grading, "check": check})).first()
-        _judge(before, outcome, check, points, reason)
-        old = next((one for one in known if one.in_force and one.check == check), None)
+        _validate(before, outcome, check, points, reason)
+        old = next((one for one in stored if one.in_force and one.check == check), None)
         if old is not None:
-            await connection.execute(_WITHDRAW, {"submission": submission, "id": old.id, "who": who})
-        values = {"submission_id": submission, "check_id": check, "points": points, "reason": reason, "given_by": who}
+            await connection.execute(_WITHDRAW, {"submission": submission, "id": old.id, "actor": actor})
+        values = {"submission_id": submission, "check_id": check, "points": points, "reason": reason, "given_by": actor}
         await connection.execute(insert(override).values(values | {"given_at": text("clock_timestamp()")}))
         measured = before.score if outcome is None else int(outcome.state == "pass")
-        told = {
+        detail = {
             "action": "override",
             "check": check,
             "before": measured if old is None else old.points,
             "after": points,
             "reason": reason,
         }
-        await _tell(connection, submission, before, who, told)
+        await _record_change(connection, submission, before, actor, detail)
 
 
-async def withdraw(database: Database, submission: UUID, id: UUID, who: str) -> bool:
-    """What was measured counts again. False where that submission has no such override; NotGiven where it is over already."""
+async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -> bool:
+    """Withdraw an override, so that the measured points count again.
+
+    Return False if the submission has no such override.
+
+    Raises OverrideRejected if it is not in force.
+    """
     async with database.begin() as connection:
         before = await _locked(connection, submission)
-        known = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
-        one = next((one for one in known if one.id == id), None)
+        stored = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
+        one = next((one for one in stored if one.id == id), None)
         if one is None:
             return False
         if not one.in_force:
-            raise OverrideRejected("changed-meanwhile", f"it was withdrawn or replaced by {one.withdrawn_by} already")
-        await connection.execute(_WITHDRAW, {"submission": submission, "id": id, "who": who})
-        told = {"action": "override withdrawn", "check": one.check, "before": one.points, "after": None, "reason": one.reason}
-        await _tell(connection, submission, before, who, told)
+            raise OverrideRejected("changed-meanwhile", f"{one.withdrawn_by} has withdrawn or replaced it already: reload the page")
+        await connection.execute(_WITHDRAW, {"submission": submission, "id": id, "actor": actor})
+        detail = {"action": "override withdrawn", "check": one.check, "before": one.points, "after": None, "reason": one.reason}
+        await _record_change(connection, submission, before, actor, detail)
     return True
 
 
-def _judge(before: Row[Any], outcome: Row[Any] | None, check: str | None, points: int, reason: str) -> None:
+def _validate(before: Row[Any], outcome: Row[Any] | None, check: str | None, points: int, reason: str) -> None:
     if before.max_score is None:
-        raise OverrideRejected("not-ready", "there is no report yet: points can be given once it is graded")
+        raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:
-        raise OverrideRejected("invalid-request", f"the report has no check {check[:80]} that counts")
+        raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}")
     most = before.max_score if check is None else 1
     if not 0 <= points <= most:
-        raise OverrideRejected("invalid-request", f"points are 0 to {most}")
+        raise OverrideRejected("invalid-request", f"points must be from 0 to {most}")
     if not 0 < len(reason) <= LONGEST_REASON:
         raise OverrideRejected("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
 
 
 async def _locked(connection: AsyncConnection, submission: UUID) -> Row[Any]:
-    """What is shown for the submission, whose points nobody else changes in this transaction."""
+    """Lock the submission's points until the end of the transaction, and return what is shown for it."""
     await connection.execute(_LOCK, {"id": submission})
     return (await connection.execute(_SHOWN, {"id": submission})).one()
 
 
-async def _tell(connection: AsyncConnection, submission: UUID, before: Row[Any], who: str, told: dict[str, Any]) -> None:
+async def _record_change(
+    connection: AsyncConnection, submission: UUID, before: Row[Any], actor: str, change: dict[str, Any]
+) -> None:
     after = (await connection.execute(_SHOWN, {"id": submission})).one()
-    action = told.pop("action")
-    detail = {"person": before.person, **told, "points": [before.points, after.points]}
-    await record_audit(connection, who, action, str(submission), detail)
+    action = change.pop("action")
+    detail = {"person": before.person, **change, "points": [before.points, after.points]}
+    await record_audit(connection, actor, action, str(submission), detail)
     await runs.notify_in(connection, submission)
 
 
@@ -145,6 +154,6 @@ FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = 
 _OUTCOME = text("SELECT state FROM outcome WHERE grading_id = :grading AND check_id = CAST(:check AS text) AND counted")
 
 _WITHDRAW = text("""
-UPDATE override SET withdrawn_by = :who, withdrawn_at = clock_timestamp()
+UPDATE override SET withdrawn_by = :actor, withdrawn_at = clock_timestamp()
 WHERE id = :id AND submission_id = :submission AND withdrawn_at IS NULL
 """)

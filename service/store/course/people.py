@@ -1,4 +1,4 @@
-"""Persons and their roles in the course; their names come from a roster, a proxy, the hub, or are "local"."""
+"""People and their roles in the course, and the roster format."""
 
 import csv
 import io
@@ -21,19 +21,22 @@ LONGEST_NAME = 200
 
 
 class InvalidName(ValueError):
-    """Not a name of a person; the message says what one is."""
+    """The name is not valid; the message says what a valid name is."""
 
 
 def normalize_name(name: str) -> str:
-    """The name as it is kept: composed (NFC), without space around it; NoName for anything else than one printable line."""
+    """Return the name as it is stored: NFC, stripped.
+
+    Raises InvalidName unless it is one printable line of 1 to 200 characters.
+    """
     name = unicodedata.normalize("NFC", name).strip()
     if not name or len(name) > LONGEST_NAME or not name.isprintable():
-        raise InvalidName(f"a name has 1 to {LONGEST_NAME} printable characters")
+        raise InvalidName(f"a name must have 1 to {LONGEST_NAME} printable characters")
     return name
 
 
 async def add_person(connection: AsyncConnection, name: str) -> UUID:
-    """The id of the person of that name, entered as a student when first seen."""
+    """Return the id of the person of that name; an unknown person is added as a student."""
     await connection.execute(insert(person).values(name=name).on_conflict_do_nothing())
     id: UUID = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar_one()
     home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
@@ -42,35 +45,35 @@ async def add_person(connection: AsyncConnection, name: str) -> UUID:
 
 
 async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | None]]) -> None:
-    """Enter people, each as (name, role, full name, email, student id), of which all but the name may be missing.
+    """Add or update people, each given as (name, role, full name, email, student id).
 
-    What is missing or None stays as it is: without a role, who is known keeps theirs and others are students.
+    All but the name may be missing or None: known people keep these fields, and new people become students.
     """
-    told = sorted([*about, None, None, None, None][:5] for about in ([*entry] for entry in roster))
-    columns = dict(zip(ROSTER, zip(*told, strict=True), strict=False))
+    entries = sorted([*about, None, None, None, None][:5] for about in ([*entry] for entry in roster))
+    columns = dict(zip(ROSTER, zip(*entries, strict=True), strict=False))
     values = {name: list(column) for name, column in columns.items()} | {"course": COURSE}
-    for statement in (_ENTER_ALL, _MEMBERS, _ROLES, _ABOUT) if told else ():
+    for statement in (_ENTER_ALL, _MEMBERS, _ROLES, _ABOUT) if entries else ():
         await connection.execute(statement, values)
 
 
 async def record_audit(connection: AsyncConnection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
-    """Enter into the audit trail who did what to whom."""
+    """Add an entry to the audit log: ``actor`` did ``action`` to ``subject``."""
     await connection.execute(insert(audit).values(actor=actor, action=action, subject=subject, detail=dict(detail)))
 
 
 async def role(database: Database, name: str) -> str:
-    """The role of that person; "student" for somebody unknown."""
+    """Return the person's role, which is "student" for an unknown person."""
     rows = await database.rows(_ROLE_OF, {"name": name, "course": COURSE})
     return str(rows[0].role) if rows else "student"
 
 
 async def everybody(database: Database) -> Sequence[Row[Any]]:
-    """The people of the course with role, number of submissions and when the last one came, staff first."""
+    """Return the people of the course, staff first, with role and number of submissions."""
     return await database.rows(_EVERYBODY, {"course": COURSE})
 
 
 async def secret(database: Database, name: str) -> bytes:
-    """What all servers on this database know and nobody else: to sign with."""
+    """Return a signing key that all servers on this database share."""
     return str((await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value).encode()
 
 
@@ -80,16 +83,16 @@ INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FRO
 WHERE c.slug = :course AND p.name = ANY(CAST(:name AS text[])) ON CONFLICT DO NOTHING
 """)
 _ROLES = text("""
-UPDATE member m SET role = told.role
-FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS told (name, role) JOIN person p USING (name), course c
-WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND told.role IS NOT NULL
+UPDATE member m SET role = entry.role
+FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS entry (name, role) JOIN person p USING (name), course c
+WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND entry.role IS NOT NULL
 """)
 _ABOUT = text("""
-UPDATE person p SET full_name = coalesce(told.full_name, p.full_name), email = coalesce(told.email, p.email),
-    student_id = coalesce(told.student_id, p.student_id)
+UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name), email = coalesce(entry.email, p.email),
+    student_id = coalesce(entry.student_id, p.student_id)
 FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]), CAST(:student_id AS text[]))
-    AS told (name, full_name, email, student_id)
-WHERE p.name = told.name AND coalesce(told.full_name, told.email, told.student_id) IS NOT NULL
+    AS entry (name, full_name, email, student_id)
+WHERE p.name = entry.name AND coalesce(entry.full_name, entry.email, entry.student_id) IS NOT NULL
 """)
 _ROLE_OF = text("""
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
@@ -113,11 +116,11 @@ LONGEST = 200
 
 
 class BadRoster(ValueError):
-    """The file is no roster; the message names the line."""
+    """The file is not a valid roster; the message names the line."""
 
 
 class Entry(NamedTuple):
-    """A person of a roster; what is None is left as it is."""
+    """A person of a roster; fields that are None stay unchanged."""
 
     name: str
     role: str | None = None
@@ -127,22 +130,25 @@ class Entry(NamedTuple):
 
 
 def read(content: bytes, file: str) -> list[Entry]:
-    """An entry for every line; BadRoster for what is none. ``file`` is what the message calls it."""
+    """Read a roster in CSV and return an entry per line.
+
+    Raises BadRoster, with ``file`` in its message, if it is not valid.
+    """
     try:
         rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
         found = _read(rows, file)
     except (UnicodeDecodeError, csv.Error) as error:
-        raise BadRoster(f"{file} is no CSV text in UTF-8 ({error})") from None
+        raise BadRoster(f"{file} is not CSV text in UTF-8 ({error}): save it as CSV UTF-8") from None
     if not found:
-        raise BadRoster(f"{file} names nobody")
+        raise BadRoster(f"{file} has no entries: add a line for each person")
     return found
 
 
 def _read(rows: Any, file: str) -> list[Entry]:
     columns = [cell.strip().casefold().replace(" ", "_") for cell in next(rows, [])]
     if "name" not in columns or (unknown := set(columns) - set(COLUMNS)) or len(set(columns)) < len(columns):
-        told = f", not {sorted(unknown)[0][:40]!r}" if "name" in columns and unknown else ""
-        raise BadRoster(f"{file}: the first line names the columns, name and, if wanted, {', '.join(COLUMNS[1:])}{told}")
+        wrong = f", not {sorted(unknown)[0][:40]!r}" if "name" in columns and unknown else ""
+        raise BadRoster(f"{file}: the first line must name the columns: name and optionally {', '.join(COLUMNS[1:])}{wrong}")
     found: dict[str, Entry] = {}
     for cells in rows:
         if not any(cell.strip() for cell in cells):
@@ -152,16 +158,16 @@ def _read(rows: Any, file: str) -> list[Entry]:
         except ValueError as error:
             raise BadRoster(f"{file}, line {rows.line_num}: {error}") from None
         if found.setdefault(entry.name, entry) != entry:
-            raise BadRoster(f"{file}, line {rows.line_num}: {entry.name} is told twice, and differently")
+            raise BadRoster(f"{file}, line {rows.line_num}: conflicting entries for {entry.name}")
     return list(found.values())
 
 
 def _entry(row: dict[str, str]) -> Entry:
     role = row.get("role", "").strip().casefold() or None
     if role not in (None, *ROLES):
-        raise ValueError(f"a role is {', '.join(ROLES)}, not {role[:40]}")
+        raise ValueError(f"a role must be one of {', '.join(ROLES)}, not {role[:40]}")
     about = {name: " ".join(row[name].split()) for name in COLUMNS[2:] if name in row}
-    for name, told in about.items():
-        if len(told) > LONGEST or not told.isprintable():
-            raise ValueError(f"{name} has at most {LONGEST} printable characters")
+    for name, value in about.items():
+        if len(value) > LONGEST or not value.isprintable():
+            raise ValueError(f"{name} must have at most {LONGEST} printable characters")
     return Entry(normalize_name(row.get("name", "")), role, **about)

@@ -1,4 +1,4 @@
-"""Opaque tokens, of which only the SHA-256 is kept, and logins by a code that is confirmed in a browser (after RFC 8628)."""
+"""Opaque tokens, stored as their SHA-256, and device logins (after RFC 8628)."""
 
 import secrets
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from service.store.database import Database
 PREFIX, SESSION = "polhode_", "session_"
 SCOPES = ("submit", "read", "login")
 NOTEBOOK, BROWSER = ("submit", "read"), ("read", "login")
-SHOWN_CHARACTERS = len(PREFIX) + 4  # characters of a token that a list tells
+SHOWN_CHARACTERS = len(PREFIX) + 4  # characters of a token that lists show
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"  # no vowels, nothing that looks like a number: RFC 8628, 6.1
 LOGIN_S, MOST_OPEN = 900.0, 5000
 DAY_S = 86400.0
@@ -24,7 +24,7 @@ DAY_S = 86400.0
 
 @dataclass(frozen=True)
 class TokenInfo:
-    """A token that was found: whose it is, what it may, and why it is not good any more, if so."""
+    """A token with its person and scopes; ``over`` says why it is no longer valid, or is None."""
 
     id: UUID
     person: str
@@ -33,39 +33,42 @@ class TokenInfo:
 
 
 class LoginOver(Exception):
-    """The login was refused, collected or not confirmed in time."""
+    """The login was refused, already collected or not confirmed in time."""
 
 
 class TooManyLogins(Exception):
-    """More logins wait to be confirmed than a course can have people."""
+    """MOST_OPEN logins are waiting to be confirmed."""
 
 
 async def create(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
-    """A new token for that person, who is entered if need be: told now and never again."""
+    """Return a new token of the person, who is added if unknown. Only its digest is stored."""
     return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
 
 
 async def create_all(
     connection: AsyncConnection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float
 ) -> list[tuple[str, str]]:
-    """A new token for each of these persons, who are entered already, with their names."""
+    """Return (name, new token) for each of these people, who must exist."""
     given = [(name, PREFIX + secrets.token_urlsafe(32)) for name in names]
     values = {
         "names": list(names),
         "digests": [_digest(token) for _, token in given],
         "prefixes": [t[:SHOWN_CHARACTERS] for _, t in given],
     }
-    await connection.execute(_GIVE_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
+    await connection.execute(_INSERT_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
     return given
 
 
 async def create_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
-    """The secret of a new session of that person in a browser; it is no token that a program could bring."""
+    """Return the secret of a new browser session of the person. The API does not accept it as a token."""
     return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
 
 
 async def find(database: Database, token: str) -> TokenInfo | None:
-    """What the token is, or None if it was never given; that it was used is noted, to the hour."""
+    """Return the token's person, scopes and validity, or None if it does not exist.
+
+    Record its use, to the hour.
+    """
     rows = await database.rows(_FIND, {"digest": _digest(token)})
     if not rows:
         return None
@@ -79,29 +82,32 @@ async def find(database: Database, token: str) -> TokenInfo | None:
 
 
 async def revoke(connection: AsyncConnection, *, id: UUID | None = None, person: str | None = None) -> int:
-    """Revoke one token by its id, or all of a person with every login under way; how many tokens there were."""
-    await connection.execute(_FORGET, {"person": person})
+    """Revoke one token, or all tokens and pending logins of a person; return the number of tokens."""
+    await connection.execute(_DROP_LOGINS, {"person": person})
     return len((await connection.execute(_REVOKE, {"id": id, "person": person})).all())
 
 
 async def revoke_own(connection: AsyncConnection, name: str, id: UUID) -> bool:
-    """Revoke one token or session if it is that person's; False if it is not, or is over."""
+    """Revoke one token or session of the person. Return False if it is another person's or no longer valid."""
     return bool((await connection.execute(_REVOKE_OWN, {"id": id, "person": name})).all())
 
 
 async def end_sessions(connection: AsyncConnection, name: str, *, but: UUID | None = None) -> int:
-    """End the person's sessions in all browsers, but that one, with every login under way; how many there were."""
-    await connection.execute(_FORGET, {"person": name})
+    """End the person's sessions except ``but``, and pending logins; return the number of sessions."""
+    await connection.execute(_DROP_LOGINS, {"person": name})
     return len((await connection.execute(_END, {"person": name, "but": but})).all())
 
 
 async def all_of(database: Database, person: str | None = None) -> Sequence[Row[Any]]:
-    """Tokens with their person, newest first."""
+    """Return tokens and sessions, of everyone or of one person, newest first."""
     return await database.rows(_LIST, {"person": person})
 
 
 async def create_login(database: Database, label: str) -> tuple[str, str]:
-    """A login that waits to be confirmed: the device's secret, and the code to show to the person."""
+    """Create a login to be confirmed; return the device's secret and the code to show to the person.
+
+    Raises TooManyLogins while MOST_OPEN logins are pending.
+    """
     device, letters = secrets.token_urlsafe(32), [secrets.choice(LETTERS) for _ in range(8)]
     code = "".join(letters[:4]) + "-" + "".join(letters[4:])
     async with database.begin() as connection:
@@ -114,26 +120,32 @@ async def create_login(database: Database, label: str) -> tuple[str, str]:
 
 
 async def find_login(database: Database, code: str) -> str | None:
-    """The label of the login that waits under that code; None if there is none."""
+    """Return the label of the pending login with that code, or None."""
     rows = await database.rows(_OPEN, {"code": _tidy(code)})
     return str(rows[0].label) if rows else None
 
 
 async def confirm_login(database: Database, code: str, name: str | None) -> bool:
-    """Confirm the login under that code for a person, or refuse it for None; False if none waits there."""
+    """Confirm a pending login for a person, or refuse it if ``name`` is None.
+
+    Return False if no login with that code is pending.
+    """
     async with database.begin() as connection:
-        who = None if name is None else await add_person(connection, name)
-        values = {"code": _tidy(code), "person": who, "refused": who is None}
+        person = None if name is None else await add_person(connection, name)
+        values = {"code": _tidy(code), "person": person, "refused": person is None}
         return bool((await connection.execute(_CONFIRM, values)).all())
 
 
 async def collect_login(database: Database, device: str, days: float) -> tuple[str, str] | None:
-    """The token and the person of a confirmed login, once; None while it waits. LoginOver where it does no more."""
+    """Return a new token and the person of a confirmed login, once; None while it is pending.
+
+    The token is valid for ``days`` days. Raises LoginOver if the login was refused, collected or has expired.
+    """
     async with database.begin() as connection:
         row = (await connection.execute(_COLLECT, {"digest": _digest(device)})).first()
         if row is not None:
             return await create(connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S), str(row.name)
-    if not await database.rows(_WAITS, {"digest": _digest(device)}):
+    if not await database.rows(_PENDING, {"digest": _digest(device)}):
         raise LoginOver
     return None
 
@@ -141,7 +153,7 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
 async def _new(connection: AsyncConnection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
     token = prefix + secrets.token_urlsafe(32)
     values = {"person": await add_person(connection, name), "digest": _digest(token), "prefix": token[:SHOWN_CHARACTERS]}
-    await connection.execute(_GIVE, {**terms, **values})
+    await connection.execute(_INSERT, {**terms, **values})
     return token
 
 
@@ -154,11 +166,11 @@ def _tidy(code: str) -> str:
     return "".join(letters[:4]) + "-" + "".join(letters[4:])
 
 
-_GIVE = text("""
+_INSERT = text("""
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
 VALUES (:person, :digest, :prefix, :label, :scopes, now() + make_interval(secs => :seconds))
 """)
-_GIVE_ALL = text("""
+_INSERT_ALL = text("""
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
 SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
 FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest, prefix)
@@ -182,7 +194,7 @@ UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
     AND starts_with(t.prefix, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
 """)
-_FORGET = text("DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
+_DROP_LOGINS = text("DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
 _LIST = """
 SELECT t.id, p.name, t.prefix, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
     t.expires_at < now() AS expired
@@ -201,4 +213,4 @@ _COLLECT = text("""
 DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest AND l.expires_at > now()
 RETURNING p.name, l.label
 """)
-_WAITS = "SELECT 1 FROM device_login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"
+_PENDING = "SELECT 1 FROM device_login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"

@@ -1,4 +1,4 @@
-"""Alembic's entry: run the revisions on the connection that ``service.store.database`` hands over."""
+"""Alembic's entry point: run the revisions on the connection that ``service.store.database`` passes."""
 
 from alembic import context
 

@@ -1,4 +1,4 @@
-"""Backup and restore with PostgreSQL's own programs, and a check that what is stored fits together."""
+"""Back up and restore with PostgreSQL's own programs, and check the consistency of the stored data."""
 
 import os
 import subprocess
@@ -18,16 +18,17 @@ VARIABLES = {
 
 
 class BackupError(Exception):
-    """The backup or the restore failed; the message says why."""
+    """The backup or restore failed; the message says why."""
 
 
 def backup(url: str, programs: Path, file: Path) -> None:
-    """Write everything into ``file``, as it was at one moment, while work goes on. The file appears when it is whole.
+    """Write a consistent snapshot of the database to ``file`` while the server runs.
 
-    Nobody else can read it: it holds what students sent.
+    The file appears once it is complete. It has mode 0600, as it holds students' submissions. Raises
+    BackupError.
     """
     if file.is_dir():
-        raise BackupError(f"{file} is a folder")
+        raise BackupError(f"{file} is a folder: give the name of a file")
     unfinished = file.with_name(file.name + ".part")
     try:
         unfinished.touch(mode=0o600)
@@ -38,9 +39,10 @@ def backup(url: str, programs: Path, file: Path) -> None:
 
 
 def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> None:
-    """Read ``file`` into an empty database, all of it or nothing, and bring it to this version's tables.
+    """Restore ``file`` into an empty database in one transaction, and migrate it to this version.
 
-    ``replace`` drops what there is. Raises BackupError where the database is not empty.
+    ``replace`` drops the present contents. Raises BackupError if the database is not empty or the restore
+    fails.
     """
     if not file.is_file():
         raise BackupError(f"there is no file {file}")
@@ -48,9 +50,9 @@ def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> N
     with psycopg.connect(url) as connection:
         count = connection.execute("SELECT count(*) FROM pg_tables WHERE schemaname = 'public'").fetchone()
         if count and count[0] and not replace:
-            raise BackupError("the database is not empty: restore into a new one, or give --replace to lose what is in it")
+            raise BackupError("the database is not empty: restore into a new one, or give --replace to drop its contents")
         connection.execute("DROP SCHEMA IF EXISTS replaced CASCADE")
-        connection.execute("ALTER SCHEMA public RENAME TO replaced")  # put back if anything goes wrong
+        connection.execute("ALTER SCHEMA public RENAME TO replaced")  # renamed back if the restore fails
         connection.execute("CREATE SCHEMA public")
     options = ["--single-transaction", "--exit-on-error", "--no-owner", "--no-privileges", "--schema=public"]
     try:
@@ -66,7 +68,7 @@ def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> N
 
 
 def check(url: str) -> Mapping[str, int]:
-    """By sentence, how many rows break it; all zero where everything fits together."""
+    """Return the number of inconsistent rows by description; all are zero in a consistent database."""
     with psycopg.connect(url) as connection:
         return {sentence: (connection.execute(query).fetchone() or (0,))[0] for sentence, query in _BROKEN.items()}
 
@@ -74,33 +76,34 @@ def check(url: str) -> Mapping[str, int]:
 def _run(url: str, program: Path, *arguments: str) -> None:
     given = {VARIABLES[name]: str(value) for name, value in conninfo_to_dict(url).items() if name in VARIABLES}
     try:
-        told = subprocess.run(
+        done = subprocess.run(
             [program, *arguments], env=os.environ | given, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False
         )
     except OSError as error:
         raise BackupError(f"{program.name} cannot be run: {error}") from error
-    if told.returncode != 0:
-        raise BackupError(f"{program.name} failed: {told.stderr.strip()[-800:]}")
+    if done.returncode != 0:
+        raise BackupError(f"{program.name} failed: {done.stderr.strip()[-800:]}")
 
 
 _BROKEN = {
     "submissions without a grading": """
         SELECT count(*) FROM submission s WHERE NOT EXISTS (SELECT 1 FROM grading WHERE submission_id = s.id)""",
-    "submissions whose source is not what was sent": """
+    "submissions whose source does not match its hash": """
         SELECT count(*) FROM submission WHERE encode(sha256(convert_to(source, 'UTF8')), 'hex') <> sha256""",
-    "results that are neither a report nor a fault": "SELECT count(*) FROM result WHERE (report IS NULL) = (fault IS NULL)",
-    "results without the arrays they were judged from": """
+    "results that are not exactly one of report and system fault": """
+        SELECT count(*) FROM result WHERE (report IS NULL) = (fault IS NULL)""",
+    "results without the arrays they were graded from": """
         SELECT count(*) FROM result r WHERE report IS NOT NULL AND NOT EXISTS (
             SELECT 1 FROM grading_artefact k WHERE k.grading_id = r.grading_id AND k.name = 'arrays.npz')""",
-    "reports whose checks one by one do not add up to their score": """
+    "reports whose outcomes do not add up to their score": """
         SELECT count(*) FROM result r, LATERAL (
             SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted
-            FROM outcome o WHERE o.grading_id = r.grading_id AND o.counted) told
-        WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (told.passed, told.counted)""",
+            FROM outcome o WHERE o.grading_id = r.grading_id AND o.counted) sums
+        WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (sums.passed, sums.counted)""",
     "preview gradings without a regrade": "SELECT count(*) FROM grading WHERE preview AND regrade_id IS NULL",
-    "artefacts that do not have the content their name says": """
+    "artefacts whose content does not match its hash": """
         SELECT count(*) FROM artefact WHERE encode(sha256(content), 'hex') <> sha256""",
-    "runs that gave a result and are told to have ended otherwise": """
+    "runs that gave a result and have another end reason than finished": """
         SELECT count(*) FROM result JOIN run ON run.id = result.run_id WHERE run.end_reason IS DISTINCT FROM 'finished'""",
     "open gradings older than a minute without a job": """
         SELECT count(*) FROM grading a LEFT JOIN result r ON r.grading_id = a.id

@@ -1,7 +1,7 @@
-"""Running PostgreSQL's programs, which refuse to be root: as root they run as somebody else, in a small view of the file system.
+"""Run PostgreSQL's programs, which refuse to run as root, as another user when polhode runs as root.
 
-That view is read-only but for the folders handed over, so that neither the programs nor the data need to lie where that user
-could reach them.
+There they see a file system that is read-only except for the given folders. So that user needs no access to
+the paths of programs and data.
 """
 
 import os
@@ -17,15 +17,19 @@ class DatabaseUnavailable(Exception):
 
 
 def own(folder: Path) -> None:
-    """Make ``folder`` private to whom the programs will run as."""
+    """Make ``folder`` private to the user who runs PostgreSQL's programs."""
     folder.chmod(0o700)
     if os.geteuid() == 0:
         os.chown(folder, *_server_ids())
 
 
 def as_server(programs: Path, *writable: Path) -> list[str]:
-    """What stands before a server program. As an ordinary user it ends with us. As root it runs as somebody else, to whom a dying
-    bwrap may send no signal: there the next start on the folder ends a server that outlived its polhode."""
+    """Return the command prefix that runs a PostgreSQL program, which may write to ``writable``.
+
+    For an ordinary user the program ends with polhode. As root it runs as another user, whom a dying bwrap
+    cannot signal: there the next start on the folder ends a server that outlived polhode. Raises
+    DatabaseUnavailable as root without bubblewrap.
+    """
     if os.geteuid() != 0:
         return ["setpriv", "--pdeathsig", "QUIT", "--"] if shutil.which("setpriv") else []
     program = find_bubblewrap()
@@ -59,4 +63,6 @@ def _server_ids() -> tuple[int, int]:
         except KeyError:
             continue
         return user.pw_uid, user.pw_gid
-    raise DatabaseUnavailable("there is no user postgres or nobody to run PostgreSQL as")
+    raise DatabaseUnavailable(
+        "PostgreSQL does not run as root, and the system has no user postgres or nobody: start polhode as an ordinary user"
+    )

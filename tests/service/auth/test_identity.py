@@ -259,10 +259,10 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
     again = polhode("token", "give", "Gül", "--scope", "read")[1].strip()
     assert call(server, "/v1/me", token=again)[1]["scopes"] == ["read"]
     for text, why in {
-        "name,role\nIda,king\n": "line 2: a role is student, assistant, instructor, former, not king",
-        "name,rôle\nIda,student\n": "the first line names the columns",
-        "name\n\x1b[31m\n": "line 2: a name has 1 to 200 printable characters",
-        "name\n": "names nobody",
+        "name,role\nIda,king\n": "line 2: a role must be one of student, assistant, instructor, former, not king",
+        "name,rôle\nIda,student\n": "the first line must name the columns",
+        "name\n\x1b[31m\n": "line 2: a name must have 1 to 200 printable characters",
+        "name\n": "has no entries",
     }.items():
         roster.write_text(text)
         assert why in polhode("roster", roster, "--tokens", tmp_path / "b")[2] and not (tmp_path / "b").exists()

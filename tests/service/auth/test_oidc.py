@@ -76,7 +76,7 @@ def test_the_account_counts_and_not_its_name(server, url, provider):
     assert ">ann</dd>" in sign_in(Browser(server), "s-2")[1], "the same person under another name there"
     provider.user("s-3", preferred_username="ann")
     status, page = sign_in(Browser(server), "s-3")
-    assert status == 403 and "another account signs in as ann here" in page
+    assert status == 403 and "another account is linked to the name ann" in page
     assert sql(url, "SELECT count(*) FROM person WHERE name = 'ann-married'") == [(0,)]
 
 
@@ -260,7 +260,7 @@ def test_a_server_without_provider_has_no_such_page(new_app, url):
     [
         ({"POLHODE_OIDC_CLIENT_ID": ""}, "POLHODE_OIDC_ISSUER needs POLHODE_OIDC_CLIENT_ID"),
         ({"POLHODE_IDENTITY": "local"}, "POLHODE_OIDC_ISSUER needs POLHODE_IDENTITY=token"),
-        ({"POLHODE_OIDC_ISSUER": "http://uni.example"}, "an issuer is https://"),
+        ({"POLHODE_OIDC_ISSUER": "http://uni.example"}, "the issuer must be an address https://"),
     ],
 )
 def test_settings_that_cannot_work_are_reported_at_the_start(tmp_path, monkeypatch, capsys, changed, why):

@@ -132,14 +132,14 @@ def test_a_roster_enters_people_and_may_give_tokens(looks, url):
 
 
 BAD = {
-    b"": "names the columns",
+    b"": "must name the columns",
     b"name,shoe\nann,1\n": "not &#39;shoe&#39;",
-    b"name\n": "names nobody",
-    b"name\n\xff\n": "no CSV text in UTF-8",
-    b"name,role\nann,boss\n": "line 2: a role is",
-    b"name,role\nann,student\nann,assistant\n": "line 3: ann is told twice",
-    b"name\n" + b"x" * 300 + b"\n": "line 2: a name has 1 to 200",
-    b"name,email\nann,a\x07b\n": "line 2: email has at most",
+    b"name\n": "has no entries",
+    b"name\n\xff\n": "not CSV text in UTF-8",
+    b"name,role\nann,boss\n": "line 2: a role must be one of",
+    b"name,role\nann,student\nann,assistant\n": "line 3: conflicting entries for ann",
+    b"name\n" + b"x" * 300 + b"\n": "line 2: a name must have 1 to 200",
+    b"name,email\nann,a\x07b\n": "line 2: email must have at most",
     b"name,role\nprof,student\n": "remove your own instructor role",
 }
 

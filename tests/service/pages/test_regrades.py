@@ -52,7 +52,7 @@ def test_a_preview_tells_who_gains_and_who_loses_and_only_an_instructor_applies(
     assert ann.json(f"/v1/submissions/{hers}")["report"]["score"] == 2
     page = prof.open(where)[1]
     assert "applied by prof" in page and "data-live" not in page and "1 gain, 1 lose" in page and "csrf" not in page
-    assert people["prof2"].send(f"{where}/apply", REGRADES) == (409, "it was applied by prof already")
+    assert people["prof2"].send(f"{where}/apply", REGRADES) == (409, "prof has applied it already")
     assert "✓ applied by prof" in tutor.open(REGRADES)[1]
 
 
@@ -101,7 +101,7 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
     listed = ann.json("/v1/assignments/rigid-body/submissions")["submissions"][0]
     assert (listed["points"], listed["score"]) == (2, 1)
     stale = people["prof2"].send(give, own, check="c2", points="0", reason="no", seen="0")
-    assert stale[0] == 409 and "load the page again" in stale[1]
+    assert stale[0] == 409 and "reload the page" in stale[1]
     (override,) = sql(url, "SELECT id FROM override")[0]
     withdraw = f"{give}/{override}/withdraw"
     assert tutor.send(withdraw, own)[0] == ann.send(withdraw, own)[0] == 403
@@ -114,13 +114,13 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
 @pytest.mark.parametrize(
     ("fields", "status", "why"),
     [
-        ({"points": "2", "check": "c1"}, 422, "points are 0 to 1"),
-        ({"points": "4", "check": ""}, 422, "points are 0 to 3"),
+        ({"points": "2", "check": "c1"}, 422, "points must be from 0 to 1"),
+        ({"points": "4", "check": ""}, 422, "points must be from 0 to 3"),
         ({"points": "-1"}, 422, "whole number"),
         ({"points": "½"}, 422, "whole number"),
         ({"points": "1", "reason": " "}, 422, "give a reason"),
         ({"points": "1", "reason": "x" * 1001}, 422, "at most 1000"),
-        ({"points": "1", "check": "c9"}, 422, "no check c9"),
+        ({"points": "1", "check": "c9"}, 422, "no counted check c9"),
         ({"points": "1", "check": "c1", "reason": "a\x00b"}, 303, ""),
     ],
 )
@@ -137,7 +137,7 @@ def test_no_report_no_points_and_no_submission_no_page(server, url, people):
     graded(url, "ben", "+")
     other = sql(url, "SELECT id FROM submission WHERE id <> %s", id)[0][0]
     answer = people["prof"].send(f"/submissions/{id}/overrides", f"/submissions/{other}", points="1", reason="x")
-    assert answer == (409, "there is no report yet: points can be given once it is graded")
+    assert answer == (409, "the submission has no report yet: override its points once it is graded")
     assert people["prof"].send("/submissions/x/overrides", f"/submissions/{other}", points="1", reason="x")[0] == 404
 
 

@@ -118,7 +118,7 @@ def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, b
     async def times():
         one = worker.Worker(Settings(database_url="postgresql://nobody@127.0.0.1:1/none", lease=lease), "w")
         try:
-            return one._beat_s, one._look_s
+            return one._heartbeat_s, one._round_s
         finally:
             await one._database.close()
 
@@ -126,5 +126,5 @@ def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, b
 
 
 def test_what_no_setting_changes():
-    assert (worker.ENROL_S, worker.SWEEP_S, worker.RETRY_SANDBOX_S) == (3.0, 30.0, 5.0)
+    assert (worker.REGISTER_S, worker.SWEEP_S, worker.RETRY_SANDBOX_S) == (3.0, 30.0, 5.0)
     assert (worker.PATIENCE_S, worker.MOST_S) == (3600.0, 900.0), "a result in hand outlives an hour without database"

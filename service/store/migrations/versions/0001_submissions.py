@@ -1,4 +1,4 @@
-"""Submissions, results, artefacts."""
+"""Create submissions, results and artefacts."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -1,4 +1,4 @@
-"""Courses, people, assignments, attempts and runs, artefacts by content, the audit trail, and Procrastinate's tables."""
+"""Create courses, people, assignments, gradings and runs, shared artefacts, the audit log and Procrastinate's tables."""
 
 from alembic import op
 from procrastinate.schema import SchemaManager
@@ -8,12 +8,12 @@ down_revision = "0001"
 
 
 def upgrade() -> None:
-    """Make the new tables, move what there is into them: a submission becomes one with its first attempt."""
+    """Create the new tables and move the data into them; each submission gets its first grading."""
     for name in ("submission", "result", "artefact"):
         op.rename_table(name, f"old_{name}")
         op.execute(f"ALTER INDEX {name}_pkey RENAME TO old_{name}_pkey")
     connection = op.get_bind()
-    # Many statements and percent signs: past SQLAlchemy, which would take the latter for parameters.
+    # Through the driver, as SQLAlchemy would take percent signs for parameters.
     run = connection.connection.driver_connection.execute  # type: ignore[union-attr]
     run(_TABLES)
     run(_MOVED)

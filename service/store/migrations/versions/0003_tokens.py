@@ -1,4 +1,4 @@
-"""Tokens and logins that wait to be confirmed."""
+"""Create tokens and pending device logins."""
 
 from alembic import op
 
@@ -7,7 +7,7 @@ down_revision = "0002"
 
 
 def upgrade() -> None:
-    """Make the tables."""
+    """Create the tables."""
     op.execute("""
     CREATE TABLE token (
         id uuid PRIMARY KEY DEFAULT gen_random_uuid(), person_id uuid NOT NULL REFERENCES person, digest text NOT NULL UNIQUE,

@@ -1,4 +1,4 @@
-"""What a dashboard needs: outcomes by check, overrides, extensions, held regrades, more about a person, a secret to sign with."""
+"""Create the dashboard's tables: outcomes by check, overrides, extensions, previewed regrades, details of people, signing key."""
 
 from alembic import op
 
@@ -35,7 +35,7 @@ ALTER TABLE run ADD scene_at timestamptz NOT NULL DEFAULT now();
 ALTER TABLE result ADD cancelled_by text;
 """
 
-# As service.store.runs tells them of a new report.
+# The same rows as service.store.runs writes for a new report.
 KNOWN = """
 INSERT INTO outcome (attempt_id, check_id, state, counted, margin, codes, causes)
 SELECT r.attempt_id, o->>'id',

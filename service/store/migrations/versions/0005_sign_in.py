@@ -1,4 +1,4 @@
-"""Which account at an OpenID provider is whose."""
+"""Create the links of people to accounts at an OpenID provider."""
 
 from alembic import op
 

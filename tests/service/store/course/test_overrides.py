@@ -70,8 +70,8 @@ def test_a_new_one_replaces_the_one_in_force_and_both_are_kept(database_url, sub
         ({"points": 2}, "invalid-request", "0 to 1"),
         ({"check": None, "points": 4}, "invalid-request", "0 to 3"),
         ({"points": -1}, "invalid-request", "0 to 1"),
-        ({"check": "c4"}, "invalid-request", "no check c4 that counts"),
-        ({"check": "c9"}, "invalid-request", "no check c9"),
+        ({"check": "c4"}, "invalid-request", "no counted check c4"),
+        ({"check": "c9"}, "invalid-request", "no counted check c9"),
         ({"reason": ""}, "invalid-request", "give a reason"),
         ({"reason": "x" * 1001}, "invalid-request", "at most 1000"),
     ],
@@ -110,7 +110,7 @@ def test_who_had_not_seen_the_last_change_is_told(database_url, submission):
 
     answers = run(database_url, two)
     (refused,) = [a for a in answers if a is not None]
-    assert isinstance(refused, OverrideRejected) and refused.kind == "changed-meanwhile" and "load the page again" in str(refused)
+    assert isinstance(refused, OverrideRejected) and refused.kind == "changed-meanwhile" and "reload the page" in str(refused)
     assert len(known(database_url, submission)) == 1
     given(database_url, submission, "c3", seen=overrides.revision(known(database_url, submission)))
 

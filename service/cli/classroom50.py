@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
-from service.formats.classroom50 import About
+from service.formats.classroom50 import SubmissionInfo
 
 NAMES = {
     "classroom": ("CLASSROOM",),
@@ -35,7 +35,7 @@ class MissingEnvironment(Exception):
     """Classroom 50's runner did not start this process, or a value is missing; the message names it."""
 
 
-def read_environment(environment: Mapping[str, str], folder: Path, graded_at: datetime) -> About:
+def read_environment(environment: Mapping[str, str], folder: Path, graded_at: datetime) -> SubmissionInfo:
     """Return the identity of the submission checked out in ``folder``.
 
     Raises MissingEnvironment if a variable is not set or no time of submission is found.
@@ -44,13 +44,13 @@ def read_environment(environment: Mapping[str, str], folder: Path, graded_at: da
     values["assignment_type"] = values["assignment_type"] or "individual"
     if missing := [" or ".join(NAMES[field]) for field, value in values.items() if not value]:
         raise MissingEnvironment(f"missing environment variables of Classroom 50: {', '.join(missing)}")
-    submitted_at = _committed(environment.get("GITHUB_SHA", ""), folder) or _tagged(values["submission"])
+    submitted_at = _commit_time(environment.get("GITHUB_SHA", ""), folder) or _tag_time(values["submission"])
     if submitted_at is None:
         raise MissingEnvironment(f"no time of submission: git has no commit date, and the tag {values['submission']} holds no time")
-    return About(**values, submitted_at=submitted_at, graded_at=graded_at)
+    return SubmissionInfo(**values, submitted_at=submitted_at, graded_at=graded_at)
 
 
-def _committed(commit: str, folder: Path) -> datetime | None:
+def _commit_time(commit: str, folder: Path) -> datetime | None:
     """Return the commit date, or None.
 
     The folder may belong to another user, as in a container, and its content is the student's. Git must not
@@ -68,7 +68,7 @@ def _committed(commit: str, folder: Path) -> datetime | None:
     return datetime.fromtimestamp(int(match[1]), UTC) if match else None
 
 
-def _tagged(tag: str) -> datetime | None:
+def _tag_time(tag: str) -> datetime | None:
     match = _TAG.match(tag)
     try:
         return datetime.strptime(match[1], "%Y-%m-%dT%H-%M-%SZ").replace(tzinfo=UTC) if match else None

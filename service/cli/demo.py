@@ -14,7 +14,7 @@ from typing import Any
 
 from exercises.catalogue import assignments
 from exercises.samples import Sample, samples
-from service.cli.demo_class import STUDENTS, enter_class
+from service.cli.demo_class import STUDENTS, add_class
 from service.settings import Settings
 
 START_S, ANSWER_S = 60.0, 5.0
@@ -35,7 +35,7 @@ def main() -> int:
         if not _wait_ready(server, address):
             return 2
         print(f"({time.monotonic() - began:.1f} s)")
-        count = enter_class(Settings(), SLUG)
+        count = add_class(Settings(), SLUG)
         wrong = _grade_all(address)
         print(f"\n{_summary(wrong)} ({time.monotonic() - began:.1f} s)")
         if not once:

@@ -84,16 +84,16 @@ ENDS = {
 }
 
 
-def enter_class(settings: Settings, slug: str) -> int:
+def add_class(settings: Settings, slug: str) -> int:
     """Add the class and its submissions to the running server's database unless it has them.
 
     Return the number of submissions added.
     """
     with database_url(settings) as url:
-        return asyncio.run(_enter(url, assignments()[slug]))
+        return asyncio.run(_add_class(url, assignments()[slug]))
 
 
-async def _enter(url: str, assignment: Assignment) -> int:
+async def _add_class(url: str, assignment: Assignment) -> int:
     database, rng = Database(url, "polhode demo", connections=2), np.random.default_rng(26)
     try:
         await register(database, assignments().values())
@@ -123,7 +123,9 @@ def _roster(rng: np.random.Generator) -> Iterator[tuple[str, str, str, str, str]
 def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
     """Yield the student's up to three submissions of the last days; the last one is usually the best."""
     files = {s.file.name: s for s in samples(assignment)}
-    tries, ends = (_some(table, most, rng) for table, most in ((TRIES, rng.choice([0, 1, 1, 2])), (ENDS, rng.random() < 0.85)))
+    tries, ends = (
+        _draw_names(table, most, rng) for table, most in ((TRIES, rng.choice([0, 1, 1, 2])), (ENDS, rng.random() < 0.85))
+    )
     ago = rng.uniform(0.5, 4.0)
     for file in [*tries, *ends]:
         sample, ago = files[file], ago * 0.8
@@ -132,6 +134,6 @@ def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) ->
         yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived)
 
 
-def _some(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:
+def _draw_names(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:
     weights = np.array(list(table.values()), float)
     return [str(name) for name in rng.choice(list(table), int(count), p=weights / weights.sum())]

@@ -28,7 +28,7 @@ def examine(least: Level) -> tuple[list[str], bool]:
     machine = platform.machine()
     lines = [
         f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no system-call filter'}",
-        f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: Linux 5.13 or later, named in lsm= at boot'}",
+        f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: needs Linux 5.13 and lsm=…,landlock at boot'}",
         f"user          {'root: the guest runs as user ' + str(lockdown.GUEST_UID) if os.geteuid() == 0 else os.geteuid()}",
     ]
     available, reason = try_namespaces()
@@ -58,7 +58,7 @@ def examine(least: Level) -> tuple[list[str], bool]:
 
 def _limits() -> str:
     of, mib = lockdown.LIMITS, lockdown.MIB
-    memory = f"addresses {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
+    memory = f"address space {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
     files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE]}"
     return f"{memory}, CPU {of[resource.RLIMIT_CPU]} s, {files}"
 

@@ -85,7 +85,7 @@ def _grade(arguments: argparse.Namespace) -> int:
                     folder.add(file)
                 progress.show(file, text=not arguments.json)
         if folder:
-            folder.end(graded, assignment)
+            folder.write_index(graded, assignment)
         written.write(graded, assignment)
     except BrokenPipeError:
         raise

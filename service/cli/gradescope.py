@@ -26,7 +26,7 @@ def main(arguments: Sequence[str]) -> int:
     if not submission.is_dir():
         print(f"polhode: system fault: Gradescope provided no folder {submission}; run the autograder again")
         return 2
-    found = _found(submission)
+    found = _find_submissions(submission)
     if len(found) != 1:
         _write_refusal([str(file.relative_to(submission)) for file in found], arguments, results)
         return 0
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str]) -> int:
     return 2
 
 
-def _found(submission: Path) -> list[Path]:
+def _find_submissions(submission: Path) -> list[Path]:
     """Return all submitted .py and .ipynb files."""
     try:
         return find_files([str(submission)])
@@ -60,11 +60,11 @@ def _write_refusal(names: Sequence[str], arguments: Sequence[str], results: Path
     asked, _ = parser.parse_known_args(arguments)
     assignment = assignments()[asked.assignment]
     assignment = replace(assignment, exercises=tuple(select(assignment, asked.exercise)))
-    refused = GradedFile(file=HOME / "submission", refused=_sentence(names))
+    refused = GradedFile(file=HOME / "submission", refused=_refusal(names))
     write(results, json.dumps(gradescope.document(refused, assignment), ensure_ascii=False))
 
 
-def _sentence(names: Sequence[str]) -> str:
+def _refusal(names: Sequence[str]) -> str:
     if not names:
         return "This submission contains no .py or .ipynb file. Submit exactly one."
     return f"This submission contains {len(names)} .py or .ipynb files: {', '.join(names)}. Submit exactly one."

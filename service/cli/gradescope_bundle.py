@@ -51,11 +51,11 @@ def lock() -> bytes:
 def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
     for path in home.rglob("*"):
         inside = path.relative_to(home)
-        if path.is_file() and not any(part in LEFT_OUT or part.startswith(".") for part in inside.parts) and _belongs(path):
+        if path.is_file() and not any(part in LEFT_OUT or part.startswith(".") for part in inside.parts) and _is_packaged(path):
             yield f"{into}/{inside.as_posix()}", path.read_bytes()
 
 
-def _belongs(path: Path) -> bool:
+def _is_packaged(path: Path) -> bool:
     """Return False for a notebook that is not the students' own, which may contain solutions."""
     return path.suffix != ".ipynb" or path.name == "notebook.ipynb"
 

@@ -56,7 +56,7 @@ class OutputDir:
         for name, content in file.pictures.items():
             write(folder / name, content)
 
-    def end(self, files: Sequence[GradedFile], assignment: Assignment) -> None:
+    def write_index(self, files: Sequence[GradedFile], assignment: Assignment) -> None:
         """Write index.html."""
         pages = {file: f"{quote(name)}/index.html" for file, name in self._names.items()}
         write(self._path / "index.html", html.index(files, assignment, pages))

@@ -70,7 +70,7 @@ def _roster(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
-    async def enter(database: "Database") -> None:
+    async def import_roster(database: "Database") -> None:
         """Import the roster in one transaction, which commits only after the token file is complete."""
         terms = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
         async with database.begin() as connection:
@@ -83,7 +83,7 @@ def _roster(arguments: argparse.Namespace) -> int:
     with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:
         try:
             with database_url(Settings()) as url:
-                run_async(url, enter)
+                run_async(url, import_roster)
         except BaseException:
             arguments.tokens.unlink()
             raise
@@ -101,14 +101,14 @@ def _give(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
-    async def give(database: "Database") -> str:
+    async def create(database: "Database") -> str:
         seconds, scopes = arguments.days * tokens.DAY_S, arguments.scope or tokens.SCOPES
         async with database.begin() as connection:
             await people.record_audit(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
             return await tokens.create(connection, name, label=arguments.label, scopes=scopes, seconds=seconds)
 
     with database_url(Settings()) as url:
-        print(run_async(url, give))
+        print(run_async(url, create))
     return 0
 
 

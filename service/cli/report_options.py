@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from exercises.assignment import Assignment
-    from service.formats.classroom50 import About
+    from service.formats.classroom50 import SubmissionInfo
     from service.grading.result import GradedFile
 
 
@@ -79,7 +79,7 @@ class ReportFiles:
             if getattr(arguments, form) and len(files) != 1:
                 raise InvalidOutputOption(f"--{form} takes one file, got {len(files)}")
         if arguments.classroom50:
-            self._about = _about(files[0])
+            self._about = _submission_info(files[0])
         for path in filter(None, (getattr(arguments, form) for form in FILES)):
             if path.is_file():
                 path.unlink()
@@ -119,7 +119,7 @@ class ReportFiles:
         return found
 
 
-def _about(file: Path) -> "About":
+def _submission_info(file: Path) -> "SubmissionInfo":
     from service.cli.classroom50 import MissingEnvironment, read_environment
 
     try:

@@ -57,14 +57,14 @@ def _exists(folder: Path) -> bool:
 
 
 def _declaration(text: str, slug: str, title: str) -> str:
-    return _changed(text, {f'slug="{SLUG}"': f'slug="{slug}"', f'title="{TITLE}"': f"title={_python(title)}"})
+    return _replace_each(text, {f'slug="{SLUG}"': f'slug="{slug}"', f'title="{TITLE}"': f"title={_python(title)}"})
 
 
 def _notebook(text: str, slug: str, title: str) -> str:
-    return json.dumps(_within(json.loads(text), slug, title), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(_edit_notebook(json.loads(text), slug, title), indent=1, ensure_ascii=False) + "\n"
 
 
-def _within(notebook: dict[str, list[dict[str, list[str]]]], slug: str, title: str) -> object:
+def _edit_notebook(notebook: dict[str, list[dict[str, list[str]]]], slug: str, title: str) -> object:
     """Return the notebook with the title in its heading and the slug in its setup cell."""
     changes: dict[str, Callable[[str], str]] = {
         "title": lambda line: line.replace(f"# {TITLE}", f"# {_markdown(title)}"),
@@ -77,7 +77,7 @@ def _within(notebook: dict[str, list[dict[str, list[str]]]], slug: str, title: s
     return notebook
 
 
-def _changed(text: str, changes: dict[str, str]) -> str:
+def _replace_each(text: str, changes: dict[str, str]) -> str:
     for old, new in changes.items():
         assert text.count(old) == 1, old
         text = text.replace(old, new)

@@ -58,7 +58,7 @@ class Arrivals:
 
 
 @dataclass(frozen=True)
-class Waiting:
+class WaitStatistics:
     """Statistics of the waits.
 
     ``waits`` holds quantiles of the seconds from acceptance to start, for all submissions, each student's first
@@ -73,7 +73,7 @@ class Waiting:
     utilisation: float
 
 
-def simulate(deadline: Deadline) -> Waiting:
+def simulate(deadline: Deadline) -> WaitStatistics:
     """Simulate the deadline. The same seed gives the same result."""
     arrivals = draw(deadline)
     return summary(arrivals, start_times(arrivals, deadline.workers), deadline.workers, 60 * deadline.minutes)
@@ -140,7 +140,7 @@ def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
     return begun
 
 
-def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadline_s: float) -> Waiting:
+def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadline_s: float) -> WaitStatistics:
     """Return the statistics of simulated or measured waits. ``begun`` (n,) are the start times, ``deadline_s`` is
     the deadline, in seconds.
     """
@@ -150,10 +150,10 @@ def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadli
     moments = np.concatenate([begun, arrivals.accepted])  # at equal times a start precedes an arrival
     queue = np.cumsum(np.repeat([-1, 1], len(begun))[np.argsort(moments, kind="stable")])
     busy = float(arrivals.service.sum()) / workers / max(deadline_s, float((begun + arrivals.service).max()))
-    return Waiting(quantiles, int(queue.max()), max(0.0, float(begun.max()) - deadline_s), busy)
+    return WaitStatistics(quantiles, int(queue.max()), max(0.0, float(begun.max()) - deadline_s), busy)
 
 
-def table(waiting: Waiting) -> str:
+def table(waiting: WaitStatistics) -> str:
     """Return the statistics as a table for a terminal."""
     rows = {"seconds waited": [*QUANTILES]} | {n: [f"{s:.1f}" for s in row.values()] for n, row in waiting.waits.items()}
     lines = [f"{name:20}" + "".join(f"{cell:>9}" for cell in cells) for name, cells in rows.items()]

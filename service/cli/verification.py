@@ -38,7 +38,7 @@ def differences(sample: Sample, graded: GradedFile) -> list[str]:
     if graded.report is None:
         return [f"cannot be graded: {graded.refused}"]
     report = document(graded.report)
-    return [*_of_checks(sample, graded.report), *_of_codes(sample.codes, codes(report), graded.report)]
+    return [*_check_differences(sample, graded.report), *_code_differences(sample.codes, codes(report), graded.report)]
 
 
 def missing_entry(assignment: Assignment, graded: GradedFile) -> list[str]:
@@ -66,13 +66,13 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
     yield f"{assignment.slug}: {agreed} of {tally.samples} samples as expected, {len(tally.made)} checks"
     yield from (f"{name}: listed in expected.toml, but the file does not exist" for name in found.missing)
     if whole:
-        yield from _listing("no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed])
-        yield from _listing("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])
+        yield from _warning("no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed])
+        yield from _warning("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])
         if not tally.right:
             yield "warning: no sample is all ✓"
 
 
-def _of_checks(sample: Sample, report: Report) -> Iterator[str]:
+def _check_differences(sample: Sample, report: Report) -> Iterator[str]:
     outcomes = {o.id: o for o in report.outcomes()}
     for one in sample.differences(document(report)):
         want = f"expected {MARKS[one.expected]}" if one.expected else "expected no result"
@@ -84,7 +84,7 @@ def _of_checks(sample: Sample, report: Report) -> Iterator[str]:
         yield from (f"  {line}" for line in outcome.text().split("\n"))
 
 
-def _of_codes(expected: frozenset[str], got: set[str], report: Report) -> Iterator[str]:
+def _code_differences(expected: frozenset[str], got: set[str], report: Report) -> Iterator[str]:
     if missing := expected - got:
         yield f"missing diagnosis codes: {', '.join(sorted(missing))}"
     if more := got - expected:
@@ -92,6 +92,6 @@ def _of_codes(expected: frozenset[str], got: set[str], report: Report) -> Iterat
         yield from (f"unexpected diagnosis code: {code} ({sentences[code]})" for code in sorted(more))
 
 
-def _listing(what: str, names: Sequence[str]) -> Iterator[str]:
+def _warning(what: str, names: Sequence[str]) -> Iterator[str]:
     if names:
         yield f"warning: {what} {', '.join(names)}"

@@ -20,7 +20,7 @@ SCHEMA = "classroom50/result/v1"
 
 
 @dataclass(frozen=True, kw_only=True)
-class About:
+class SubmissionInfo:
     """The submission's identity in Classroom 50.
 
     ``classroom`` and ``assignment`` are Classroom 50's names. ``assignment_type`` is individual, group or team.
@@ -40,7 +40,7 @@ class About:
     graded_at: datetime | None = None
 
 
-def document(file: GradedFile, assignment: Assignment, about: About) -> dict[str, Any]:
+def document(file: GradedFile, assignment: Assignment, about: SubmissionInfo) -> dict[str, Any]:
     """Return the result document of one file. Raises NoVerdict after a system fault."""
     if file.fault is not None:
         raise NoVerdict(file.fault)
@@ -60,7 +60,7 @@ def moment(at: datetime) -> str:
     return at.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def _identity(about: About) -> dict[str, str]:
+def _identity(about: SubmissionInfo) -> dict[str, str]:
     times = {"datetime": moment(about.submitted_at)} | ({"graded_at": moment(about.graded_at)} if about.graded_at else {})
     return {key: value for key, value in vars(about).items() if isinstance(value, str)} | times
 

@@ -26,7 +26,7 @@ def cell(value: Value) -> str:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return _harmless(value) if isinstance(value, str) else repr(value)
+    return _escape_formulas(value) if isinstance(value, str) else repr(value)
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[Value]], *, end: str = "\r\n") -> str:
@@ -38,6 +38,6 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Value]], *, end: str = 
     return stream.getvalue()
 
 
-def _harmless(text: str) -> str:
+def _escape_formulas(text: str) -> str:
     line = _DROPPED.sub("", _BREAKS.sub(" ", text)).strip()
     return _BEGINS.sub(r"\1'\2", line)

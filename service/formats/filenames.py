@@ -17,7 +17,7 @@ class ZipStream:
     """
 
     def __init__(self) -> None:
-        self._sent = _Sent()
+        self._sent = _Buffer()
         self._zip = zipfile.ZipFile(self._sent, "w", zipfile.ZIP_DEFLATED)
 
     def add(self, path: str, content: str | bytes, at: datetime) -> None:
@@ -41,7 +41,7 @@ class ZipStream:
         self._zip.close()
 
 
-class _Sent(io.RawIOBase):
+class _Buffer(io.RawIOBase):
     """An unseekable output stream that collects the bytes."""
 
     def __init__(self) -> None:

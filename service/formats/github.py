@@ -14,7 +14,7 @@ from ecp.outcome import Outcome
 from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, sanitize
-from service.formats.source_lines import Lines
+from service.formats.source_lines import SourceLines
 from service.grading import result as graded
 from service.grading.result import GradedFile
 
@@ -65,7 +65,7 @@ def annotations(files: Sequence[GradedFile], assignment: Assignment) -> Iterator
     One annotation groups the checks of one function with the same cause. The largest group of each file comes
     first.
     """
-    by_file = [_of(file, assignment) for file in files]
+    by_file = [_file_annotations(file, assignment) for file in files]
     found = [one for rank in zip_longest(*by_file) for one in rank if one is not None]
     first = found if len(found) <= MOST else found[: MOST - 1]
     yield from map(str, first)
@@ -87,7 +87,7 @@ def summary(files: Sequence[GradedFile], assignment: Assignment, most: int = MOS
     return head + table + "\n" + details + f"\nThe reports of {left} more files do not fit here.\n" * bool(left)
 
 
-def _of(file: GradedFile, assignment: Assignment) -> list[Annotation]:
+def _file_annotations(file: GradedFile, assignment: Assignment) -> list[Annotation]:
     path = one_line(file.file.as_posix())
     if file.fault is not None:
         return [Annotation("system fault: not graded", sanitize(file.fault, MOST_MESSAGE), path, 1)]
@@ -95,12 +95,12 @@ def _of(file: GradedFile, assignment: Assignment) -> list[Annotation]:
         return [Annotation("no submission", sanitize(file.refused or "", MOST_MESSAGE), path, 1)]
     if not file.report.max_score:
         return [Annotation(f"failed: {NOTHING}", sanitize(file.report.text(), MOST_MESSAGE), path, 1)]
-    lines = Lines(file, assignment)
+    lines = SourceLines(file, assignment)
     groups: dict[tuple[int | None, str], list[tuple[str, Outcome]]] = {}
     for exercise in file.report.exercises:
         for outcome in exercise.outcomes:
             if outcome.counted and outcome.verdict is not Verdict.PASS:
-                groups.setdefault((lines.of(outcome), _cause(outcome)), []).append((exercise.number, outcome))
+                groups.setdefault((lines.line_of(outcome), _cause(outcome)), []).append((exercise.number, outcome))
     largest_first = sorted(groups.items(), key=lambda group: -len(group[1]))
     return [_annotation(file, path, line, outcomes, lines) for (line, _), outcomes in largest_first]
 
@@ -109,7 +109,9 @@ def _cause(outcome: Outcome) -> str:
     return next((cause.sentence for cause in outcome.diagnosis), outcome.cause or "")
 
 
-def _annotation(file: GradedFile, path: str, line: int | None, outcomes: list[tuple[str, Outcome]], lines: Lines) -> Annotation:
+def _annotation(
+    file: GradedFile, path: str, line: int | None, outcomes: list[tuple[str, Outcome]], lines: SourceLines
+) -> Annotation:
     """Return one annotation for several checks: the first in detail, the others by their lines."""
     assert file.report is not None
     (exercise, first), others = outcomes[0], [outcome.line for _, outcome in outcomes[1:]]
@@ -139,10 +141,10 @@ def _row(file: GradedFile) -> str:
         mark, why = ("!", "system fault") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
         return f"| {name} | {mark} | {why} | |\n"
     mark = MARKS[Verdict.PASS if report.passed else Verdict.FAIL]
-    return f"| {name} | {mark} | {report.score} of {report.most} | {_likeliest(report)} |\n"
+    return f"| {name} | {mark} | {report.score} of {report.most} | {_most_common_code(report)} |\n"
 
 
-def _likeliest(report: Report) -> str:
+def _most_common_code(report: Report) -> str:
     """Return the diagnosis code of most checks that did not pass, as inline code, or ""."""
     wrong = [outcome for outcome in report.outcomes() if outcome.counted and outcome.verdict is not Verdict.PASS]
     found = Counter(cause.code for outcome in wrong for cause in outcome.diagnosis)

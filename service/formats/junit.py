@@ -16,7 +16,7 @@ from ecp.outcome import Outcome
 from ecp.report import ExerciseReport, Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
-from service.formats.source_lines import Lines
+from service.formats.source_lines import SourceLines
 from service.grading.result import GradedFile, state
 
 DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -56,7 +56,7 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
     if report is None:
         yield name, [_ungraded(file)]
         return
-    lines = Lines(file, assignment)
+    lines = SourceLines(file, assignment)
     for exercise in report.exercises:
         if exercise.outcomes:
             yield f"{name}: {_title(exercise)}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
@@ -69,13 +69,13 @@ def _ungraded(file: GradedFile) -> Case:
     return Case(SUBMITTED, "error", kind, one_line(reason), sanitize(reason), 1)
 
 
-def _case(outcome: Outcome, report: Report, lines: Lines) -> Case:
+def _case(outcome: Outcome, report: Report, lines: SourceLines) -> Case:
     name = f"{outcome.id}: {one_line(outcome.label)}"  # GitLab merges cases of the same name
     if outcome.verdict is Verdict.PASS:
-        return Case(name, line=lines.of(outcome))
+        return Case(name, line=lines.line_of(outcome))
     kind = KINDS[outcome.verdict] if outcome.counted else "skipped"
     body = detail(outcome, report)
-    return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), body, lines.of(outcome))
+    return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), body, lines.line_of(outcome))
 
 
 def _title(exercise: ExerciseReport) -> str:
@@ -92,7 +92,7 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
     suite.set("file", path)
     if file.report is not None:
         properties = SubElement(suite, "properties")
-        for key, value in _facts(file.report).items():
+        for key, value in _properties(file.report).items():
             SubElement(properties, "property", name=key, value=one_line(str(value)))
     for case in cases:
         element = SubElement(suite, "testcase", name=case.name, classname=name, time=f"{seconds:.3f}", file=path)
@@ -102,7 +102,7 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
             SubElement(element, case.kind, type=case.type, message=case.message).text = case.text
 
 
-def _facts(report: Report) -> dict[str, object]:
+def _properties(report: Report) -> dict[str, object]:
     """Return the properties of the whole file."""
     made = {"assignment": report.assignment, "version": report.version, "seed": report.provenance.seed}
     return made | {"score": report.score, "max_score": report.max_score, "total": report.most}

@@ -19,10 +19,10 @@ from service.grading.result import GradedFile
 from service.grading.submission import BREAK, source_locations
 
 Numbered = list[tuple[int, str]]
-"""Lines of a cell, each with its number in the file."""
+"""The lines of a cell, each with its number in the file."""
 
 
-class Lines:
+class SourceLines:
     """The source lines of one file of an assignment."""
 
     def __init__(self, file: GradedFile, assignment: Assignment) -> None:
@@ -30,7 +30,7 @@ class Lines:
         self._functions = {c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes}
         self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else {"submission.py": _numbered(file.source)}
 
-    def of(self, outcome: Outcome) -> int | None:
+    def line_of(self, outcome: Outcome) -> int | None:
         """Return the line number (from 1) that the outcome refers to, or None if there is none."""
         scene_end = stopped_by(outcome, self._scene_ends)
         for place in reversed(source_locations(scene_end)) if scene_end else ():
@@ -55,7 +55,7 @@ def _numbered(source: str) -> Numbered:
     return list(enumerate(BREAK.split(source), start=1))
 
 
-class _Placed(str):
+class _PositionedStr(str):
     """A string of a JSON text with its position ``at``."""
 
     at: int
@@ -64,7 +64,7 @@ class _Placed(str):
 def _notebook(source: str) -> dict[str, Numbered]:
     """Return the lines of each code cell, keyed by its name in tracebacks; empty if the source is no notebook."""
     try:
-        notebook = _Decoder().decode(source)
+        notebook = _PositionDecoder().decode(source)
         code = [_pieces(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
     except (ValueError, LookupError, TypeError, RecursionError):
         return {}
@@ -72,14 +72,14 @@ def _notebook(source: str) -> dict[str, Numbered]:
     return {f"cell {number}": _in_file(pieces, ends) for number, pieces in enumerate(code, start=1)}
 
 
-def _pieces(source: Any) -> list[_Placed]:
+def _pieces(source: Any) -> list[_PositionedStr]:
     pieces = [source] if isinstance(source, str) else list(source)
-    if not all(isinstance(piece, _Placed) for piece in pieces):
+    if not all(isinstance(piece, _PositionedStr) for piece in pieces):
         raise TypeError("a cell's source is text")
-    return cast(list[_Placed], pieces)
+    return cast(list[_PositionedStr], pieces)
 
 
-def _in_file(pieces: list[_Placed], ends: list[int]) -> Numbered:
+def _in_file(pieces: list[_PositionedStr], ends: list[int]) -> Numbered:
     """Return the lines of a cell, each numbered by the file line on which its JSON string begins. ``ends`` are the
     file's line ends.
     """
@@ -93,17 +93,17 @@ def _in_file(pieces: list[_Placed], ends: list[int]) -> Numbered:
     return list(zip(numbers, BREAK.split(whole), strict=True))
 
 
-class _Decoder(json.JSONDecoder):
+class _PositionDecoder(json.JSONDecoder):
     """Python's JSON decoder, returning strings with their positions."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.parse_string = _placed
+        self.parse_string = _scan_string
         self.scan_once = scanner.py_make_scanner(self)  # type: ignore[attr-defined]
 
 
-def _placed(source: str, begin: int, strict: bool) -> tuple[_Placed, int]:
+def _scan_string(source: str, begin: int, strict: bool) -> tuple[_PositionedStr, int]:
     value, end = scanstring(source, begin, strict)
-    placed = _Placed(value)
-    placed.at = begin
-    return placed, end
+    text = _PositionedStr(value)
+    text.at = begin
+    return text, end

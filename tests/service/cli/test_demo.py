@@ -14,7 +14,7 @@ import pytest
 
 from exercises.samples import samples
 from service.cli import demo
-from service.cli.demo_class import enter_class
+from service.cli.demo_class import add_class
 from service.settings import Settings
 from tests.support.database import sql
 from tests.support.fake_server import Scripted, says
@@ -38,8 +38,8 @@ def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report
 
 def test_its_class_is_entered_once(database_url):
     settings = Settings(database_url=database_url)
-    count = enter_class(settings, demo.SLUG)
-    assert count > 40 and enter_class(settings, demo.SLUG) == 0
+    count = add_class(settings, demo.SLUG)
+    assert count > 40 and add_class(settings, demo.SLUG) == 0
     assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
 
 

@@ -88,7 +88,7 @@ def test_the_zip_holds_programs_that_install_by_hashes_and_run_the_harness_on_th
     assert " --assignment rigid-body --exercise 2 --exercise 6 2>&1\n" in script
     script = script.replace("/autograder/polhode/bin/python", sys.executable)
     told = subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=False)
-    assert told.returncode == 2 and "there is no folder /autograder/submission" in told.stdout
+    assert told.returncode == 2 and "Gradescope provided no folder /autograder/submission" in told.stdout
 
 
 def points(results):

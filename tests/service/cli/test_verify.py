@@ -64,13 +64,13 @@ GOLDEN = """\
        ✗  x(t) and v(t) follow the closed form   [max|Δ|/scale = 0.499611 (limit 1e-08)]
             worst at t = 13.35 s
             5e+07 times the allowed difference
-            likely constant-factor: half of the damping: its term is −2γv
+            likely constant-factor: the damping is half as large: its term is −2γv
      1-rates: expected no result, got ✗
        ✗  oscillator is (v, −ω²x − 2γv) for any state, ω and γ   [max|Δ|/scale = 0.431029 (limit 1e-13)]
             worst at dv/dt, probe 1 of 32
             4.31e+12 times the allowed difference
-            likely constant-factor: half of the damping: its term is −2γv
-     unexpected diagnosis code: constant-factor (half of the damping: its term is −2γv)
+            likely constant-factor: the damping is half as large: its term is −2γv
+     unexpected diagnosis code: constant-factor (the damping is half as large: its term is −2γv)
 damped-oscillator: 1 of 3 samples as expected, 3 checks
 """
 
@@ -167,7 +167,7 @@ def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, cap
     assert verify(folder, str(second), "--only", "right_terms.py") == 2
     told = capsys.readouterr().out
     assert (
-        "right_terms.py   not graded (system fault): truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'"
+        "right_terms.py   not graded (system fault): truth.py line 21: AttributeError: module 'numpy' has no attribute 'sqroot'"
         in told
     )
     assert "second: 1 of 1 samples as expected" in told

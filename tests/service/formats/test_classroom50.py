@@ -9,7 +9,7 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, ValidationError, model_validator
 
 from service.formats.check_text import NoVerdict
-from service.formats.classroom50 import About, document
+from service.formats.classroom50 import SubmissionInfo, document
 from tests.support.reports import example, graded_file, outcome, report
 
 NAME = Annotated[str, Field(min_length=1)]
@@ -50,7 +50,7 @@ class Result(Scored):
     tests: list[Test]
 
 
-ABOUT = About(
+ABOUT = SubmissionInfo(
     classroom="physics-26", assignment="rigid-body", assignment_type="individual", owner="ann",
     submission="submit/2026-02-28T23-59-58Z-a1b2c3d", commit="https://git.example/c", release="https://git.example/r",
     review="https://git.example/d", submitted_at=datetime(2026, 3, 1, 0, 59, 58, 999999, timezone(timedelta(hours=1))),

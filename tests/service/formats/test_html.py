@@ -49,7 +49,7 @@ def written(rigid_body, sandbox, tmp_path_factory):
     out = OutputDir(folder / "out", [g.file for g in graded])
     for one in graded:
         out.add(one)
-    out.end(graded, rigid_body)
+    out.write_index(graded, rigid_body)
     return folder / "out"
 
 

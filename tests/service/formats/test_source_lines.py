@@ -6,7 +6,7 @@ import nbformat
 import pytest
 
 from ecp.outcome import Ended, SceneEnd
-from service.formats.source_lines import Lines
+from service.formats.source_lines import SourceLines
 from tests.support.reports import graded_file, outcome, report
 
 RAISED = "ZeroDivisionError: division by zero"
@@ -15,7 +15,7 @@ ENERGY = outcome("2-energy", "unmeasured", cause=RAISED)
 
 def line(rigid_body, source, file="mine.py", trace=None, one=ENERGY):
     scene_ends = [SceneEnd("motion", Ended.RAISED, RAISED, "raises", trace)]
-    return Lines(graded_file(report([one], scene_ends=scene_ends), file, source=source), rigid_body).of(one)
+    return SourceLines(graded_file(report([one], scene_ends=scene_ends), file, source=source), rigid_body).line_of(one)
 
 
 @pytest.mark.parametrize(

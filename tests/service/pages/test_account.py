@@ -124,7 +124,7 @@ def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
 
     browser = Browser(server).log_in(token=entered(url, "moe"))
     done = polhode("password", "moe", said=f"{PASSWORD}\n")
-    assert done == (0, "the password of moe is set; their browsers are logged out\n", "")
+    assert done == (0, "the password of moe is set; all browser sessions of moe are logged out\n", "")
     assert browser.open("/v1/me")[0] == 401 and Browser(server).send("/login", name="moe", password=PASSWORD)[0] == 200
     assert "10 to 200" in polhode("password", "moe", said="short\n")[2]
     assert polhode("password", "nobody", said=PASSWORD) == (

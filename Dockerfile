@@ -1,12 +1,12 @@
-# A server, or a worker for one: see docs/docker.md. BASE is any Debian with python3 (3.11 or later) and its venv.
+# Image of the server and its workers: see docs/docker.md. BASE is any Debian with Python 3.11 or later and its venv module.
 ARG BASE=python:3.11-slim-bookworm
 FROM ${BASE} AS build
-# Another package index, if any: its address; its password in a secret `netrc`, the certificates to trust in a secret `ca`.
+# Optional: URL of a package index, its password in the secret `netrc`, and trusted certificates in the secret `ca`.
 ARG PIP_INDEX_URL
 ENV UV_DEFAULT_INDEX=${PIP_INDEX_URL} UV_NO_CACHE=1 UV_COMPILE_BYTECODE=1 UV_PYTHON_DOWNLOADS=never
 WORKDIR /build
 COPY requirements-uv.lock requirements.lock ./
-# numba, a third of all, compiles the reference methods for `polhode chart` alone.
+# Only `polhode chart` needs numba, which takes a third of the space.
 RUN --mount=type=secret,id=netrc,target=/root/.netrc --mount=type=secret,id=ca \
     if [ -e /run/secrets/ca ]; then export PIP_CERT=/run/secrets/ca SSL_CERT_FILE=/run/secrets/ca; fi \
     && python3 -m venv /opt/uv \

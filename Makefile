@@ -1,10 +1,10 @@
 # polhode: every target works on a fresh Debian machine with python3.11+ (venv, pip), make and git.
 PYTHON ?= python3
 BIN := .venv/bin
-# Bytecode is written whatever the machine's default, or every import of SciPy costs two seconds.
+# Always write bytecode: without it every import of SciPy takes two seconds.
 INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-# Much of a test is waiting: processes share whole files, begun in the order of tests/conftest.py.
+# Tests wait a lot, so several processes run whole files, in the order of tests/conftest.py.
 TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
@@ -14,47 +14,47 @@ IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap p
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
-env: .venv/runtime  ## make .venv from the hashed lock and compile its bytecode
+env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 
 .venv/runtime: requirements.lock pyproject.toml
 	@echo "polhode: installing into .venv (first time: one or two minutes)"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(INSTALL) --require-hashes -r requirements.lock
 	@$(INSTALL) --no-deps --no-build-isolation -e .
-	@rm -rf .venv/lib/python3*/site-packages/ecp .venv/lib/python3*/site-packages/service  # hatch's copies of what is edited elsewhere
+	@rm -rf .venv/lib/python3*/site-packages/ecp .venv/lib/python3*/site-packages/service  # hatch's copies of editable packages
 	@touch $@
 
 .venv/tests: .venv/runtime requirements-test.lock
-	@echo "polhode: installing what the tests need"
+	@echo "polhode: installing the test dependencies"
 	@$(INSTALL) --require-hashes -r requirements-test.lock
 	@touch $@
 
-# A browser for its tests, where we may install one; elsewhere they are skipped and say so.
+# Install a browser if permitted; without one the browser tests are skipped.
 .venv/browser: .venv/tests
 	@command -v chromium >/dev/null || { test "$$(id -u)" = 0 && command -v apt-get >/dev/null && echo "polhode: installing chromium" \
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends chromium fonts-dejavu-core >/dev/null 2>&1; } \
-		|| echo "polhode: there is no chromium: tests of pages in a browser will be skipped"
+		|| echo "polhode: no chromium found: browser tests will be skipped"
 	@touch $@
 
-demo: env  ## start a server, grade the samples over HTTP, print the lines (ONCE=1: then stop)
+demo: env  ## start a server, grade samples over HTTP and print their reports (ONCE=1: then stop)
 	@$(CLEAN_ENV) $(BIN)/python -m service.cli.demo $(if $(ONCE),--once)
 
-serve: env  ## start the server on port 8000 with its data in ./.data
+serve: env  ## start the server on port 8000 with its data in .data
 	@$(CLEAN_ENV) POLHODE_DATA=$${POLHODE_DATA:-.data} $(BIN)/polhode serve
 
-lint: .venv/tests  ## ruff, mypy (strict) and the import contracts
+lint: .venv/tests  ## run ruff, mypy (strict) and the import contracts
 	@$(BIN)/ruff check --quiet .
 	@$(BIN)/ruff format --quiet --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-test: lint .venv/browser  ## lint, then the tests that fit in four minutes on two cores (PROCESSES=2)
+test: lint .venv/browser  ## lint, then run the fast tests (four minutes on two cores; PROCESSES=2)
 	@$(TEST) -m "not slow and not exhaustive"
 
-test-all: lint .venv/browser  ## also the slow tests: every sample over HTTP, browsers, JupyterHub, several machines, wheels, outages
+test-all: lint .venv/browser  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages
 	@$(TEST) -m "not exhaustive"
 
-exhaustive: test-all  ## also samples on four seeds, every mutant, sabotage, long chaos, the image, and each newer Python that is here
+exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotage, chaos, the image, and newer Pythons if installed
 	@$(TEST) -m exhaustive
 	@$(CLEAN_ENV) $(BIN)/polhode mutants
 	@$(MAKE) --no-print-directory sabotage
@@ -63,32 +63,32 @@ exhaustive: test-all  ## also samples on four seeds, every mutant, sabotage, lon
 	@for python in python3.12 python3.13 python3.14; do if command -v $$python >/dev/null; then copy=$$(mktemp -d) \
 		&& git clone --quiet . $$copy && $(MAKE) -C $$copy --no-print-directory test PYTHON=$$python && rm -rf $$copy || exit 1; fi; done
 
-bench: .venv/tests  ## measure: the exact motion's speed and accuracy, what walls, judging, queue and pages cost, false ✗, a surge, other autograders
-	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba does not notice a changed callee
-	@$(CLEAN_ENV) $(BIN)/python -m bench.walls
+bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, pages, and other autograders
+	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
+	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
 	@$(CLEAN_ENV) $(BIN)/python -m bench.pages
 	@$(CLEAN_ENV) $(BIN)/python -m bench.peers
 
-chaos: .venv/tests  ## kill, freeze and cut off servers, workers and databases under load (KILLS=200 SEED=1); nothing may be lost
+chaos: .venv/tests  ## kill, freeze and disconnect servers, workers and databases under load; fail on any loss (KILLS=200 SEED=1)
 	@$(CLEAN_ENV) $(BIN)/python -m tests.support.chaos --kills $(or $(KILLS),200) --seed $(or $(SEED),1)
 
-sabotage: .venv/tests  ## break the product on purpose, a line at a time, in copies; the tests of make test must notice (JOBS=2)
+sabotage: .venv/tests  ## break the code one line at a time, in copies; fail if the tests do not notice (JOBS=2)
 	@$(CLEAN_ENV) $(BIN)/python -m tests.sabotage --jobs $(or $(JOBS),2)
 
-image-test: .venv/tests  ## build the container image with podman, run it as docs/docker.md says, and a whole course by docker-compose.yml
+image-test: .venv/tests  ## build the container image with podman and run it as in docs/docker.md and docker-compose.yml
 	@{ command -v podman && command -v mmdebstrap && command -v podman-compose; } >/dev/null || { echo "polhode: installing $(IMAGE_TOOLS)" \
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }
 	@$(CLEAN_ENV) $(BIN)/python -m tests.image
 
-lock:  ## renew the locks (needs uv; UPGRADE=--upgrade for newer versions); they name no registry
+lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)
 	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
 	uv export --quiet --format requirements.txt --all-groups --all-extras --no-emit-project --no-header --output-file requirements-test.lock
 	echo uv | uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --output-file requirements-uv.lock -
 	@! grep -nE 'https?://' requirements.lock requirements-test.lock requirements-uv.lock
 
-clean:  ## remove what the other targets made
+clean:  ## remove everything that the other targets created
 	rm -rf .venv .demo .data .bench .pytest_cache .mypy_cache .ruff_cache

@@ -1,6 +1,7 @@
-"""False ✗ over random bodies, what a diagnosis costs, and what judging an animation costs beside drawing its frames.
+"""False ✗ over random bodies, the time of a diagnosis, and the cost of checking an animation relative to drawing
+it.
 
-Run by ``make bench``; BODIES=10000 for the figure in the closing notes (ten minutes on two cores).
+``make bench`` runs this. BODIES=10000 repeats the published figure (ten minutes on two cores).
 """
 
 import os
@@ -29,23 +30,23 @@ for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
 
 
 def terms(t, w, I):
-    """Component by component."""
+    """Euler's equations component by component."""
     I1, I2, I3 = I
     return [(I2 - I3) / I1 * w[1] * w[2], (I3 - I1) / I2 * w[2] * w[0], (I1 - I2) / I3 * w[0] * w[1]]
 
 
 def roll(t, w, I):
-    """Cyclically."""
+    """Euler's equations by cyclic shifts."""
     return (np.roll(I, -1) - np.roll(I, -2)) * np.roll(w, -1) * np.roll(w, -2) / I
 
 
 def hat(t, w, I):
-    """By the matrix of a cross product."""
+    """Euler's equations with the cross-product matrix."""
     matrix = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
     return -np.diag(1 / I) @ matrix @ np.diag(I) @ w
 
 
-SPELLINGS = (
+FORMULATIONS = (
     terms,
     roll,
     hat,
@@ -56,10 +57,12 @@ SPELLINGS = (
 
 
 def motion(number: int) -> tuple[float, int]:
-    """The share of its allowance that a right function uses on drawn motion ``number``, and false ✗ at the probes of that draw."""
+    """Return the share of its tolerance that a correct function uses on random motion ``number``, and its false ✗
+    at the probes.
+    """
     name = list(DRAWN)[number % len(DRAWN)]
     scene, probes = ASSIGNMENT.scene(name), ASSIGNMENT.scene("probes")
-    inputs, function = draw_inputs(scene, 10_000 + number), SPELLINGS[number % len(SPELLINGS)]
+    inputs, function = draw_inputs(scene, 10_000 + number), FORMULATIONS[number % len(FORMULATIONS)]
     exact = truth(scene, inputs)
     seen = {**plays.trajectory({"euler_eqs": function}, inputs), "t": exact["t"]}
     checks = [c for e in ASSIGNMENT.exercises for c in e.checks if c.scenes == (name,) and c.allow]
@@ -71,19 +74,19 @@ def motion(number: int) -> tuple[float, int]:
 
 
 def false_alarms() -> None:
-    """Print how much of what is allowed right functions use, family by family."""
+    """Print the share of the tolerance that correct functions use, for each family of motions."""
     with ProcessPoolExecutor() as pool:
         found = list(pool.map(motion, range(BODIES), chunksize=20))
     false = sum(f for _, f in found)
-    print(f"{BODIES} drawn bodies, right functions in 6 spellings: {false} false ✗ at 128 probes each")
+    print(f"{BODIES} random bodies, correct functions in 6 formulations: {false} false ✗ at 128 probes each")
     for k, name in enumerate(DRAWN):
         used = [u for number, (u, _) in enumerate(found) if number % len(DRAWN) == k]
         false = sum(u > 1 for u in used)
-        print(f"  {name:16} {len(used):5} motions, {false} false ✗; of what is allowed used at most {max(used):.3f}")
+        print(f"  {name:16} {len(used):5} motions, {false} false ✗; at most {max(used):.3f} of the tolerance used")
 
 
 def diagnosis() -> None:
-    """Print what a diagnosis takes."""
+    """Print the time of a diagnosis."""
     inputs, spent = draw_inputs(ASSIGNMENT.scene("probes"), 3), []
     for mutant in [m for m in mutants() if m.kind in ("one slip in one component", "two slips", "a slip of the whole")]:
         names = {"np": np}
@@ -100,16 +103,16 @@ def _milliseconds(inputs, seen) -> float:
 
 
 def animations() -> None:
-    """Print what following and judging an animation costs beside drawing its frames and stills."""
+    """Print the cost of recording and checking an animation relative to drawing its frames and stills."""
     folder, ratios = ASSIGNMENT.folder / "samples", []
     inputs = ASSIGNMENT.scene("film").inputs
     for file in sorted(folder.glob("right_animation_*.py"))[::3]:
-        bare, judged = (min(_watched(file, inputs, follow) for _ in range(2)) for follow in (False, True))
-        ratios.append(judged / bare)
-    print(f"{len(ratios)} animations judged: {statistics.median(ratios):.3f} times their bare drawing, at most {max(ratios):.3f}")
+        bare, checked = (min(_draw_time(file, inputs, follow) for _ in range(2)) for follow in (False, True))
+        ratios.append(checked / bare)
+    print(f"{len(ratios)} animations checked: {statistics.median(ratios):.3f} times bare drawing, at most {max(ratios):.3f}")
 
 
-def _watched(file: Path, inputs, follow: bool) -> float:
+def _draw_time(file: Path, inputs, follow: bool) -> float:
     from matplotlib import pyplot as plt
 
     names = {}

@@ -1,6 +1,7 @@
-"""Whole calls of the exact motion against the notebook's integrate_body, interleaved: medians of the paired ratios.
+"""Speed of the exact motion relative to the notebook's integrate_body: interleaved calls, medians of the paired
+ratios.
 
-Also the accuracy of all of truth.npz, of which the tests take a random part. Run by ``make bench``.
+Also its errors on all of truth.npz, of which the tests use a random part. ``make bench`` runs this.
 """
 
 import statistics
@@ -25,20 +26,20 @@ SCENES = {
 
 
 def notebook() -> Callable[..., object]:
-    """integrate_body of the Setup cell."""
+    """Return integrate_body of the notebook's Setup cell."""
     names: dict[str, Callable[..., object]] = {}
     exec((ROOT / "exercises" / "rigid_body" / "setup.py").read_text(), names)
     return names["integrate_body"]
 
 
 def euler_eqs(t, w, I):
-    """As the notebook writes it."""
+    """Euler's equations as the notebook's solution writes them."""
     I1, I2, I3 = I
     return np.array([(I2 - I3) * w[1] * w[2] / I1, (I3 - I1) * w[2] * w[0] / I2, (I1 - I2) * w[0] * w[1] / I3])
 
 
 def seconds(run: Callable[[], object], times: int = 1) -> float:
-    """CPU time of one call out of ``times`` in a row."""
+    """Return the CPU time of one call, averaged over ``times`` calls in a row."""
     began = time.process_time_ns()
     for _ in range(times):
         run()
@@ -46,7 +47,7 @@ def seconds(run: Callable[[], object], times: int = 1) -> float:
 
 
 def speed(rounds: int = 21, row: int = 20) -> None:
-    """Print the ratios: of single calls right after the notebook's, with the caches it leaves, and of calls in a row."""
+    """Print the ratios for single calls right after the notebook's, with the caches it leaves, and for calls in a row."""
     integrate = notebook()
     heads = ("numpy, single", "in a row", "compiled, single", "in a row")
     print(f"{'scene':22} {'model':10} {'notebook':>9} ", *(f"{head:>16}" for head in heads))
@@ -67,7 +68,7 @@ def speed(rounds: int = 21, row: int = 20) -> None:
 
 
 def accuracy() -> None:
-    """Print the largest errors against the sixty-digit truth, family by family."""
+    """Print the largest errors against the 60-digit truth, for each family of bodies."""
     truth = np.load(ROOT / "tests" / "reference" / "truth.npz")
     names = ("generic", "separatrix", "tennis", "near-symmetric", "rod", "near-steady")
     print(f"\n{'family':16} {'bodies':>6} {'omega':>9} {'R':>9} {'omega, compiled':>16} {'R, compiled':>12}")

@@ -1,6 +1,7 @@
-"""What the pages cost for a class of 500 students with five submissions of forty checks each, on a real server.
+"""Response times of the pages for a class of 500 students with five submissions of forty checks each, on a real
+server.
 
-The peer of a page is PostgreSQL: the same statements, asked through psycopg in the same run, with nothing made of the answers.
+For comparison the main SQL statement of a page is timed alone in the same run, through psycopg.
 """
 
 import json
@@ -40,13 +41,13 @@ PAGES = (
 
 
 def main() -> None:
-    """Fill, measure, print a line each."""
+    """Fill the database, measure each page and print one line per page."""
     with server(workers=0) as (url, data, _):
         database = running_url(data)
         assert database is not None
         began = time.perf_counter()
         fill(database)
-        print(f"{STUDENTS} students, {STUDENTS * EACH} submissions, {len(ASSIGNMENT.checks())} checks each, entered in "
+        print(f"{STUDENTS} students, {STUDENTS * EACH} submissions, {len(ASSIGNMENT.checks())} checks each, inserted in "
               f"{time.perf_counter() - began:.0f} s; medians of {REPEATS}, goal {GOAL_MS:g} ms")  # fmt: skip
         with psycopg.connect(database) as connection, httpx2.Client(base_url=url, timeout=60) as client:
             ids = connection.execute("SELECT id FROM submission LIMIT 2").fetchall()
@@ -55,22 +56,25 @@ def main() -> None:
 
 
 def page(client: httpx2.Client, connection: "psycopg.Connection[Any]", path: str) -> None:
-    """Measure one page, and beside it its main statement alone."""
+    """Measure one page and its main SQL statement."""
     answer = client.get(path, headers={"Remote-User": "prof"})
-    told = [f"{median(lambda: client.get(path, headers={'Remote-User': 'prof'})):6.0f} ms", f"{len(answer.content) / 1e3:6.0f} kB"]
+    columns = [
+        f"{median(lambda: client.get(path, headers={'Remote-User': 'prof'})):6.0f} ms",
+        f"{len(answer.content) / 1e3:6.0f} kB",
+    ]
     if answer.status_code != 200:
-        told.append(f"HTTP {answer.status_code}")
+        columns.append(f"HTTP {answer.status_code}")
     if statement := PEERS.get(path):
         for name in ("slug", "course"):
             statement = statement.replace(f":{name}", f"%({name})s")
         values = {"slug": ASSIGNMENT.slug, "course": COURSE}
         bare = median(lambda: connection.execute(statement, values).fetchall())
-        told.append(f"its statement in PostgreSQL {bare:.0f} ms")
-    print(f"{path[:76]:76} {', '.join(told)}", flush=True)
+        columns.append(f"SQL statement alone {bare:.0f} ms")
+    print(f"{path[:76]:76} {', '.join(columns)}", flush=True)
 
 
 def median(action: Callable[[], Any]) -> float:
-    """Milliseconds."""
+    """Return the median time of ``action`` in milliseconds."""
     took = []
     for _ in range(REPEATS):
         began = time.perf_counter()
@@ -80,18 +84,18 @@ def median(action: Callable[[], Any]) -> float:
 
 
 def fill(url: str) -> None:
-    """A class, its submissions and reports, by a few statements: what a term of real ones leaves in the tables."""
+    """Insert a class with submissions and reports, as a term of real use would leave them."""
     ids = [c.id for c in ASSIGNMENT.checks()]
     with psycopg.connect(url) as connection:
         for number in range(EACH):
             marks = {id: "✓" if k % EACH <= number else ("✗", 0.01, SLIP) for k, id in enumerate(ids)}
-            told = report_of_marks(marks)
+            report = report_of_marks(marks)
             values = {
                 "n": number,
                 "students": STUDENTS,
-                "report": json.dumps(document(told)),
-                "score": told.score,
-                "most": told.max_score,
+                "report": json.dumps(document(report)),
+                "score": report.score,
+                "most": report.max_score,
             }
             connection.execute(_FILL, values)
         connection.execute(_OUTCOMES)
@@ -118,7 +122,7 @@ WITH people AS (
     SELECT gen_random_uuid(), id, 1, 'interactive', 7, 3 FROM sent RETURNING id
 )
 INSERT INTO result (grading_id, report, score, max_score, version, isolation, grading_s)
-SELECT id, CAST(%(report)s AS jsonb), %(score)s, %(most)s, '1', 'tier A', 1.0 FROM tried
+SELECT id, CAST(%(report)s AS jsonb), %(score)s, %(most)s, '1', 'namespaces', 1.0 FROM tried
 """
 
 _STAFF = """

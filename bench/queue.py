@@ -1,6 +1,7 @@
-"""What the store and the queue cost: accepting, starting, taking over, idling; a grading through them against a direct one.
+"""Cost of store and queue: accepting, starting, recovery, idling, and a grading through them against a direct one.
 
-Everything against a real ``polhode serve`` in a temporary folder. The goals are issue 6's, for an idle machine with two cores.
+All measurements use a real ``polhode serve`` in a temporary folder. The goals hold for an idle machine with two
+cores.
 """
 
 import asyncio
@@ -33,25 +34,25 @@ SLOW = {"source": "import time\ntime.sleep(2)\n" + SOURCE, "exercises": ["2"]}
 
 
 def main() -> None:
-    """Measure and print, a line each."""
+    """Measure and print one line per measurement."""
     with server(workers=0) as (url, _, _):
-        accepting(url, "accepting at 50/s, nobody grades")
+        accepting(url, "accepting at 50/s, no worker")
     with server(workers=1) as (url, data, process):
         idle(process)
         starting(url, data)
         through, direct = overhead(url)
         line("exercise 2, through HTTP, queue and store", 1e3 * through, "ms", f"directly {1e3 * direct:.0f} ms")
-        line("  what they add", 100 * (through / direct - 1), "%", "goal 10 %")
+        line("  overhead", 100 * (through / direct - 1), "%", "goal 10 %")
     with server(workers=2) as (url, data, process):
         idle(process)
         takeover(url, data)
         restart(url, data)
-        accepting(url, "accepting at 50/s, two workers grade all the while")
+        accepting(url, "accepting at 50/s, two workers grading")
 
 
 @contextlib.contextmanager
 def server(workers: int) -> Iterator[tuple[str, Path, "subprocess.Popen[bytes]"]]:
-    """A server on a free port; stopped at the end."""
+    """Run a server on a free port; yield its URL, data folder and process."""
     port = free_port()
     with tempfile.TemporaryDirectory(prefix="polhode-bench-") as folder:
         data = Path(folder) / "data"
@@ -74,7 +75,7 @@ def server(workers: int) -> Iterator[tuple[str, Path, "subprocess.Popen[bytes]"]
 
 
 def accepting(url: str, name: str, rate: float = 50.0, seconds: float = 10.0) -> None:
-    """Time to a durable 202 when submissions come at an even rate, whatever the answers take."""
+    """Measure the time to a durable 202 for submissions at a constant rate, independent of the responses."""
 
     async def send() -> list[float]:
         times: list[float] = []
@@ -98,7 +99,7 @@ def accepting(url: str, name: str, rate: float = 50.0, seconds: float = 10.0) ->
 
 
 def starting(url: str, data: Path, count: int = 60) -> None:
-    """From the answer 202 to the beginning of the run, one submission at a time on an idle machine."""
+    """Measure the time from the response 202 to the start of the run, one submission at a time on an idle machine."""
     answered = {}
     with httpx2.Client(headers=ME, timeout=40) as client:
         for _ in range(count):
@@ -108,11 +109,11 @@ def starting(url: str, data: Path, count: int = 60) -> None:
             time.sleep(0.05)
     began = "SELECT submission_id::text, extract(epoch FROM started_at) FROM run JOIN grading a ON a.id = grading_id"
     times = [max(0.0, float(s) - answered[id]) for id, s in query(data, began)]
-    line("accepted to begun", 1e3 * statistics.median(times), "ms", f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 5 and 20")
+    line("accepted to started", 1e3 * statistics.median(times), "ms", f"p99 {1e3 * quantile(times, 0.99):.0f} ms; goal 5 and 20")
 
 
 def overhead(url: str, count: int = 25) -> tuple[float, float]:
-    """Medians of a grading over HTTP and of the same in this process, in turn."""
+    """Return the median times of a grading over HTTP and of the same grading in this process, interleaved."""
     grader.start(choose())
     grader.ready()
     submission, slug, through, direct = Submission(SOURCE), assignments()["rigid-body"].slug, [], []
@@ -128,7 +129,7 @@ def overhead(url: str, count: int = 25) -> tuple[float, float]:
 
 
 def takeover(url: str, data: Path, count: int = 6) -> None:
-    """From SIGKILL of a worker in mid-grading to the beginning of the next run, on the other worker."""
+    """Measure the time from SIGKILL of a worker during a grading to the start of the next run on the other worker."""
     times = []
     for _ in range(count):
         id = httpx2.post(url + PATH, json=SLOW, headers=ME, timeout=30).json()["id"]
@@ -140,11 +141,11 @@ def takeover(url: str, data: Path, count: int = 6) -> None:
         wait(lambda runs=runs: len(query(data, runs)) == 2)
         times.append(time.perf_counter() - began)
         wait(lambda id=id: httpx2.get(f"{url}/v1/submissions/{id}", headers=ME).json()["status"] == "graded")
-    line("a dead worker's submission begun elsewhere after", statistics.median(times), "s", f"at most {max(times):.1f} s; goal 5")
+    line("killed worker's submission restarted after", statistics.median(times), "s", f"at most {max(times):.1f} s; goal 5")
 
 
 def restart(url: str, data: Path, count: int = 5) -> None:
-    """From SIGKILL of the database to the first submission begun after it."""
+    """Measure the time from SIGKILL of the database to the start of the first submission after it."""
     times = []
     for _ in range(count):
         os.kill(int((data / "postgres/postmaster.pid").read_text().split("\n")[0]), signal.SIGKILL)
@@ -154,43 +155,43 @@ def restart(url: str, data: Path, count: int = 5) -> None:
         wait(lambda: query(data, "SELECT 1 FROM run WHERE started_at > pg_postmaster_start_time()"))
         times.append(time.perf_counter() - began)
         time.sleep(2)
-    line("database killed to first submission begun", statistics.median(times), "s", f"at most {max(times):.1f} s; goal 5")
+    line("database killed to first submission started", statistics.median(times), "s", f"at most {max(times):.1f} s; goal 5")
 
 
 def idle(process: "subprocess.Popen[bytes]", seconds: float = 20.0) -> None:
-    """CPU of everything but the guests, in per cent of a core, and memory as the sum of proportional set sizes."""
-    everybody = [p for p in tree(process.pid) if "bwrap" not in command(p) and "-I -S" not in command(p)]
-    before = sum(ticks(p) for p in everybody)
+    """Measure the CPU load (% of a core) and memory (proportional set sizes) of all processes but the guests."""
+    processes = [p for p in tree(process.pid) if "bwrap" not in command(p) and "-I -S" not in command(p)]
+    before = sum(ticks(p) for p in processes)
     time.sleep(seconds)
-    cpu = 100 * (sum(ticks(p) for p in everybody) - before) / os.sysconf("SC_CLK_TCK") / seconds
+    cpu = 100 * (sum(ticks(p) for p in processes) - before) / os.sysconf("SC_CLK_TCK") / seconds
     line("idle: CPU without guests", cpu, "%", "goal 3 % of a core")
-    line("      memory without guests", sum(proportional(p) for p in everybody) / 1024, "MB", "goal 350")
+    line("      memory without guests", sum(proportional(p) for p in processes) / 1024, "MB", "goal 350")
 
 
 def tree(pid: int) -> list[int]:
-    """A process and all below it."""
+    """Return the process ids of a process and all its descendants."""
     below = [int(p) for f in Path(f"/proc/{pid}/task").glob("*/children") for p in f.read_text().split()]
     return [pid, *(q for p in below for q in tree(p))]
 
 
 def command(pid: int) -> str:
-    """Its command line."""
+    """Return the command line of a process."""
     return Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
 
 
 def ticks(pid: int) -> int:
-    """User and system time so far."""
+    """Return the user and system time of a process, in clock ticks."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return int(fields[11]) + int(fields[12])
 
 
 def proportional(pid: int) -> int:
-    """KiB, shared pages counted in part."""
+    """Return the proportional set size of a process in KiB."""
     return sum(int(w.split()[1]) for w in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines() if w.startswith("Pss:"))
 
 
 def query(data: Path, statement: str) -> list[tuple]:
-    """Rows of the embedded database; none while it is out."""
+    """Return the rows of a query on the embedded database, none while it is unavailable."""
     try:
         with psycopg.connect(running_url(data) or "", connect_timeout=2) as connection:
             return connection.execute(statement).fetchall()
@@ -198,12 +199,12 @@ def query(data: Path, statement: str) -> list[tuple]:
         return []
 
 
-def wait(found, seconds: float = 30.0):
-    """What ``found()`` gives as soon as it gives something."""
+def wait(condition, seconds: float = 30.0):
+    """Return the first true result of ``condition()``. Raises TimeoutError after ``seconds``."""
     until = time.monotonic() + seconds
     while True:
         with contextlib.suppress(httpx2.HTTPError):
-            if answer := found():
+            if answer := condition():
                 return answer
         if time.monotonic() > until:
             raise TimeoutError
@@ -211,7 +212,7 @@ def wait(found, seconds: float = 30.0):
 
 
 def quantile(values: Sequence[float], q: float) -> float:
-    """The value that a fraction ``q`` does not exceed."""
+    """Return the value that a fraction ``q`` does not exceed."""
     return sorted(values)[min(len(values) - 1, int(q * len(values)))]
 
 

@@ -1,8 +1,9 @@
-"""The surge before a deadline against a real server: is anything lost, who waits how long, and was that to be foreseen.
+"""A surge of submissions before a deadline on a real server: losses, waits, and the waits that polhode plan
+predicts.
 
-``python -m bench.surge`` (five minutes on two cores). Students send the samples below at moments drawn as ``polhode plan`` draws
-them; the waits are read from the database, and the same arrivals are played through ``service.cli.plan`` for comparison.
-``--write`` keeps the measured service times as those that ``polhode plan`` draws from.
+``python -m bench.surge`` takes five minutes on two cores. Students send the samples below at times drawn as
+``polhode plan`` draws them. The waits are read from the database and compared with a simulation of the same
+arrivals. ``--write`` stores the measured grading times for ``polhode plan``.
 """
 
 import argparse
@@ -28,19 +29,19 @@ import psycopg
 
 from exercises.catalogue import assignments
 from service.cli.demo import free_port
-from service.cli.plan import MEASURED, Arrivals, Deadline, begin, draw, summary, table
+from service.cli.simulate_queue import MEASURED, Arrivals, Deadline, draw, start_times, summary, table
 from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3
 RIGHT = ("cross", "terms", "roll", "oop", "cross_solve", "einsum_levi_civita", "skew_matrix", "list_return")
 WRONG = ("sign_first", "sign_all", "divisor", "factor_two_all", "shape", "raises", "syntax", "product_all_shifted")
-SLACK_S = 1.0  # between two moments, so that their order is beyond doubt
+SLACK_S = 1.0  # two times this far apart are surely in order
 START_S, STOP_S, ANSWER_S = 90.0, 60.0, 60.0
 
 
 @dataclass(frozen=True)
 class Answer:
-    """To one POST: its status or the name of an error, after how many seconds, and how late it was sent."""
+    """The response to one POST: its status or an error's name, the seconds it took, and how late it was sent."""
 
     status: int | str
     took_s: float
@@ -49,7 +50,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Row:
-    """One grading as the database tells it; times are seconds since the epoch."""
+    """One grading as recorded in the database; times are seconds since the epoch."""
 
     person: str
     requested: float
@@ -62,15 +63,15 @@ class Row:
 
 
 def main() -> int:
-    """Exit code 0 if everything was accepted, graded and in order."""
+    """Return 0 if every submission was accepted and graded in the right order."""
     parser = argparse.ArgumentParser(prog="bench.surge", description=__doc__)
     parser.add_argument("--students", type=int, default=300)
-    parser.add_argument("--seconds", type=float, default=120.0, help="before the deadline in which they submit")
+    parser.add_argument("--seconds", type=float, default=120.0, help="seconds before the deadline in which they submit")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
-    parser.add_argument("--rush", action="store_true", help="more and more towards the deadline")
+    parser.add_argument("--rush", action="store_true", help="submission rate grows towards the deadline")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--most", type=float, default=1800.0, metavar="SECONDS", help="give up after so long")
-    parser.add_argument("--write", action="store_true", help=f"keep the service times in {MEASURED.name}")
+    parser.add_argument("--most", type=float, default=1800.0, metavar="SECONDS", help="give up after this time")
+    parser.add_argument("--write", action="store_true", help=f"store the grading times in {MEASURED.name}")
     arguments = parser.parse_args()
     for how in (signal.SIGINT, signal.SIGTERM):
         signal.signal(how, signal.default_int_handler)
@@ -81,12 +82,12 @@ def main() -> int:
         began = time.time()
         answers = asyncio.run(send(url, draw(asked), asked.seed))
         rows = results(database, sum(a.status in (200, 202) for a in answers), until)
-    return tell(asked, answers, rows, began, write=arguments.write)
+    return report(asked, answers, rows, began, write=arguments.write)
 
 
 @contextmanager
 def server(workers: int) -> Iterator[tuple[str, str]]:
-    """A server with that many warm workers: its address and its database's; stopped at the end, whatever happens."""
+    """Run a server with ``workers`` warm workers; yield its URL and its database's URL."""
     with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder:
         data, log, port = Path(folder) / "polhode", Path(folder) / "log", free_port()
         environment = {k: v for k, v in os.environ.items() if not k.startswith("POLHODE_") and k != "PYTHONDONTWRITEBYTECODE"}
@@ -108,7 +109,7 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
 
 
 async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
-    """Send every submission at its moment; the answers in the same order."""
+    """Send every submission at its time and return the responses in the same order."""
     folder = assignments()["rigid-body"].folder / "samples"
     names = [f"right_{name}.py" for name in RIGHT] + [f"wrong_{name}.py" for name in WRONG]
     sources = np.random.default_rng(seed).choice([(folder / name).read_text() for name in names], len(arrivals.accepted))
@@ -131,7 +132,7 @@ async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
 
 
 def results(database: str, accepted: int, until: float) -> list[Row]:
-    """Every grading in the order of acceptance, once so many have a result, or at ``until``."""
+    """Return every grading in order of acceptance, once ``accepted`` of them have a result, or at ``until``."""
     with psycopg.connect(database, autocommit=True) as connection:
         while time.monotonic() < until and connection.execute("SELECT count(*) FROM result").fetchone()[0] < accepted:
             time.sleep(1.0)
@@ -147,8 +148,8 @@ GROUP BY p.name, a.id, r.grading_id ORDER BY a.requested_at, a.id
 """
 
 
-def tell(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, *, write: bool) -> int:
-    """Print what came of it; 0 if nothing was refused, lost, faulted or overtaken."""
+def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, *, write: bool) -> int:
+    """Print the results. Return 0 if no submission was refused, lost, faulted or overtaken."""
     refused = [a.status for a in answers if a.status not in (200, 202)]
     graded = [r for r in rows if r.grading is not None and r.started is not None]
     faults = [r.fault for r in rows if r.fault is not None]
@@ -168,12 +169,12 @@ def tell(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, 
     arrivals, begun = _arrivals(graded, spent, began), np.array([r.started for r in graded]) - began
     wrong = overtaken(graded)
     thirds = sum(bool(arrivals.turn[k] == 3 and arrivals.turn[other] == 1) for k, other in wrong)
-    print(f"pairs taken in the wrong order: {len(wrong)}; of these a third before another's first: {thirds}")
+    print(f"pairs started in the wrong order: {len(wrong)}; of these a third submission before a first: {thirds}")
     for k, other in wrong[:3]:
-        print(f"  {_told(graded[k], began)} was taken before {_told(graded[other], began)}")
+        print(f"  {_times(graded[k], began)} before {_times(graded[other], began)}")
     more = spent.mean() - np.mean([r.grading for r in graded])
-    print(f"a worker is busy {spent.mean():.3f} s with each, {more:.3f} s more than grading")
-    for name, when in (("measured", begun), ("predicted for these arrivals", begin(arrivals, asked.workers))):
+    print(f"a worker is busy {spent.mean():.3f} s per submission, {more:.3f} s more than the grading")
+    for name, when in (("measured", begun), ("predicted for these arrivals", start_times(arrivals, asked.workers))):
         print(f"\n{name}\n{table(summary(arrivals, when, asked.workers, 60 * asked.minutes))}")
     if write:
         _write(asked, spent)
@@ -181,9 +182,11 @@ def tell(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, 
 
 
 def occupied(rows: list[Row]) -> np.ndarray:
-    """For how long each submission kept its worker (n,): grading, and what taking a job and writing a result add on average.
+    """Return the time that each submission occupied its worker (n,): its grading, plus the average overhead per
+    job.
 
-    That is what passes between two starts of a worker beyond grading, where the second submission was waiting already.
+    The overhead is the time between two starts of a worker beyond grading, where the second submission was
+    already waiting.
     """
     grading, more = np.array([r.grading for r in rows]), []
     for name in {r.worker for r in rows}:
@@ -193,10 +196,10 @@ def occupied(rows: list[Row]) -> np.ndarray:
 
 
 def overtaken(rows: list[Row]) -> list[tuple[int, int]]:
-    """Pairs of places in ``rows``: one that was taken while another waited that was its person's oldest before the one was.
+    """Return pairs of indices into ``rows``: a submission, and an earlier one that it overtook.
 
-    By the rule of the queue there is none: whatever is its person's oldest without result waits at the top, behind those
-    that came to be so before it, and what is not is taken where nothing waits at the top.
+    By the queue's rule there is none: each student's oldest unfinished submission waits in order of becoming
+    so, and others start only if no such submission waits.
     """
     started, oldest = np.array([r.started for r in rows]), _oldest(rows)
     found = []
@@ -206,12 +209,12 @@ def overtaken(rows: list[Row]) -> list[tuple[int, int]]:
     return found
 
 
-def _told(row: Row, began: float) -> str:
-    return f"{row.person}'s, accepted at {row.requested - began:.3f} s and started at {row.started - began:.3f} s,"
+def _times(row: Row, began: float) -> str:
+    return f"{row.person} (accepted at {row.requested - began:.3f} s, started at {row.started - began:.3f} s)"
 
 
 def _oldest(rows: list[Row]) -> np.ndarray:
-    """Since when each is its person's oldest without result (n,)."""
+    """Return the time since when each submission has been its student's oldest unfinished one (n,)."""
     return np.array([
         max([r.requested, *(o.finished for o in rows if o.person == r.person and o.requested < r.requested)]) for r in rows
     ])  # fmt: skip
@@ -225,7 +228,7 @@ def _arrivals(rows: list[Row], service: np.ndarray, began: float) -> Arrivals:
 
 
 def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int) -> str:
-    """The database's address, as soon as the server answers and every worker is warm."""
+    """Return the database's URL once the server responds and every worker is warm."""
     until = time.monotonic() + START_S
     while time.monotonic() < until and process.poll() is None:
         time.sleep(0.2)
@@ -240,10 +243,12 @@ def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int)
 
 
 def _write(asked: Deadline, seconds: np.ndarray) -> None:
-    told = [line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
+    models = [
+        line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")
+    ]
     document = {
         "measured_at": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": f"{(told or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}",
+        "machine": f"{(models or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}",
         "what": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong samples, from start to the worker's next start, "
         f"by bench.surge with {asked.students} students, {60 * asked.minutes:g} s and {asked.workers} workers",
         "seconds": [round(float(s), 4) for s in seconds],

@@ -1,1 +1,3 @@
-"""The questions: files here are the grammar, each folder is an assignment. A new assignment is a new folder; nothing lists them."""
+"""Assignments: modules here are the declaration and its tools; each folder is one assignment and is found by
+its name.
+"""

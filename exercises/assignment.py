@@ -1,4 +1,4 @@
-"""The grammar of an assignment: scenes to play, exercises that judge them, figures that show them."""
+"""The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
@@ -14,12 +14,12 @@ from ecp.outcome import Diagnosis, SweepResult
 
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
-"""By scene, what a function was asked there and what came back."""
+"""The inputs of a function and the arrays it returned, by scene."""
 RightHandSide = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 class InvalidAssignment(Exception):
-    """A badly declared assignment; ``errors`` lists everything that is wrong with it."""
+    """The declaration of an assignment is invalid; ``errors`` lists all of its errors."""
 
     def __init__(self, slug: str, errors: list[str]) -> None:
         super().__init__(f"assignment {slug}: " + "; ".join(errors))
@@ -27,13 +27,16 @@ class InvalidAssignment(Exception):
 
 
 class NoAssignment(LookupError):
-    """There is none of that slug, or nobody can tell which is meant; the message tells which there are."""
+    """There is no assignment of that slug, or several fit; the message lists those that exist."""
 
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """An array a scene may bring back, as ``float64`` or ``uint8``: of exactly ``shape``, or where ``up_to`` of at least one and at
-    most that many in every length but the last, which is exact."""
+    """An array that a scene may return, as ``float64`` or ``uint8``.
+
+    It has exactly ``shape``. If ``up_to`` is set, every length but the last may be from one to that of
+    ``shape``.
+    """
 
     shape: tuple[int, ...]
     dtype: str = "float64"
@@ -42,11 +45,12 @@ class ArraySpec:
 
 @dataclass(frozen=True)
 class HostVerification:
-    """How the host makes sure that a motion which came back is the one the student's function drives.
+    """How the host verifies that a returned motion is the one that the student's function drives.
 
-    It is if ``certified(inputs, seen, truth)`` of the scene ``proof``, where the function was asked for single values, also along
-    the exact motion. Otherwise ``follows(inputs, seen, ask, rng)`` lets a trusted integrator call the function over short
-    stretches of the motion, and where they differ ``motion(inputs, ask)`` plays all of it so.
+    It accepts the motion if ``certified(inputs, seen, truth)`` holds for the scene ``proof``, in which the
+    function was called at single points, some along the exact motion. Otherwise ``follows(inputs, seen, ask,
+    rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
+    ``motion(inputs, ask)`` integrates all of it.
     """
 
     proof: str
@@ -57,17 +61,19 @@ class HostVerification:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """One reproducible situation: ``play`` (a function of the folder's plays.py) calls ``function`` with ``inputs``.
+    """One reproducible call: ``play`` (a function of the folder's plays.py) calls ``function`` with
+    ``inputs``.
 
-    ``inputs`` is fixed, or drawn from the attempt's generator where the student must not know it. ``truth`` maps the inputs to
-    the exact answer, on the host only. A scene is played only if the one it comes ``after`` was finished. Arrays of the truth that
-    are ``known``, such as the times, are handed to checks and figures with what was seen: they are not asked of a stranger.
+    ``inputs`` are fixed, or drawn from the submission's random generator so that the student cannot know
+    them. ``truth`` maps the inputs to the exact answer, on the host only. The scene is played only if the one
+    it comes ``after`` has finished. Arrays of the truth that are ``known``, such as times, are added to the
+    returned ones for checks and figures.
 
-    ``replaced(inputs, seen)`` gives the inputs that a student used instead of the scene's, a sentence where the answer cannot be
-    judged by them, or None where the scene's own were used.
+    ``replaced(inputs, seen)`` returns the inputs that a student used instead of the scene's, a sentence if
+    the answer cannot be judged by them, or None if the scene's own were used.
 
-    A scene asked ``twice`` puts its questions again, in another order, to a second child: inputs and answers then all run along
-    the questions in their first index, and the answers must agree bit for bit.
+    A scene played ``twice`` repeats its queries in another order in a second process: inputs and answers then
+    run along the queries in their first index, and the answers must agree bit for bit.
     """
 
     name: str
@@ -86,7 +92,9 @@ class Scene:
 
 @dataclass(frozen=True)
 class Sweep:
-    """Speed against accuracy of the student's own function, played only when somebody asks; ``read(seen, truth)`` tells it."""
+    """A chart of speed against accuracy of the student's function, played on request. ``read(seen, truth)``
+    returns the result.
+    """
 
     scene: Scene
     read: Callable[[Arrays, Arrays], SweepResult]
@@ -94,13 +102,14 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Assignment:
-    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, both of which cross the wall.
+    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, which both
+    run inside the sandbox.
 
-    ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides numpy, scipy and
-    matplotlib: they must be installed on the server. ``diagnose`` names the causes of one scene's numbers, and
-    ``diagnose_function`` those that explain all scenes of a function together, or None: then each scene is diagnosed alone.
-    ``codes`` are the diagnosis codes that its causes and plays give:
-    ``polhode verify`` tells those that no sample shows.
+    ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides
+    numpy, scipy and matplotlib; they must be installed on the server. ``diagnose`` returns the likely causes
+    of one scene's numbers. ``diagnose_function`` returns those that explain all scenes of a function, or
+    None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
+    verify`` lists those that no sample shows.
     """
 
     slug: str
@@ -116,29 +125,31 @@ class Assignment:
     packages: tuple[str, ...] = ()
 
     def scene(self, name: str) -> Scene:
-        """The scene of that name."""
+        """Return the scene of that name. Raises StopIteration if there is none."""
         return next(s for s in self.scenes if s.name == name)
 
     def hidden(self, check: Check) -> bool:
-        """Whether a check reads something drawn for each attempt, which nobody is told."""
+        """Return whether a check reads a scene with random inputs."""
         return any(callable(self.scene(name).inputs) for name in check.scenes)
 
     def exercise(self, number: str) -> Exercise:
-        """The exercise of that number; KeyError if there is none."""
+        """Return the exercise of that number. Raises KeyError if there is none."""
         for exercise in self.exercises:
             if exercise.number == number:
                 return exercise
         raise KeyError(number)
 
     def checks(self) -> list[Check]:
-        """All of them, in order."""
+        """Return the checks of all exercises in order."""
         return [c for e in self.exercises for c in e.checks]
 
     def max_points(self, numbers: Collection[str] | None = None) -> int:
-        """A point for each check of the exercises (default: all), but for those of functions that may be left out: a bonus."""
-        asked = [e for e in self.exercises if numbers is None or e.number in numbers]
-        return sum(len(e.made(e.functions, lambda scene: self.scene(scene).function)) for e in asked)
+        """Return the points of the exercises ``numbers`` (default: all): one per check, without those of
+        optional functions.
+        """
+        chosen = [e for e in self.exercises if numbers is None or e.number in numbers]
+        return sum(len(e.applicable_checks(e.functions, lambda scene: self.scene(scene).function)) for e in chosen)
 
     def functions(self) -> set[str]:
-        """Every name a student may define to be played."""
-        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.asks_for()}
+        """Return the names of all functions that a student may define."""
+        return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.function_names()}

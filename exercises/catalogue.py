@@ -1,4 +1,4 @@
-"""Where assignments lie: the packages in this folder, and those that POLHODE_ASSIGNMENTS names."""
+"""Discovery of assignments: the packages in this folder, and those named in POLHODE_ASSIGNMENTS."""
 
 import functools
 import importlib
@@ -19,18 +19,22 @@ SETTING = "POLHODE_ASSIGNMENTS"
 
 
 def folders() -> list[Path]:
-    """Every folder that means to be an assignment, those beside this file first."""
+    """Return every folder of an assignment, valid or not, those in this folder first."""
     return list(dict.fromkeys([*_here(), *(folder for one in _named() for folder in discover(one))]))
 
 
 def is_taken(slug: str) -> bool:
-    """Whether that name is an assignment's, or a module's of this folder."""
+    """Return whether an assignment or a module of this folder has that name."""
     name = slug.replace("-", "_")
     return name in [folder.name for folder in folders()] or importlib.util.find_spec(f"exercises.{name}") is not None
 
 
 def default_folder() -> Path | None:
-    """Where a new assignment belongs: in the first folder of them that POLHODE_ASSIGNMENTS names, else here, unless installed."""
+    """Return where a new assignment belongs, or None if there is no such place.
+
+    That is the first folder of assignments that POLHODE_ASSIGNMENTS names, else this folder unless polhode is
+    installed as a package.
+    """
     for named in _named():
         if not (named / "__init__.py").is_file():
             return named
@@ -39,25 +43,27 @@ def default_folder() -> Path | None:
 
 
 def register_folder(folder: Path) -> None:
-    """Let this process, and those it starts, know the assignment in ``folder``."""
+    """Add the assignment in ``folder`` to the catalogue of this process and of those it starts."""
     known = os.environ.get(SETTING)
     os.environ[SETTING] = os.pathsep.join([*([known] if known else []), str(folder.resolve())])
 
 
 def slug_of(folder: Path) -> str:
-    """What the assignment in ``folder`` is called."""
+    """Return the slug of the assignment in ``folder``."""
     return folder.name.replace("_", "-")
 
 
 def load(folder: Path) -> tuple[Any, list[str]]:
-    """What the folder defines as ``ASSIGNMENT``, imported as a part of ``exercises``; or None and all that keeps it from that."""
+    """Import the folder as a part of ``exercises`` and return its ``ASSIGNMENT``, or None and all errors that
+    prevent it.
+    """
     errors = [f"{name} is missing" for name in NEEDED if not (folder / name).is_file()] if folder.is_dir() else []
     if not folder.is_dir():
         errors.append(f"there is no folder {folder}")
     elif not (folder / "__init__.py").is_file():
         errors.append("__init__.py is missing")
     if not (folder.name.isidentifier() and folder.name == folder.name.lower()):
-        errors.append(f"its folder {folder.name} is no name of a package: small letters, digits and _")
+        errors.append(f"its folder's name {folder.name} is not a package name: use lower-case letters, digits and _")
     errors += syntax_errors(folder)
     if errors:
         return None, errors
@@ -70,7 +76,9 @@ def load(folder: Path) -> tuple[Any, list[str]]:
 
 
 def discover(named: Path) -> list[Path]:
-    """The assignment that a folder is, or each in a folder of them; a folder that is not there stands for itself."""
+    """Return the assignment that a folder is, or every assignment in it. A folder that does not exist is
+    returned itself.
+    """
     if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
         return [named]
     return sorted(path.parent for path in named.glob("*/__init__.py"))
@@ -85,15 +93,15 @@ def _named() -> list[Path]:
 
 
 def _taken(folder: Path) -> list[str]:
-    """An error where ``exercises`` has something else of that name."""
+    """Return an error if ``exercises`` already has another module of that name."""
     spec = importlib.util.find_spec(f"exercises.{folder.name}")
     if spec is None or spec.origin == str(folder / "__init__.py"):
         return []
-    return [f"the name {folder.name} is taken: by {spec.origin or 'a folder of polhode'}"]
+    return [f"the name {folder.name} is already used by {spec.origin or 'a folder of polhode'}: choose another"]
 
 
 def _imported(folder: Path) -> ModuleType:
-    """The package as one of ``exercises``, wherever it lies; its neighbours there are not."""
+    """Import the package as one of ``exercises``, wherever it is; the packages next to it are not imported."""
     name = f"exercises.{folder.name}"
     if name in sys.modules or str(folder.parent) in exercises.__path__:
         return importlib.import_module(name)
@@ -109,19 +117,21 @@ def _imported(folder: Path) -> ModuleType:
 
 
 class Catalogue(NamedTuple):
-    """The assignments by their slugs; and those that cannot be used, with all that is wrong with each."""
+    """The valid assignments, and the invalid ones with their errors, each by its slug."""
 
     valid: dict[str, Assignment]
     invalid: dict[str, InvalidAssignment]
 
 
 def assignments() -> dict[str, Assignment]:
-    """Every assignment that can be used, by its slug."""
+    """Return every valid assignment by its slug."""
     return load_catalogue().valid
 
 
 def find(slug: str) -> Assignment:
-    """The assignment of that slug, or of that folder's name; InvalidAssignment for a broken one, NoAssignment for none."""
+    """Return the assignment of that slug or folder name. Raises InvalidAssignment if it is invalid,
+    NoAssignment if there is none.
+    """
     slug = slug.replace("_", "-")
     if (error := load_catalogue().invalid.get(slug)) and slug not in load_catalogue().valid:
         raise error
@@ -132,7 +142,9 @@ def find(slug: str) -> Assignment:
 
 @functools.cache
 def load_catalogue() -> Catalogue:
-    """Each package in this folder, and each that POLHODE_ASSIGNMENTS names: one that is broken costs no other."""
+    """Load each package in this folder and each that POLHODE_ASSIGNMENTS names. An invalid one does not
+    affect the others.
+    """
     valid, invalid = {}, {}
     for folder in folders():
         slug = slug_of(folder)
@@ -153,9 +165,9 @@ def _load(slug: str, folder: Path) -> Assignment:
     except (Exception, SystemExit) as error:
         raise InvalidAssignment(slug, [format_error(error, folder)]) from error
     if not errors and not isinstance(assignment, Assignment):
-        errors = [f"ASSIGNMENT is {type(assignment).__name__}, no Assignment"]
+        errors = [f"ASSIGNMENT is a {type(assignment).__name__}, not an Assignment"]
     elif not errors and assignment.slug != slug:
-        errors = [f"its slug is {assignment.slug}, but its folder's name makes it {slug}"]
+        errors = [f"its slug is {assignment.slug}, but its folder's name requires {slug}"]
     elif not errors:
         errors = validation.errors(assignment)
     if errors:

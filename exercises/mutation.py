@@ -1,4 +1,4 @@
-"""Wrong functions by the dozen: every small change of a right submission's source, one at a time."""
+"""Mutants: every small change of a right submission's source, one at a time."""
 
 import ast
 import copy
@@ -17,7 +17,7 @@ OPERATORS: dict[type[ast.operator], tuple[type[ast.operator], ...]] = {
 
 @dataclass(frozen=True)
 class Mutant:
-    """A changed submission: ``kind`` for the table, ``name`` to find it by."""
+    """A changed submission. ``kind`` groups mutants in a table; ``name`` identifies the mutant."""
 
     kind: str
     name: str
@@ -25,7 +25,9 @@ class Mutant:
 
 
 def mutants_of(source: str, function: str, name: str) -> Iterator[Mutant]:
-    """Each change of one node within the definition of ``function``, and of what stands before it at the top."""
+    """Yield each change of one node in the source's top-level statements other than imports, if ``function``
+    is still defined.
+    """
     tree = ast.parse(source)
     inside = [node for top in tree.body if not isinstance(top, ast.Import | ast.ImportFrom) for node in ast.walk(top)]
     for number, node in enumerate(inside):
@@ -43,7 +45,7 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, "Change"]]:
         for other in OPERATORS.get(type(node.op), ()):
             yield f"{type(node.op).__name__} → {other.__name__}", Change("op", other())
         if isinstance(node.op, ast.Sub | ast.Div):
-            yield f"{type(node.op).__name__} the other way round", Change("swap", None)
+            yield f"{type(node.op).__name__}, operands swapped", Change("swap", None)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         yield "minus dropped", Change("op", ast.UAdd())
     elif isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
@@ -57,13 +59,13 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, "Change"]]:
 
 @dataclass(frozen=True)
 class Change:
-    """Sets a field of a node, or exchanges two of its parts."""
+    """A change that sets a node's field or swaps two of its parts."""
 
     field: str
     value: object
 
     def __call__(self, node: ast.AST) -> None:
-        """Change that node."""
+        """Apply the change to ``node``."""
         if self.field == "swap":
             node.left, node.right = node.right, node.left  # type: ignore[attr-defined]
         elif self.field == "arguments":

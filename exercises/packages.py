@@ -1,26 +1,30 @@
-"""Packages that submissions can import: those every sandbox has, and those an assignment declares (``packages``)."""
+"""Packages that submissions can import: those in every sandbox, and those an assignment declares (``packages``)."""
 
 import platform
 from collections.abc import Collection, Iterable
 from importlib import metadata
 
 SANDBOX = ("numpy", "scipy", "matplotlib")
-"""Distributions that every sandbox has."""
+"""Distributions in every sandbox."""
 
 
 def missing(names: Iterable[str]) -> list[str]:
-    """Return those distributions that are not installed on this server."""
+    """Return the distributions that are not installed on this server."""
     return [name for name in names if not _installed(name)]
 
 
 def versions(names: Collection[str] = ()) -> dict[str, str]:
-    """Return the versions of Python, of what every sandbox has, and of the further distributions that are installed."""
+    """Return the versions of Python, of the distributions in every sandbox, and of those of ``names`` that
+    are installed.
+    """
     found = {name: metadata.version(name) for name in [*SANDBOX, *names] if _installed(name)}
     return {"python": platform.python_version()} | found
 
 
 def listing(names: Collection[str] = ()) -> str:
-    """Return the same as a phrase: "numpy 2.1.3, scipy 1.14.1, matplotlib 3.9.2 and the standard library of Python 3.11"."""
+    """Return the versions as a phrase: "numpy 2.1.3, scipy 1.14.1, matplotlib 3.9.2 and the standard library
+    of Python 3.11".
+    """
     found = versions(names)
     python = ".".join(found.pop("python").split(".")[:2])
     return f"{', '.join(f'{name} {version}' for name, version in found.items())} and the standard library of Python {python}"

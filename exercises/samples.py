@@ -1,4 +1,4 @@
-"""Samples: submissions whose report we know. They hold solutions and never leave the host."""
+"""Samples: submissions whose report is known. They contain solutions and never leave the host."""
 
 import json
 import tomllib
@@ -13,22 +13,24 @@ from exercises.assignment import Assignment, InvalidAssignment
 
 @dataclass(frozen=True)
 class Difference:
-    """A check whose verdict is not the expected one; None: it was not to be made, or was not made."""
+    """A check whose verdict is not the expected one. None: the check is not expected, or is not in the report."""
 
     check: str
     expected: Verdict | None
     got: Verdict | None
 
     def __str__(self) -> str:
-        return f"{self.check} is {self.got}, not {self.expected}" if self.expected else f"{self.check} was not to be made"
+        return f"{self.check} is {self.got}, not {self.expected}" if self.expected else f"{self.check} is not expected"
 
 
 @dataclass(frozen=True)
 class Sample:
-    """A file with its expected report: a verdict for every check of the exercises graded, and the diagnosis codes named. Where
-    anything is wrong, the checks in ``drawn``, of motions drawn for the attempt, have none.
+    """A file with its expected report: a verdict for every check of the graded exercises, and the diagnosis
+    codes.
 
-    ``ask`` are the exercises to ask for; None: those the file attempts. Those marked ``demo`` are what ``make demo`` sends.
+    If anything is wrong, the checks in ``drawn``, of random motions, have no expected verdict. ``ask`` are
+    the exercises to grade; None: those the file attempts. Samples marked ``demo`` are submitted by ``make
+    demo``.
     """
 
     file: Path
@@ -39,21 +41,21 @@ class Sample:
     drawn: frozenset[str]
 
     def unexpected(self, report: Mapping[str, Any]) -> list[str]:
-        """What a report, as JSON, says otherwise, a line each."""
-        told = codes(report)
-        wrong = [] if told == self.codes else [f"codes {sorted(told)}, not {sorted(self.codes)}"]
+        """Return the differences of a report, as JSON, from the expected one, one sentence each."""
+        found = codes(report)
+        wrong = [] if found == self.codes else [f"codes {sorted(found)}, not {sorted(self.codes)}"]
         return [*map(str, self.differences(report)), *wrong]
 
     def differences(self, report: Mapping[str, Any]) -> list[Difference]:
-        """The checks of a report, as JSON, that have another verdict, or that are not to be in it."""
-        told = {o["id"]: Verdict(o["verdict"]) for e in report["exercises"] for o in e["outcomes"]}
-        found = [Difference(id, v, told.get(id)) for id, v in self.verdicts.items() if told.get(id) != v]
-        return found + [Difference(id, None, told[id]) for id in told if id not in self.verdicts and id not in self.drawn]
+        """Return the checks of a report, as JSON, that have another verdict or are not expected."""
+        got = {o["id"]: Verdict(o["verdict"]) for e in report["exercises"] for o in e["outcomes"]}
+        found = [Difference(id, v, got.get(id)) for id, v in self.verdicts.items() if got.get(id) != v]
+        return found + [Difference(id, None, got[id]) for id in got if id not in self.verdicts and id not in self.drawn]
 
 
 @dataclass(frozen=True)
 class SampleSet:
-    """The ``samples`` of an assignment; files that have no expectation, and expectations that have no file."""
+    """The ``samples`` of an assignment, files without an expectation, and expectations without a file."""
 
     samples: list[Sample]
     unlisted: list[Path]
@@ -61,12 +63,14 @@ class SampleSet:
 
 
 def codes(report: Mapping[str, Any]) -> set[str]:
-    """The diagnosis codes of a report, as JSON."""
+    """Return the diagnosis codes of a report, as JSON."""
     return {d["code"] for e in report["exercises"] for o in e["outcomes"] for d in o["diagnosis"]}
 
 
 def load_samples(assignment: Assignment) -> SampleSet:
-    """What lies in the assignment's folder samples/; InvalidAssignment with every error of its expected.toml."""
+    """Return the content of the assignment's folder samples/. Raises InvalidAssignment with every error of
+    its expected.toml.
+    """
     folder = assignment.folder / "samples"
     entries, errors = read(assignment)
     if errors:
@@ -77,7 +81,9 @@ def load_samples(assignment: Assignment) -> SampleSet:
 
 
 def samples(assignment: Assignment) -> list[Sample]:
-    """The samples of an assignment, as its expected.toml lists them; ValueError if files and list disagree."""
+    """Return the samples of an assignment as expected.toml lists them. Raises ValueError if files and list
+    disagree.
+    """
     found = load_samples(assignment)
     if found.unlisted or found.missing:
         names = sorted([*(path.name for path in found.unlisted), *found.missing])
@@ -98,7 +104,7 @@ def _verdicts(assignment: Assignment, entry: Mapping[str, Any]) -> dict[str, Ver
 
 
 def _drawn(assignment: Assignment, entry: Mapping[str, Any]) -> set[str]:
-    """Checks of motions drawn for the attempt: what wrong equations make of one depends on the draw, right, wrong or a stall."""
+    """Return the checks of random motions: wrong equations may pass, fail or stall, depending on the motion."""
     checks = [c for number in entry["exercises"] for c in assignment.exercise(number).checks]
     scenes = {s.name for s in assignment.scenes if s.drive is not None and callable(s.inputs)}
     return {c.id for c in checks if scenes & set(c.scenes)}
@@ -113,17 +119,19 @@ HEAD = """\
 
 
 def read(assignment: Assignment) -> tuple[dict[str, Any], list[str]]:
-    """Its entries by file name, and everything that is wrong with them. No file: no entries."""
+    """Return the entries of expected.toml by file name, and all of their errors. Without the file there are
+    no entries.
+    """
     path = assignment.folder / "samples" / "expected.toml"
     try:
         entries = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    except ValueError as error:  # no UTF-8, or no TOML
+    except ValueError as error:  # not UTF-8, or not TOML
         return {}, [str(error)]
     return entries, [f"{name}: {error}" for name, entry in entries.items() for error in _errors(assignment, entry)]
 
 
 def entry(name: str, ask: list[str] | None, assignment: Assignment, report: Mapping[str, Any]) -> str:
-    """A report, as JSON, as the entry that expects just this."""
+    """Return the entry that expects exactly this report, given as JSON."""
     graded = [e["number"] for e in report["exercises"]]
     verdicts = {o["id"]: o["verdict"] for e in report["exercises"] for o in e["outcomes"]}
     checks = [c.id for number in graded for c in assignment.exercise(number).checks]
@@ -141,7 +149,7 @@ def entry(name: str, ask: list[str] | None, assignment: Assignment, report: Mapp
 
 
 def with_entries(assignment: Assignment, entries: Sequence[str]) -> str:
-    """The text of the file with these at its end; what stands in it stays as it is."""
+    """Return the text of the file with ``entries`` appended."""
     path = assignment.folder / "samples" / "expected.toml"
     before = path.read_text(encoding="utf-8") if path.exists() else HEAD
     return "\n".join([before.rstrip("\n"), "", *entries])
@@ -149,24 +157,24 @@ def with_entries(assignment: Assignment, entries: Sequence[str]) -> str:
 
 def _errors(assignment: Assignment, entry: Any) -> Iterator[str]:
     if not isinstance(entry, dict):
-        yield "is no table"
+        yield "is not a table"
         return
-    yield from (f"no key is called {key}" for key in entry if key not in (*LISTS, "demo"))
+    yield from (f"unknown key {key}" for key in entry if key not in (*LISTS, "demo"))
     lists = {key: entry[key] for key in LISTS if key in entry}
     wrong = [key for key, value in lists.items() if not (isinstance(value, list) and all(isinstance(x, str) for x in value))]
-    yield from (f"{key} is no list of strings" for key in wrong)
+    yield from (f"{key} is not a list of strings" for key in wrong)
     if wrong:
         return
     if not entry.get("exercises"):
-        yield "exercises, the numbers of those graded, is missing"
+        yield "exercises (the numbers of the graded exercises) is missing"
     numbers = {e.number: e for e in assignment.exercises}
     yield from (f"there is no exercise {n}" for n in sorted({*entry.get("exercises", ()), *entry.get("ask", ())} - set(numbers)))
     made = {c.id for n in entry.get("exercises", ()) if n in numbers for c in numbers[n].checks}
-    told = [id for key in ("fail", "unmeasured", "left_out") for id in entry.get(key, ())]
-    yield from (f"its exercises have no check {id}" for id in sorted(set(told) - made))
-    yield from (f"the check {id} is listed more than once" for id in sorted({id for id in told if told.count(id) > 1}))
+    listed = [id for key in ("fail", "unmeasured", "left_out") for id in entry.get(key, ())]
+    yield from (f"its exercises have no check {id}" for id in sorted(set(listed) - made))
+    yield from (f"the check {id} is listed more than once" for id in sorted({id for id in listed if listed.count(id) > 1}))
 
 
 def _toml(value: Any) -> str:
-    """Strings, and lists of them, of TOML are those of JSON, but for DEL."""
+    """Return a string, or a list of strings, as TOML: as JSON, except for DEL."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

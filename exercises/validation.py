@@ -1,4 +1,4 @@
-"""Whether an assignment is declared well: everything that is wrong with it at once, as sentences for its author."""
+"""Validation of an assignment's declaration: all errors together, as sentences for the author."""
 
 import ast
 import importlib
@@ -14,7 +14,7 @@ NEEDED = ("setup.py", "plays.py")
 
 
 def errors(assignment: Assignment) -> list[str]:
-    """What is wrong with the declaration; empty if nothing is."""
+    """Return the errors of the declaration, empty if there are none."""
     found = [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
     if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
@@ -22,7 +22,7 @@ def errors(assignment: Assignment) -> list[str]:
 
 
 def syntax_errors(folder: Path) -> list[str]:
-    """Of every Python file of an assignment's folder but its samples, which may be wrong in any way."""
+    """Return the syntax errors of every Python file in an assignment's folder except its samples."""
     found = []
     for path in sorted(folder.rglob("*.py")):
         if "samples" not in path.relative_to(folder).parts:
@@ -52,7 +52,7 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
         yield from (e for c in exercise.checks for e in c.errors())
         for motion in exercise.motions:
             if motion.scene in scenes and "R" not in scenes[motion.scene].returns:
-                yield f"motion {motion.name}: scene {motion.scene} brings no R"
+                yield f"motion {motion.name}: scene {motion.scene} does not return R"
 
 
 def _of_scenes(assignment: Assignment) -> Iterator[str]:
@@ -61,16 +61,16 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
         if scene.after is not None and scene.after not in names[:at]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
         if scene.drive is not None and scene.drive.proof not in names[:at]:
-            yield f"scene {scene.name} is proved by {scene.drive.proof}, which is not declared before it"
+            yield f"scene {scene.name} is verified by {scene.drive.proof}, which is not declared before it"
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
-            yield f"scene {scene.name}: its budget is {scene.budget_s} s"
+            yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:
         if plays is not None and scene.play not in plays:
             yield f"scene {scene.name}: plays.py has no function {scene.play}"
 
 
 def _plays(path: Path) -> set[str] | None:
-    """Names of the functions of plays.py; None where it cannot be read."""
+    """Return the names of the functions of plays.py, or None if it cannot be read."""
     try:
         return {node.name for node in ast.parse(path.read_bytes()).body if isinstance(node, ast.FunctionDef)}
     except (OSError, SyntaxError, ValueError):
@@ -83,7 +83,9 @@ def _twice(names: Iterable[str]) -> list[str]:
 
 
 def public_errors(assignment: Assignment) -> list[str]:
-    """Empty where nothing is wrong, or where there is no folder public/: then ``ecp.check`` does not know the assignment."""
+    """Return the errors of the folder public/; empty if there is none. Without the folder ``ecp.check`` does
+    not know the assignment.
+    """
     if not (assignment.folder / "public").is_dir():
         return []
     try:
@@ -102,16 +104,16 @@ def _public_errors(assignment: Assignment, exercises: Sequence[Exercise]) -> Ite
         if exercise.number not in served:
             yield f"the server has no exercise {exercise.number}"
             continue
-        yield from (f"the server does not make the check {c.id}" for c in exercise.checks if c.id not in served[exercise.number])
+        yield from (f"the server does not have the check {c.id}" for c in exercise.checks if c.id not in served[exercise.number])
         yield from (
             f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - {s.name for s in assignment.scenes})
         )
         known = sorted(exercise.scenes() & drawn)
-        yield from (f"exercise {exercise.number} reads the scene {s}, which is drawn for each attempt" for s in known)
+        yield from (f"exercise {exercise.number} reads the scene {s}, whose inputs are random" for s in known)
 
 
 def format_error(error: BaseException, folder: Path) -> str:
-    """An error while the folder was imported, with the line of the folder's own that raised it."""
-    said = f"{type(error).__name__}: {error}"
+    """Return an error raised while importing the folder, with the line of the folder's code that raised it."""
+    message = f"{type(error).__name__}: {error}"
     own = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).is_relative_to(folder)]
-    return f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {said}" if own else said
+    return f"{Path(own[-1].filename).relative_to(folder)} line {own[-1].lineno}: {message}" if own else message

@@ -1,4 +1,6 @@
-"""The students' kit as a wheel: ``ecp``, and of every assignment its public side with the exact arrays of its public scenes."""
+"""The students' kit as a wheel: ``ecp``, and for each assignment its public side with the exact arrays of its
+public scenes.
+"""
 
 import functools
 import hashlib
@@ -19,7 +21,7 @@ from exercises.catalogue import assignments
 
 log = logging.getLogger(__name__)
 NAME = f"polhode_kit-{ecp.KIT}-py3-none-any.whl"
-"""The file name, which does not change while ``ecp.KIT`` does not: a notebook may hold its address for years."""
+"""The file name. It depends only on ``ecp.KIT``: a notebook may contain its address for years."""
 METADATA = f"""Metadata-Version: 2.1
 Name: polhode-kit
 Version: {ecp.KIT}
@@ -30,14 +32,14 @@ Requires-Dist: numpy
 Requires-Dist: scipy
 Requires-Dist: matplotlib
 """
-FORM = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+WHEEL = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 INFO = f"polhode_kit-{ecp.KIT}.dist-info"
 NOTEBOOK = "notebook.ipynb"
 
 
 @functools.cache
 def build() -> str:
-    """A hash of all that the kit is made of."""
+    """Return a hash of the kit's content."""
     digest = hashlib.sha256()
     for name, content in sorted(_content().items()):
         digest.update(f"{name}\0{len(content)}\0".encode() + content)
@@ -46,20 +48,24 @@ def build() -> str:
 
 @functools.lru_cache(maxsize=4)
 def wheel(server: str | None = None) -> bytes:
-    """The wheel, byte for byte the same for the same content; with the address of the ``server`` it comes from."""
+    """Return the wheel, byte for byte the same for the same content, with the address of the ``server`` that
+    distributes it.
+    """
     made = {"build": build()} | ({"server": server} if server else {})
     files = _content() | {"ecp/assignments/made.json": json.dumps(made).encode()}
-    files |= {f"{INFO}/METADATA": METADATA.encode(), f"{INFO}/WHEEL": FORM.encode()}
+    files |= {f"{INFO}/METADATA": METADATA.encode(), f"{INFO}/WHEEL": WHEEL.encode()}
     return zipfiles.wheel(INFO, files)
 
 
 def has_notebook(assignment: Assignment) -> bool:
-    """Whether there is a notebook for its students."""
+    """Return whether the assignment has a notebook for students."""
     return (assignment.folder / NOTEBOOK).is_file()
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
-    """The assignment's notebook for students, with the addresses of ``server`` and ``kit``, and what is importable there."""
+    """Return the notebook for students with the addresses of ``server`` and ``kit`` and the list of
+    importable packages.
+    """
     text = (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
     listing = packages.listing(assignment.packages)
     for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit, "{{PACKAGES}}": listing}.items():
@@ -76,8 +82,8 @@ def _content() -> dict[str, bytes]:
             home = f"ecp/assignments/{assignment.folder.name}"
             try:
                 found |= {f"{home}/{name}": content for name, content in list(_public_side(assignment))}
-            except Exception:  # its own scenes or truth: the others' kit is to be had
-                log.exception("the kit is made without the assignment %s", assignment.slug)
+            except Exception:  # its scenes or truth failed; the kit still serves the other assignments
+                log.exception("the kit is built without the assignment %s", assignment.slug)
     return found | {"ecp/assignments/__init__.py": b""}
 
 
@@ -89,23 +95,25 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
     sent = [*precursors.values(), *scenes]
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
-    declared = {"version": assignment.version, "hidden": hidden, "scenes": [_told(s) for s in sent]}
+    declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
     yield "public.json", json.dumps(declared, default=_listed, allow_nan=False).encode()
     yield "truth.npz", _packed({f"{s.name}/{key}": array for s in sent for key, array in _truth(s).items()})
 
 
-def _told(scene: Scene) -> dict[str, Any]:
-    told = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
-    return told | {"known": list(scene.known)}
+def _declared(scene: Scene) -> dict[str, Any]:
+    declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
+    return declared | {"known": list(scene.known)}
 
 
 def _drawn_once(scene: Scene) -> Scene:
-    """A scene that others come after, with inputs that are the same for everybody: from what it brings only causes are found."""
+    """Return a scene that others come after, with one fixed draw of its inputs: its answers only serve the
+    diagnosis.
+    """
     return replace(scene, inputs=scene.inputs(np.random.default_rng(0)), known=()) if callable(scene.inputs) else scene
 
 
 def _public_scenes(assignment: Assignment) -> list[Scene]:
-    """Scenes with fixed inputs that an exercise needs."""
+    """Return the scenes with fixed inputs that an exercise needs."""
     used = {name for e in assignment.exercises for name in e.scenes()}
     return [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]
 
@@ -116,7 +124,7 @@ def _truth(scene: Scene) -> Mapping[str, Any]:
 
 
 def _packed(arrays: Mapping[str, Any]) -> bytes:
-    """Arrays as an .npz whose bytes do not depend on when it is made."""
+    """Return arrays as an .npz whose bytes do not depend on the time."""
     files = {}
     for name, array in arrays.items():
         member = io.BytesIO()

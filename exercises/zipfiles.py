@@ -1,4 +1,4 @@
-"""Zips and wheels whose bytes depend on nothing but what is in them."""
+"""Zip files and wheels whose bytes depend only on their content."""
 
 import base64
 import hashlib
@@ -10,7 +10,7 @@ EPOCH = (2000, 1, 1, 0, 0, 0)
 
 
 def zipped(files: Mapping[str, bytes], runnable: Collection[str] = ()) -> bytes:
-    """A zip of them in their order, readable by all; those that are ``runnable`` are programs."""
+    """Return a zip of ``files`` in their order, readable by all; those in ``runnable`` are executable."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for name, content in files.items():
@@ -21,7 +21,7 @@ def zipped(files: Mapping[str, bytes], runnable: Collection[str] = ()) -> bytes:
 
 
 def wheel(info: str, files: Mapping[str, bytes]) -> bytes:
-    """A wheel of them; ``info`` is the name of its .dist-info folder, whose RECORD is made here."""
+    """Return a wheel of ``files``; ``info`` is the name of its .dist-info folder, whose RECORD is added."""
     return zipped({**files, f"{info}/RECORD": _record(info, files)})
 
 

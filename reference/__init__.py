@@ -1,6 +1,6 @@
-"""The physics of a torque-free rigid body, true even if nobody is graded.
+"""The physics of a torque-free rigid body, independent of grading.
 
-Conventions, stated once and meant everywhere in this package:
+Conventions of this package:
 
 * ``I`` (3,): principal moments I₁, I₂, I₃ in kg m², in the order of the body axes ê₁, ê₂, ê₃.
 * ``w`` (3,) or (3, n): angular velocity ω in rad/s, components along the *body* axes; time runs along the last axis.

@@ -1,4 +1,4 @@
-"""How far a run of a method is from the exact motion, over its whole time grid: what the charts and the atlas plot."""
+"""Deviations of a method's run from the exact motion over the whole time grid, for the charts and the atlas."""
 
 import math
 from typing import NamedTuple
@@ -11,7 +11,11 @@ from reference.observables import kinetic_energy, momentum_norm, orthonormality_
 
 
 class Errors(NamedTuple):
-    """Largest deviations; infinite after a blow-up. ``w`` is relative to |ω₀|, ``energy`` and ``momentum`` (|L|) to their start."""
+    """Largest deviations over a run; infinite if it diverges.
+
+    ``w`` is relative to |ω₀|, ``energy`` and ``momentum`` (|L|) are relative to their start; ``R`` and
+    ``orthonormality`` are elements of matrices.
+    """
 
     w: float
     R: float
@@ -21,12 +25,12 @@ class Errors(NamedTuple):
 
 
 def exact_run(scene: Scene) -> Sampled:
-    """The exact motion on the scene's grid, with R."""
+    """Return the exact motion on the scene's grid, with R."""
     return Exact(scene.w0, scene.I).sample(scene.t, orientation=True)
 
 
 def errors(scene: Scene, run: Run, exact: Sampled) -> Errors:
-    """Deviations of ``run`` from ``exact``."""
+    """Return the deviations of ``run`` from ``exact``, which must have R."""
     assert exact.R is not None
     with np.errstate(all="ignore"):
         return Errors(

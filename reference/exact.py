@@ -1,7 +1,9 @@
-"""The closed-form motion of a torque-free body: ω(t), L(t), R(t) to the last bits at any time, for every body and every regime.
+"""The closed-form motion of a torque-free body: ω(t), L(t), R(t) to rounding at any time, for every body and
+every regime.
 
-Five models serve, each the least that meets a motion: **steady** (ω constant), **symmetric** (two equal moments: circles),
-**separatrix** (one passage, hyperbolic functions), **direct** and **dual** (theta series for k² ≤ ½ and above).
+There are five models; each motion uses the simplest that is exact: **steady** (ω constant), **symmetric**
+(two equal moments: circles), **separatrix** (one passage, hyperbolic functions), **direct** and **dual**
+(theta series for k² ≤ ½ and above).
 """
 
 import math
@@ -16,7 +18,7 @@ from reference.polhode import Polhode, Steady, polhode
 from reference.precise import NOTHING, turns
 
 Array = NDArray[np.float64]
-CHUNK = 1024  # samples worked on at a time: larger temporaries would be fresh pages from the system at every call
+CHUNK = 1024  # samples per block: larger temporaries would be newly allocated pages at every call
 
 BEGINNING = np.zeros(1)
 
@@ -53,17 +55,18 @@ WHY = {
 
 
 class Sampled(NamedTuple):
-    """``w`` (3, n) in rad/s, body axes; ``R`` (n, 3, 3) body → space, or None where nobody asked for it."""
+    """``w`` (3, n) in rad/s, body axes; ``R`` (n, 3, 3) body → space, or None if it was not requested."""
 
     w: Array
     R: Array | None
 
 
 class Exact:
-    """The motion from ω(0) = ``w0`` (3,) rad/s and R(0) = ``R0`` (3, 3) (default 1) of a body with moments ``I`` (3,) kg m².
+    """The motion from ω(0) = ``w0`` (3,) rad/s and R(0) = ``R0`` (3, 3) (default 1) of a body with moments
+    ``I`` (3,) kg m².
 
-    Errors against fifty-digit truth stay within 2e-15 |ω| and 3e-15 in R for any time up to 10⁸ periods. Raises ValueError for
-    moments no body has and for what is not finite.
+    Errors against 50-digit solutions stay within 2e-15 |ω| and 3e-15 in R for any time up to 10⁸ periods.
+    Raises ValueError for moments that no body has and for values that are not finite.
     """
 
     def __init__(self, w0: ArrayLike, I: ArrayLike, R0: ArrayLike | None = None) -> None:
@@ -78,30 +81,30 @@ class Exact:
 
     @property
     def why(self) -> str:
-        """Why this model serves."""
+        """Return why this model applies."""
         return WHY[self.model]
 
     @property
     def period(self) -> float:
-        """Time in s after which ω returns; 0 if it never leaves, infinite on the separatrix."""
+        """Return the time in s after which ω returns; 0 if ω is constant, infinite on the separatrix."""
         return 0.0 if isinstance(self.polhode, Steady) else self.polhode.period
 
     def omega(self, t: ArrayLike) -> Array:
-        """ω (3, n) at times ``t`` (n,), of either sign."""
+        """Return ω (3, n) in rad/s, body axes, at times ``t`` (n,) in s of either sign."""
         return self.sample(t, orientation=False).w
 
     def momentum(self, t: ArrayLike) -> Array:
-        """L (3, n) in body axes, kg m²/s."""
+        """Return L (3, n) in kg m²/s, body axes, at times ``t`` (n,)."""
         return self._moments[:, None] * self.omega(t)
 
     def attitude(self, t: ArrayLike) -> Array:
-        """R (n, 3, 3), body → space."""
+        """Return R (n, 3, 3), body → space, at times ``t`` (n,)."""
         sampled = self.sample(t, orientation=True).R
         assert sampled is not None
         return sampled
 
     def sample(self, t: ArrayLike, *, orientation: bool) -> Sampled:
-        """ω, and R where ``orientation`` is asked for, in one pass."""
+        """Return ω, and R if ``orientation`` is set, at times ``t`` (n,) in one pass."""
         times = np.ascontiguousarray(t, dtype=float)
         w = np.empty((3, times.size))
         R = np.empty((times.size, 3, 3)) if orientation else None
@@ -144,7 +147,10 @@ def _model(p: Polhode | Steady) -> str:
 
 
 def _quaternion(momentum: float, along: theta.Along, half: Array) -> Array:
-    """Turn about L by ψ after the shortest turn that brings L onto axis c: never singular, because m_c > 0; of any length."""
+    """Return the turn about L by ψ after the shortest turn that brings L onto axis c, of any length.
+
+    It is never singular, because m_c > 0.
+    """
     c, s = np.cos(half), np.sin(half)
     c, s = c * along.re - s * along.im, s * along.re + c * along.im
     tall = momentum + along.c
@@ -157,7 +163,7 @@ def _quaternion(momentum: float, along: theta.Along, half: Array) -> Array:
 
 
 def _relative(start: Array, p: Polhode) -> Array:
-    """The matrix (4, 4) of q → start⁻¹ q, and from the triad a, b, c back to the body's axes."""
+    """Return the matrix (4, 4) of q → start⁻¹ q, and from the triad a, b, c back to the body's axes."""
     s, a, b, c = start.tolist()
     turn = ((-a, s, c, -b), (-b, -c, s, a), (-c, b, -a, s))
     back = [(s, a, b, c)] * 4
@@ -167,7 +173,7 @@ def _relative(start: Array, p: Polhode) -> Array:
 
 
 def _matrices(quaternion: Array, R: Array) -> None:
-    """Rotation matrices of quaternions (4, n) of any length but zero, into ``R`` (n, 3, 3)."""
+    """Fill ``R`` (n, 3, 3) with the rotation matrices of quaternions (4, n) of any length but zero."""
     entries = ENTRIES @ (quaternion[LEFT] * quaternion[RIGHT])
     np.divide(entries[:9], entries[9], out=entries[:9])
     R[:] = entries[:9].T.reshape(-1, 3, 3)

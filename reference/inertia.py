@@ -1,4 +1,4 @@
-"""Moments of inertia: the uniform box, principal moments of a tensor, and which triples a real body can have."""
+"""Moments of inertia: the uniform box, the principal moments of a tensor, and the conditions a real body meets."""
 
 import math
 
@@ -12,7 +12,8 @@ _TRIANGLE_SLACK = 1e-12
 
 
 def box_moments(m: float, a: float, b: float, c: float) -> Array:
-    """Principal moments (3,) of a uniform box of mass ``m`` (kg) with full edges ``a, b, c`` (m) along ê₁, ê₂, ê₃.
+    """Return the principal moments (3,) in kg m² of a uniform box of mass ``m`` (kg) with full edges ``a, b,
+    c`` (m) along ê₁, ê₂, ê₃.
 
     I₁ = m (b² + c²) / 12 and cyclically (Landau & Lifshitz, Mechanics, §32).
     """
@@ -20,20 +21,23 @@ def box_moments(m: float, a: float, b: float, c: float) -> Array:
 
 
 def box_tensor(m: float, a: float, b: float, c: float, R: ArrayLike) -> Array:
-    """Inertia tensor (3, 3) of that box in space axes when its attitude is ``R`` (3, 3): R diag(I) Rᵀ."""
+    """Return the inertia tensor R diag(I) Rᵀ (3, 3) in kg m², space axes, of that box in attitude ``R`` (3,
+    3) body → space.
+    """
     attitude = np.asarray(R, dtype=float)
     return attitude @ np.diag(box_moments(m, a, b, c)) @ attitude.T
 
 
 def principal_moments(tensor: ArrayLike) -> Array:
-    """Principal moments (..., 3) of symmetric tensors (..., 3, 3), ascending."""
+    """Return the principal moments (..., 3), ascending, of symmetric tensors (..., 3, 3) in the tensors' unit."""
     return np.linalg.eigvalsh(np.asarray(tensor, dtype=float))
 
 
 def check_moments(I: ArrayLike) -> Array:
-    """``I`` as a float array (3,), or ValueError saying why no rigid body has these moments.
+    """Return ``I`` as a float array (3,) if a rigid body can have these moments.
 
-    Each moment is positive and none exceeds the sum of the other two (equality: a flat plate).
+    Each moment must be positive and none may exceed the sum of the other two (equality: a flat plate). Raises
+    ValueError otherwise.
     """
     moments = np.asarray(I, dtype=float)
     if moments.shape != (3,):

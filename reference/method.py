@@ -1,4 +1,4 @@
-"""What a method is to a chart: a name, an order, settings from coarse to fine, and a way to run a scene."""
+"""A method as a chart needs it: a name, an order, settings from coarse to fine, and a function that runs a scene."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +11,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scene:
-    """A motion to compute: moments ``I`` (3,), ω(0) = ``w0`` (3,), R(0) = 1, at ``intervals`` + 1 even times up to ``t_end``."""
+    """A motion to compute: moments ``I`` (3,) kg m², ω(0) = ``w0`` (3,) rad/s, R(0) = 1, at ``intervals`` + 1
+    even times up to ``t_end`` s.
+    """
 
     name: str
     w0: tuple[float, float, float]
@@ -21,14 +23,17 @@ class Scene:
 
     @property
     def t(self) -> Array:
-        """The times (n,)."""
+        """Return the times (n,) in s."""
         return np.linspace(0.0, self.t_end, self.intervals + 1)
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a method made of a scene: ``w`` (3, n), ``R`` (n, 3, 3), and how often it evaluated the right-hand side, or for
-    geometric methods the rotations and iterations that stand in its place."""
+    """A method's result for a scene: ``w`` (3, n), ``R`` (n, 3, 3) and ``calls``.
+
+    ``calls`` counts evaluations of the right-hand side; for geometric methods, the rotations and iterations
+    in its place.
+    """
 
     w: Array
     R: Array
@@ -37,9 +42,10 @@ class Run:
 
 @dataclass(frozen=True)
 class Method:
-    """``run(scene, setting)`` with one of ``settings``: steps per interval for a fixed step, rtol for an adaptive one.
+    """A numerical method: ``run(scene, setting)`` with one of ``settings``.
 
-    ``order`` is that of a fixed-step method, None for others. ``line`` names the family.
+    A setting is the number of steps per interval for a fixed step, rtol for an adaptive one. ``order`` is
+    that of a fixed-step method, None for others. ``line`` names the family.
     """
 
     name: str
@@ -53,7 +59,11 @@ STEPS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
 
 
 def fixed(name: str, line: str, order: int, kernel: Callable[[Array, Array, float, int, int, Array, Array], int]) -> Method:
-    """A fixed-step method from a compiled ``kernel(w0, I, h, intervals, steps, w, R)`` that fills w (n, 3) and R (n, 3, 3)."""
+    """Return a fixed-step method from a compiled ``kernel(w0, I, h, intervals, steps, w, R)`` that fills w
+    (n, 3) and R (n, 3, 3).
+
+    The kernel returns the number of calls.
+    """
 
     def run(scene: Scene, setting: float) -> Run:
         steps = int(setting)

@@ -1,4 +1,4 @@
-"""The motion of a torque-free body, served by the least model that meets the need."""
+"""The motion of a torque-free body from the simplest exact model."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -16,7 +16,8 @@ Need = Literal["omega", "orientation"]
 class Motion:
     """A sampled motion: ``t`` (n,) s, ``w`` (3, n) rad/s in body axes, ``R`` (n, 3, 3) body → space or None.
 
-    ``model`` names the closed form that served ("steady", "symmetric", "separatrix", "direct" or "dual"), ``why`` says why it did.
+    ``model`` names the closed form ("steady", "symmetric", "separatrix", "direct" or "dual"), ``why`` the
+    reason for it.
     """
 
     t: Array
@@ -27,10 +28,12 @@ class Motion:
 
 
 def motion(w0: ArrayLike, I: ArrayLike, t: ArrayLike, need: Need = "omega", R0: ArrayLike | None = None) -> Motion:
-    """Motion from ω(0) = ``w0`` (3,) and R(0) = ``R0`` (default 1) of a body with moments ``I`` (3,), at times ``t`` (n,).
+    """Return the exact motion from ω(0) = ``w0`` (3,) rad/s and R(0) = ``R0`` (3, 3) (default 1) of a body
+    with moments ``I`` (3,) kg m².
 
-    ``need="omega"`` never touches the orientation. Times may have either sign and any order. Raises ValueError for input no body
-    can have: moments that are not positive or break the triangle inequality beyond rounding, what is not finite, wrong shapes.
+    ``t`` (n,) are times in s of either sign, in any order. ``need="omega"`` leaves out the orientation.
+    Raises ValueError for moments that are not positive or break the triangle inequality beyond rounding,
+    values that are not finite, and wrong shapes.
     """
     if need not in ("omega", "orientation"):
         raise ValueError(f'need is "omega" or "orientation", not {need!r}')

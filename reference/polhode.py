@@ -1,8 +1,8 @@
-"""A body's polhode worked out to fifty digits: which axis it encircles, its size, modulus, period and starting point.
+"""A body's polhode to fifty digits: the axis it encircles, its size, modulus, period and starting point.
 
-Formulas: momentum components are m_a = A_a cn u, m_b = A_b sn u, m_c = A_c dn u about the encircled axis c (Landau & Lifshitz,
-Mechanics, §37; van Zon & Schofield, J. Comput. Phys. 225, 2007). All differences are formed from the exact doubles given, so
-that nothing cancels near the separatrix, near symmetry or near a steady spin.
+Momentum components are m_a = A_a cn u, m_b = A_b sn u, m_c = A_c dn u about the encircled axis c (Landau &
+Lifshitz, Mechanics, §37; van Zon & Schofield, J. Comput. Phys. 225, 2007). All differences are formed from
+the given doubles exactly, so that nothing cancels near the separatrix, near symmetry or near a steady spin.
 """
 
 import math
@@ -16,7 +16,9 @@ from reference.precise import Pair, Real, complete_k, integrals, pair, precision
 
 @dataclass(frozen=True)
 class Steady:
-    """ω does not change: a sphere, or a spin about a principal axis: the unit vector ``axis`` and its turns per second."""
+    """ω is constant (a sphere, or a spin about a principal axis): the unit vector ``axis`` and the ``rate``
+    in turns per second.
+    """
 
     axis: tuple[float, float, float]
     rate: Pair
@@ -24,12 +26,13 @@ class Steady:
 
 @dataclass(frozen=True)
 class Polhode:
-    """A polhode about body axis ``axes[2]``, seen in the right-handed triad ``signs``·``axes`` = (a, b, c) with m_c > 0.
+    """A polhode about body axis ``axes[2]``, seen in the right-handed triad ``signs``·``axes`` = (a, b, c)
+    with m_c > 0.
 
-    ``moments`` and ``sizes`` (A_a, A_b, A_c) belong to a, b, c; ``momentum`` is |L|. ``k2`` + ``kc2`` = 1. ``phase`` is u/2K in
-    turns per second, ``start`` its value at t = 0; ``swing`` is the mean rate of the angle about L, in turns per second.
-    ``nome_ratio`` is πK'/K and ``offset`` πy₀/K (direct) or their duals πK/K' and πy₀/2K'. On the separatrix ``phase`` is du/dt
-    and ``start`` is u₀.
+    ``moments`` (kg m²) and ``sizes`` (A_a, A_b, A_c in kg m²/s) belong to a, b, c; ``momentum`` is |L|.
+    ``k2`` + ``kc2`` = 1. ``phase`` is u/2K in turns per second, ``start`` its value at t = 0; ``swing`` is
+    the mean rate of the angle about L, in turns per second. ``nome_ratio`` is πK'/K and ``offset`` πy₀/K
+    (direct) or their duals πK/K' and πy₀/2K'. On the separatrix ``phase`` is du/dt and ``start`` is u₀.
     """
 
     axes: tuple[int, int, int]
@@ -49,7 +52,9 @@ class Polhode:
 
 
 def polhode(w0: tuple[float, float, float], moments: tuple[float, float, float]) -> Steady | Polhode:
-    """Work out the motion from ω(0) = ``w0`` of a body with ``moments``; both are taken as the exact doubles they are."""
+    """Return the polhode of the motion from ω(0) = ``w0`` (rad/s) of a body with ``moments`` (kg m²), both
+    taken as exact doubles.
+    """
     o1, o2, o3 = order = sorted(range(3), key=lambda i: moments[i])
     i1, i2, i3 = moments[o1], moments[o2], moments[o3]
     w1, w2, w3 = w0[o1], w0[o2], w0[o3]
@@ -117,7 +122,7 @@ def _polhode(order: list[int], moments: list[Real], w: list[Real]) -> Polhode:
 
 
 def _nome(k2: float, kc2: float, quarter: float, offset: tuple[float, float]) -> tuple[float, float]:
-    """πK'/K and πy₀/K for k² ≤ ½, πK/K' and πy₀/2K' above."""
+    """Return πK'/K and πy₀/K for k² ≤ ½, πK/K' and πy₀/2K' above."""
     if k2 == 0:
         return math.inf, 0.0
     sn2, cn2 = offset[0] / (offset[0] + offset[1]), offset[1] / (offset[0] + offset[1])

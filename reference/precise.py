@@ -1,8 +1,8 @@
-"""Elliptic integrals to fifty digits, and phases that stay exact however long the time.
+"""Elliptic integrals to fifty digits, and phases whose error does not grow with time.
 
-A body's few constants are worked out once with MPFR's 170-bit numbers (through gmpy2) and kept as pairs of doubles; per sample
-there is one exact product, so that the error of a phase does not grow with the number of turns. The functions expect to be
-called inside ``with precision():``.
+A body's few constants are computed once with MPFR's 170-bit numbers (through gmpy2) and stored as pairs of
+doubles. Each sample takes one exact product, so the error of a phase does not grow with the number of turns.
+Call the functions inside ``with precision():``.
 """
 
 import math
@@ -23,14 +23,14 @@ _SPLIT = 134217729.0  # 2²⁷ + 1 cuts a double into two halves whose product i
 
 
 class Pair(NamedTuple):
-    """An unevaluated sum of two doubles, good to 32 digits."""
+    """An unevaluated sum of two doubles, exact to 32 digits."""
 
     high: float
     low: float
 
 
 def precision() -> Any:
-    """The context in which everything here is worked out."""
+    """Return the gmpy2 context with BITS bits that this module's functions need."""
     return gmpy2.context(precision=BITS)
 
 
@@ -38,7 +38,7 @@ NOTHING = Pair(0.0, 0.0)
 
 
 def pair(x: Real) -> Pair:
-    """The nearest double and what is left of ``x``."""
+    """Return the nearest double to ``x`` and the rest."""
     high = float(x)
     return Pair(high, float(x - high))
 
@@ -52,9 +52,10 @@ class Integrals(NamedTuple):
 
 
 def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
-    """K, Π and F of one body in one arithmetic-geometric mean, for k' = ``kc`` > 0, √(1 − n) = ``root_n`` ≥ 1 and cos²φ, sin²φ.
+    """Return K, Π and F of one body from one arithmetic-geometric mean, for k' = ``kc`` > 0, √(1 − n) =
+    ``root_n`` ≥ 1, cos²φ and sin²φ.
 
-    Bulirsch's cel and el1 (Numer. Math. 7, 1965 and 13, 1969), which run on the same two sequences.
+    Source: Bulirsch's cel and el1 (Numer. Math. 7, 1965 and 13, 1969), which use the same two sequences.
     """
     p, a, b, mean, e, gap = root_n, gmpy2.mpfr(1), 1 / root_n, gmpy2.mpfr(1), kc, kc
     cot = gmpy2.sqrt(cos2 / sin2) if sin2 else gmpy2.inf()
@@ -76,7 +77,7 @@ def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
 
 
 def complete_k(kc: float) -> float:
-    """K for the complementary modulus kc > 0, to a double's rounding."""
+    """Return K for the complementary modulus kc > 0, to a double's rounding."""
     a, b = max(kc, 1.0), min(kc, 1.0)
     while a - b > 1e-8 * a:
         a, b = (a + b) / 2, math.sqrt(a * b)
@@ -84,7 +85,9 @@ def complete_k(kc: float) -> float:
 
 
 def turns(rates: Sequence[Pair], starts: Sequence[Pair], t: Array) -> tuple[Array, Array]:
-    """``rate·t + start`` (k, n) as the nearest whole number and the rest, in [−½, ½]; the product is exact before it is reduced."""
+    """Return ``rate·t + start`` (k, n) as the nearest whole number and the rest in [−½, ½]. The product is
+    exact before it is reduced.
+    """
     rate, low, top, start, start_low = np.array(
         [(rate.high, rate.low, _top(rate.high), *start) for rate, start in zip(rates, starts, strict=True)]
     ).T[:, :, None]

@@ -1,4 +1,6 @@
-"""Stability: which steady spins hold, how fast the intermediate one lets go, and how much a motion magnifies small errors."""
+"""Stability: which steady spins are stable, how fast the intermediate one grows, and how much a motion
+magnifies small errors.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +14,11 @@ STEP = 0.1  # of a step of the variational equation times its rate
 
 
 def steady_spin_growth_rate(I: ArrayLike, axis: int, spin: float) -> float:
-    """σ in 1/s: a small transverse ω grows as exp(σt) about ``axis`` (0, 1, 2); 0 where it only oscillates.
+    """Return σ in 1/s: a small transverse ω grows as exp(σt) about ``axis`` (0, 1, 2); 0 if it only
+    oscillates.
 
-    Linearised Euler equations: σ² = (I_k − I_i)(I_j − I_k) Ω² / (I_i I_j), positive only for the intermediate axis
-    (Landau & Lifshitz, Mechanics, §37). ``I`` (3,), ``spin`` Ω in rad/s.
+    Linearized Euler equations: σ² = (I_k − I_i)(I_j − I_k) Ω² / (I_i I_j), positive only for the intermediate
+    axis (Landau & Lifshitz, Mechanics, §37). ``I`` (3,) in kg m², ``spin`` Ω in rad/s.
     """
     moments = np.asarray(I, dtype=float)
     k, i, j = moments[axis], moments[axis - 2], moments[axis - 1]
@@ -23,7 +26,11 @@ def steady_spin_growth_rate(I: ArrayLike, axis: int, spin: float) -> float:
 
 
 def free_precession_rate(I: ArrayLike, w3: float) -> float:
-    """Ω = (I₃ − I₁) ω₃ / I₁ in rad/s for a symmetric top, I₁ = I₂ (Landau & Lifshitz, Mechanics, §36)."""
+    """Return Ω = (I₃ − I₁) ω₃ / I₁ in rad/s of a symmetric top with moments ``I`` (3,) (Landau & Lifshitz,
+    Mechanics, §36).
+
+    Raises ValueError unless I₁ = I₂ to 1e-12.
+    """
     i1, i2, i3 = np.asarray(I, dtype=float)
     if not np.isclose(i1, i2, rtol=1e-12, atol=0.0):
         raise ValueError(f"free precession at one rate needs I₁ = I₂; got {i1} and {i2}")
@@ -31,16 +38,18 @@ def free_precession_rate(I: ArrayLike, w3: float) -> float:
 
 
 def sensitivity(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400) -> float:
-    """κ: a relative error ε anywhere in the right-hand side moves ω by at most κ ε |ω₀| until ``t_end`` (to first order in ε).
+    """Return κ: a relative error ε anywhere in the right-hand side moves ω by at most κ ε |ω₀| until
+    ``t_end`` s, to first order in ε.
 
-    κ = max_t ∫₀ᵗ ‖∂ω(t)/∂ω(s)‖ |ω̇(s)| ds / |ω₀|, with the derivatives from the variational equation along the exact motion, by
-    the trapezoidal rule on ``samples`` times. A steady scene has κ of a few; near the separatrix κ grows like the inverse
-    distance for each passage. An integrator's local errors, relative to ω̇ as its tolerances are, spread the same way.
+    κ = max_t ∫₀ᵗ ‖∂ω(t)/∂ω(s)‖ |ω̇(s)| ds / |ω₀|, with the derivatives from the variational equation along
+    the exact motion, by the trapezoidal rule on ``samples`` times. A steady scene has κ of a few; near the
+    separatrix κ grows like the inverse distance for each passage. An integrator's local errors, relative to
+    ω̇ as its tolerances are, spread the same way. Raises ValueError for moments that no body has.
     """
     moments, start, times = check_moments(I), np.asarray(w0, dtype=float), np.linspace(0.0, t_end, samples)
     exact = Exact(start, moments)
     flow = _flow(exact, moments, times)
-    # The flow has determinant 1 in L, so its inverse is as well known as itself.
+    # The flow has determinant 1 in L, so its inverse is as accurate as itself.
     speed = np.linalg.norm(euler_rhs(exact.omega(times), moments), axis=0)
     inverse = np.linalg.inv(flow)
     gaps = np.diff(times)
@@ -52,7 +61,9 @@ def sensitivity(w0: ArrayLike, I: ArrayLike, t_end: float, samples: int = 400) -
 
 
 def _flow(exact: Exact, moments: Array, times: Array) -> Array:
-    """∂ω(t)/∂ω(0) (n, 3, 3) at evenly spaced ``times`` (n,), by the classical Runge-Kutta step, all intervals side by side."""
+    """Return ∂ω(t)/∂ω(0) (n, 3, 3) at evenly spaced ``times`` (n,), by the classical Runge-Kutta step, all
+    intervals at the same time.
+    """
     gap = float(times[1] - times[0])
     fastest = float(np.linalg.norm(_jacobian(exact.omega(times), moments), axis=(1, 2)).max())
     steps = max(2, int(np.ceil(gap * fastest / STEP)))
@@ -75,7 +86,7 @@ def _flow(exact: Exact, moments: Array, times: Array) -> Array:
 
 
 def _jacobian(w: Array, moments: Array) -> Array:
-    """∂ω̇/∂ω (n, 3, 3) for ω (3, n)."""
+    """Return ∂ω̇/∂ω (n, 3, 3) for ω (3, n)."""
     k1, k2, k3 = (moments[[1, 2, 0]] - moments[[2, 0, 1]]) / moments
     w1, w2, w3 = w
     nothing = np.zeros_like(w1)

@@ -1,6 +1,8 @@
-"""Where methods fail, with numbers: each entry measures one way and states the threshold that makes it a failure.
+"""The stability atlas: where methods fail, with numbers. Each entry measures one failure and states its
+threshold.
 
-The body and spin are exercise 2's unless an entry says otherwise; ``h`` is a step in s; a period of ω is 18.2 s.
+The body and spin are exercise 2's unless an entry says otherwise; ``h`` is a step in s; a period of ω is 18.2
+s.
 """
 
 from collections.abc import Callable, Mapping
@@ -27,7 +29,7 @@ BY_NAME = {m.name: m for m in METHODS}
 
 @dataclass(frozen=True)
 class Entry:
-    """A way to fail: what is claimed, how it is measured, and whether the numbers bear the claim out."""
+    """One failure: the claim, the measurement, and whether the numbers support the claim."""
 
     name: str
     claim: str
@@ -36,7 +38,7 @@ class Entry:
 
 
 def long_runs(methods: tuple[str, ...], periods: tuple[int, ...] = (10, 100, 1000)) -> list[Row]:
-    """Errors after many periods at the step H."""
+    """Measure errors after many periods at the step H."""
     period = Exact(W0, I).period
     found: list[Row] = []
     for name in methods:
@@ -48,7 +50,7 @@ def long_runs(methods: tuple[str, ...], periods: tuple[int, ...] = (10, 100, 100
 
 
 def separatrix(nudges: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)) -> list[Row]:
-    """The book about its intermediate axis, nudged: errors over two passages, with the best that each method can do."""
+    """Measure errors over two passages of the book, nudged off its intermediate axis, for each method at its best."""
     found: list[Row] = []
     for nudge in nudges:
         w0 = (6 * nudge, 6.0, 0.7 * 6 * nudge)
@@ -59,7 +61,7 @@ def separatrix(nudges: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)) -> list[Row
 
 
 def large_steps(methods: tuple[str, ...] = ("Euler", "RK4", "Gauss 12", "Strang splitting")) -> list[Row]:
-    """Two hundred steps that turn the body by 0.5, 1, 3 and 5 rad each."""
+    """Measure errors of two hundred steps that turn the body by 0.5, 1, 3 and 5 rad each."""
     found: list[Row] = []
     for angle in (0.5, 1.0, 3.0, 5.0):
         scene = Scene("steps", W0, I, 200 * angle / float(np.linalg.norm(W0)), intervals=200)
@@ -70,7 +72,9 @@ def large_steps(methods: tuple[str, ...] = ("Euler", "RK4", "Gauss 12", "Strang 
 
 
 def gimbal_lock(tilts: tuple[float, ...] = (1.0, 1e-1, 1e-2, 1e-4, 1e-6)) -> list[Row]:
-    """Calls that Euler's angles need beside the matrix form, for a top whose axis starts ever nearer to the vertical."""
+    """Measure the calls that Euler angles need and those of the matrix form, for a top that starts ever
+    nearer to the vertical.
+    """
     scene = Scene("top", (0.2, 0.3, 3.0), (1.0, 1.0, 1.6), 8.0, intervals=80)
     base = BY_NAME["DOP853"].run(scene, 1e-11).calls
     found: list[Row] = []
@@ -81,7 +85,9 @@ def gimbal_lock(tilts: tuple[float, ...] = (1.0, 1e-1, 1e-2, 1e-4, 1e-6)) -> lis
 
 
 def rods(ratios: tuple[float, ...] = (1e-1, 1e-2, 1e-3)) -> list[Row]:
-    """Calls of DOP853 for ever thinner rods over one second: fast rotation, not stiffness, so no implicit method rescues it."""
+    """Measure DOP853's calls for ever thinner rods over one second: fast rotation, not stiffness, so implicit
+    methods do not help.
+    """
     found: list[Row] = []
     for ratio in ratios:
         scene = Scene("rod", (1 / ratio, 0.3, 0.2), (ratio, 1.0, 1.0 + ratio / 2), 1.0)
@@ -94,8 +100,11 @@ def rods(ratios: tuple[float, ...] = (1e-1, 1e-2, 1e-3)) -> list[Row]:
 
 
 def growth_map(resolution: int = 12, spin: float = 1.0, nudge: float = 1e-9) -> list[Row]:
-    """σ/Ω of a spin about the intermediate axis over the triangle of moments (I₁ ≤ I₂ ≤ I₃ = 1): predicted, and measured as ln of
-    the growth of a nudge over the time in which it should grow a thousandfold."""
+    """Measure σ/Ω of a spin about the intermediate axis over the triangle of moments (I₁ ≤ I₂ ≤ I₃ = 1), and
+    predict it.
+
+    The measured value is ln of a nudge's growth over the time in which it should grow a thousandfold.
+    """
     found: list[Row] = []
     for i1 in np.linspace(0.05, 0.95, resolution):
         for i2 in np.linspace(0.05, 0.98, resolution):
@@ -151,7 +160,7 @@ ATLAS = (
     ),
     Entry(
         "the wrong side of the separatrix",
-        "nudged by 1e-8, no double-precision stepper knows on which side it passes, whatever its tolerance",
+        "nudged by 1e-8, no double-precision stepper finds the side on which the motion passes, at any tolerance",
         separatrix,
         lambda rows: min(_column(rows, "error", nudge=1e-8)) > 1 and max(_column(rows, "error", nudge=1e-2, setting=1e-13)) < 1e-7,
     ),
@@ -167,7 +176,7 @@ ATLAS = (
     ),
     Entry(
         "gimbal lock",
-        "Euler's angles need three times the calls of the matrix form and more, the nearer a start to the vertical the more",
+        "Euler angles need at least three times the calls of the matrix form, and more the nearer the start is to the vertical",
         gimbal_lock,
         lambda rows: rows[1]["calls"] > 2.5 * rows[1]["matrix calls"] and rows[-1]["calls"] > 8 * rows[-1]["matrix calls"],  # type: ignore[operator]
     ),

@@ -1,10 +1,10 @@
 """Momentum and attitude phase along a polhode, as theta series of at most five terms in double precision.
 
-Each model is a table of coefficients, made once for a body, and a few powers per sample: the series are one matrix product.
-A model called with the whole and the rest of u/2K (n,) answers ``Along``: the momentum components m_a, m_b, m_c (n,), the complex
-number re + i im whose argument is the periodic part of half the angle about L, and what is to be added to that angle. Series in
-the nome q = exp(−πK'/K) serve k² ≤ ½, their imaginary transforms in exp(−πK/K') the rest, so that q ≤ 0.0432 in both
-(DLMF §20.2, §20.7(viii), §22.2; for the attitude van Zon & Schofield 2007, Celledoni et al. 2008, in our own form).
+Each model is a table of coefficients, computed once for a body, and a few powers per sample: the series are
+one matrix product. A model is called with the whole part and the rest of u/2K (n,) and returns ``Along``.
+Series in the nome q = exp(−πK'/K) are used for k² ≤ ½, their imaginary transforms in exp(−πK/K') above, so
+that q ≤ 0.0432 in both (DLMF §20.2, §20.7(viii), §22.2; the attitude after van Zon & Schofield 2007 and
+Celledoni et al. 2008, in another form).
 """
 
 import math
@@ -21,7 +21,12 @@ TERMS = 5
 
 
 class Along(NamedTuple):
-    """See the module."""
+    """Samples along a polhode: momentum components ``a``, ``b``, ``c`` (n,) = m_a, m_b, m_c in kg m²/s, and
+    the phase of the attitude.
+
+    The argument of ``re`` + i ``im`` is the periodic part of half the angle about L; ``extra`` is added to
+    it, in rad.
+    """
 
     a: Array
     b: Array
@@ -32,12 +37,12 @@ class Along(NamedTuple):
 
 
 class Series(Protocol):
-    """A model, made for a polhode and called with the whole and the rest of u/2K."""
+    """A model, constructed from a polhode and called with the whole part and the rest of u/2K."""
 
     def __init__(self, p: Polhode) -> None: ...
 
     def __call__(self, whole: Array, rest: Array) -> Along:
-        """See the module."""
+        """Return the samples for the whole part and the rest of u/2K (n,)."""
         ...
 
 
@@ -48,7 +53,7 @@ class Symmetric:
         self._sizes = p.sizes
 
     def __call__(self, whole: Array, rest: Array) -> Along:
-        """See the module."""
+        """Return the samples for the whole part and the rest of u/2K (n,)."""
         angle, flip, (a, b, c) = np.pi * rest, _flip(whole), self._sizes
         return Along(a * flip * np.cos(angle), b * flip * np.sin(angle), np.full_like(rest, c), 1.0, 0.0, 0.0)
 
@@ -76,7 +81,7 @@ class Direct:
         self._table = np.array(table)
 
     def __call__(self, whole: Array, rest: Array) -> Along:
-        """See the module."""
+        """Return the samples for the whole part and the rest of u/2K (n,)."""
         v = np.pi * rest
         s, c = np.sin(v), np.cos(v)
         powers = np.empty((4, rest.size))
@@ -112,7 +117,7 @@ class Dual:
         self._table = np.array(table)
 
     def __call__(self, whole: Array, rest: Array) -> Along:
-        """See the module."""
+        """Return the samples for the whole part and the rest of u/2K (n,)."""
         powers = np.empty((13, rest.size))
         powers[0] = 1.0
         e, y = powers[1], powers[8]
@@ -146,7 +151,7 @@ class Separatrix:
         self._sizes, self._half, self._side = p.sizes, p.offset / 2, -1.0 if p.far_side else 1.0
 
     def __call__(self, whole: Array, rest: Array) -> Along:
-        """See the module; u itself stands for u/2K."""
+        """Return the samples; u itself, split into whole part and rest, replaces u/2K."""
         (a, b, c), side, u = self._sizes, self._side, whole + rest
         e, sign = np.exp(-np.abs(u)), np.copysign(1.0, u)
         scale = 1 / (1 + e * e)
@@ -155,12 +160,12 @@ class Separatrix:
 
 
 def _in_powers(c0: float, c1: float, c2: float, c3: float) -> tuple[float, float, float, float]:
-    """Of c₀ + c₁ cos 2v + c₂ cos 4v + c₃ cos 6v, the coefficients of the powers of cos 2v (Chebyshev)."""
+    """Return the coefficients of the powers of cos 2v in c₀ + c₁ cos 2v + c₂ cos 4v + c₃ cos 6v (Chebyshev)."""
     return c0 - c2, c1 - 3 * c3, 2 * c2, 4 * c3
 
 
 def _dual_sizes(p: Polhode, q: float) -> tuple[float, float, float]:
-    """A_a, A_b, A_c over the series' values where cn, sn and dn are 1."""
+    """Return A_a, A_b, A_c over the series' values where cn, sn and dn are 1."""
     theta2 = 2 * sum(q ** (j * (j + 1)) for j in range(4))
     theta3 = 1 + 2 * sum(q ** (j * j) for j in range(1, 5))
     theta4 = 1 + 2 * sum((-1) ** j * q ** (j * j) for j in range(1, 5))
@@ -170,6 +175,6 @@ def _dual_sizes(p: Polhode, q: float) -> tuple[float, float, float]:
 
 
 def _flip(whole: Array) -> Array:
-    """+1 for an even number of half periods, −1 for an odd one."""
+    """Return +1 for an even number of half periods, −1 for an odd one."""
     half = 0.5 * whole
     return 1.0 - 4.0 * (half - np.floor(half))

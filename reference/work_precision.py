@@ -1,7 +1,9 @@
-"""Speed against accuracy: every method at every setting on every scene, its error over the whole run, its calls and CPU time.
+"""Work-precision data: every method at every setting on every scene, with its error over the run, calls and
+CPU time.
 
-Errors are maxima over the time grid against the exact solution: the error at one final time flatters. CPU time is told as a
-ratio to DOP853 at rtol 1e-11, measured right beside it, because absolute times of a shared machine mean little.
+An error is the maximum over the time grid against the exact solution, because the error at one final time may
+be small by chance. CPU time is given relative to DOP853 at rtol 1e-11, measured right after it, because
+absolute times on a shared machine vary.
 """
 
 import statistics
@@ -38,8 +40,11 @@ SHORTEST_S = 2e-3  # a run shorter than this is timed several at a time
 
 @dataclass(frozen=True)
 class Point:
-    """One method at one setting on one scene. ``error_w`` is relative to |ω₀|; a blow-up has infinite errors; ``ratio`` is CPU time
-    over the yardstick's in the same minute."""
+    """One method at one setting on one scene.
+
+    ``error_w`` is relative to |ω₀|; a run that diverges has infinite errors; ``ratio`` is CPU time over the
+    yardstick's, measured in turn.
+    """
 
     scene: str
     method: str
@@ -56,7 +61,7 @@ class Point:
 
 
 def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] = METHODS, repeats: int = REPEATS) -> Iterator[Point]:
-    """All points, scene by scene."""
+    """Yield all points, scene by scene."""
     yardstick = next(m for m in METHODS if m.name == YARDSTICK)
     for scene in scenes:
         exact = exact_run(scene)
@@ -69,12 +74,12 @@ def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] = METHOD
 
 
 def rows(points: Iterable[Point]) -> list[dict[str, str | float | int]]:
-    """The points as plain rows for CSV and JSON."""
+    """Return the points as plain rows for CSV and JSON."""
     return [asdict(p) for p in points]
 
 
 def _paired(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
-    """Median CPU seconds of ``one``, and the median of its ratio to ``other``, run in turn."""
+    """Return the median CPU seconds of ``one``, and the median of its ratio to ``other``, run in turn."""
     once = _seconds(one, 1)
     many = max(1, min(200, round(SHORTEST_S / max(once, 1e-6))))
     pairs = [(_seconds(one, many), _seconds(other, 1)) for _ in range(repeats if once < LONG_S else 1)]

@@ -1,1 +1,1 @@
-"""The building around the grading: HTTP in front, the database below, the sandbox behind a wall."""
+"""The server around the grading core: HTTP, database, sandbox and command line."""

@@ -14,13 +14,14 @@ LEASE_S, DATABASE_WAIT_S = 2.0, 5.0
 class Settings(BaseSettings):
     """Everything an operator can set."""
 
-    model_config = SettingsConfigDict(env_prefix="POLHODE_", extra="ignore", env_ignore_empty=True)
+    model_config = SettingsConfigDict(env_prefix="POLHODE_", extra="ignore", env_ignore_empty=True, populate_by_name=True)
 
     data: Path = Field(Path("polhode-data"), description="Folder for the embedded database and its log.")
     database_url: str | None = Field(None, description="A PostgreSQL to use instead of the embedded one (postgresql://…).")
-    min_tier: Literal["A", "B"] = Field(
-        "B",
-        description="The least walls to grade behind: A with namespaces (bubblewrap), B without, as in an ordinary container.",
+    min_isolation: Literal["namespaces", "process"] = Field(
+        "process",
+        validation_alias=AliasChoices("POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"),
+        description="The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary container.",
     )
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Submissions graded at the same time; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker gives what it is grading, before it is queued again.")
@@ -48,6 +49,12 @@ class Settings(BaseSettings):
     oidc_claim: str = Field("preferred_username", description="The claim that is the person's name.")
     oidc_name: str = Field("your institution", description="What the button says to sign in with.")
     log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Log lines from this level on.")
+
+    @field_validator("min_isolation", mode="before")
+    @classmethod
+    def _tier(cls, level: object) -> object:
+        """Accept the values of the former setting POLHODE_MIN_TIER."""
+        return {"A": "namespaces", "B": "process"}.get(level, level) if isinstance(level, str) else level
 
     @field_validator("origins")
     @classmethod

@@ -81,17 +81,17 @@ def rigid_body():
 
 @pytest.fixture(scope="session")
 def sandbox():
-    """Behind tier A, as a server has it where it can."""
-    sandbox = Sandbox(choose("A"))
+    """A sandbox at isolation level ``namespaces``, as a server has it where it can."""
+    sandbox = Sandbox(choose("namespaces"))
     sandbox.self_test()
     yield sandbox
     sandbox.close()
 
 
-@pytest.fixture(scope="session", params=["A", "B"])
+@pytest.fixture(scope="session", params=["namespaces", "process"])
 def either_sandbox(request, sandbox):
-    """Each of the two tiers in turn."""
-    if request.param == "A":
+    """Each of the two isolation levels in turn."""
+    if request.param == "namespaces":
         yield sandbox
         return
     bare = Sandbox(process_isolation())

@@ -1,5 +1,5 @@
-"""polhode beside other autograders: the same submission of exercise 2, the same two checks, in one run on one machine.
+"""polhode compared with other autograders: the same submission of exercise 2 and the same two checks, in one run.
 
-``python -m bench.peers`` installs each peer with pinned versions into an environment of its own below ``.bench``. A peer is a
-file here: where it wants its files, the command that a course types, and how its answer is read.
+``python -m bench.peers`` installs each peer with pinned versions into its own environment below ``.bench``.
+Each peer is a module here: the files it needs, the command that a course runs, and how to read its result.
 """

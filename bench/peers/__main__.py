@@ -1,6 +1,7 @@
-"""``python -m bench.peers``: verdicts, times and the goals of issue 9, about five minutes; ``--quick``: each but once.
+"""Compare verdicts and times with other autograders (about five minutes; ``--quick``: one round).
 
-Exit code 0 whether a goal is met or not; 2 where a tool refuses what is right or accepts a slipped sign: then nothing is compared.
+The exit code is 0 whether or not the goals are met, and 2 if a tool rejects a correct submission or accepts a
+sign error: then nothing is timed.
 """
 
 import argparse
@@ -20,9 +21,9 @@ from bench.peers.gradescope import Gradescope
 from bench.peers.judging import answers, sound, verdicts
 from bench.peers.nbgrader import Nbgrader
 from bench.peers.otter import Otter
-from bench.peers.peer import Peer, Place, clean_environment
+from bench.peers.peer import Peer, Workspace, clean_environment
 from bench.peers.polhode import Polhode
-from bench.peers.rounds import cases, play
+from bench.peers.rounds import cases, measure
 from bench.peers.submissions import SAMPLES, submissions
 from bench.peers.warm import Warm
 from bench.queue import server
@@ -35,28 +36,30 @@ ROOT = Path(__file__).parents[2]
 
 
 def main() -> int:
-    """Measure and print."""
+    """Measure and print the tables."""
     parser = argparse.ArgumentParser(prog="bench.peers", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="one round")
-    parser.add_argument("--rounds", type=int, default=3, help="how often each is measured (default 3)")
-    parser.add_argument("--cache", type=Path, default=ROOT / ".bench", metavar="DIR", help="environments (default .bench)")
+    parser.add_argument("--quick", action="store_true", help="measure one round")
+    parser.add_argument("--rounds", type=int, default=3, help="rounds of measurements (default 3)")
+    parser.add_argument(
+        "--cache", type=Path, default=ROOT / ".bench", metavar="DIR", help="folder for the environments (default .bench)"
+    )
     arguments = parser.parse_args()
     cache = arguments.cache.resolve()
-    for how in (signal.SIGINT, signal.SIGTERM):  # also where a shell started us with interrupts ignored
+    for how in (signal.SIGINT, signal.SIGTERM):  # a shell may start background jobs with SIGINT ignored
         signal.signal(how, signal.default_int_handler)
-    ours, sent = _ours(cache), submissions(BATCH)
-    tools = [ours, *_peers(cache)]
+    own, sent = _polhode(cache), submissions(BATCH)
+    tools = [own, *_peers(cache)]
     print(about(), flush=True)
     given = verdicts(tools, sent)
     print(f"\n{table.verdicts(list(SAMPLES), given)}\n", flush=True)
-    if wrong := [t.name for t in tools if not sound(given[t.name]) and (t is ours or answers(given[t.name]))]:
-        print(f"broken: {', '.join(wrong)} cannot tell what is right from a slipped sign", file=sys.stderr)
+    if wrong := [t.name for t in tools if not sound(given[t.name]) and (t is own or answers(given[t.name]))]:
+        print(f"broken: {', '.join(wrong)} does not distinguish a correct submission from a sign error", file=sys.stderr)
         return 2
     with server(workers=os.cpu_count() or 1) as (url, _, process):
         warm = Warm(url, process.pid, sent["right"])
         warm.grade(3)
         found = cases([t for t in tools if answers(given[t.name])], warm, BATCH, posts=7)
-        rows = play(found, 1 if arguments.quick else arguments.rounds)
+        rows = measure(found, 1 if arguments.quick else arguments.rounds)
     print(f"{table.times(rows)}\n")
     print(*goals.goals(rows, AGAINST, BATCH), sep="\n")
     print(f"load at the end {os.getloadavg()[0]:.1f}")
@@ -64,7 +67,7 @@ def main() -> int:
 
 
 def about() -> str:
-    """The machine, and the versions of what is compared."""
+    """Return the machine and the versions of the compared tools."""
     models = [
         line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")
     ]
@@ -74,24 +77,26 @@ def about() -> str:
     return f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC, {machine}, load {os.getloadavg()[0]:.1f}\n{compared}"
 
 
-def _ours(cache: Path) -> Peer:
+def _polhode(cache: Path) -> Peer:
     kept = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     return Polhode(
-        Place(Path(sys.executable), _empty(cache / "work/polhode"), kept | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+        Workspace(
+            Path(sys.executable), _empty(cache / "work/polhode"), kept | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        )
     )
 
 
 def _peers(cache: Path) -> Sequence[Peer]:
-    """Those that can be installed."""
+    """Return the peers that can be installed."""
     found: list[Peer] = []
     for kind in PEERS:
         try:
             python = python_for(kind.package, cache)
         except NotInstalled as error:
-            print(f"{kind.name}: cannot be installed: {error}")
+            print(f"{kind.name}: not installed: {error}")
             continue
         home = _empty(cache / "work" / kind.package / "home").parent
-        found.append(kind(Place(python, home, clean_environment(home / "home", python.parent))))
+        found.append(kind(Workspace(python, home, clean_environment(home / "home", python.parent))))
     return found
 
 

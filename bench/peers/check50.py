@@ -1,4 +1,4 @@
-"""check50: checks that import the student's module, each in a process of check50's pool; one submission a command."""
+"""check50: checks import the student's module, each in a process of check50's pool; one command per submission."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -8,7 +8,7 @@ from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
 from bench.peers.peer import Command, Marks, Peer, reading
 from bench.peers.submissions import Submission, write
 
-# One check for both lines: two would each import the submission and integrate anew, and take a third longer.
+# One check for both lines: two checks would each import the submission and integrate, which takes a third longer.
 CHECKS = f'''{COMMON}
 import check50
 import check50.py
@@ -29,30 +29,30 @@ SETTINGS = 'check50:\n  checks: __init__.py\n  files:\n    - !include "submissio
 
 
 class Check50(Peer):
-    """In ``place``: the checks, a folder per submission, and in it the answer of ``-o json``."""
+    """The workspace holds the checks, a folder per submission, and the output of ``-o json``."""
 
     name, package, batch = "check50 --dev", "check50", "the command ten times"
 
     def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
-        """No command is needed."""
-        write(self.place.folder / "checks/__init__.py", CHECKS)
-        write(self.place.folder / "checks/.cs50.yaml", SETTINGS)
+        """Write the checks and submissions; no command is needed."""
+        write(self.workspace.folder / "checks/__init__.py", CHECKS)
+        write(self.workspace.folder / "checks/.cs50.yaml", SETTINGS)
         for name, submission in submissions.items():
-            write(self.place.folder / name / "submission.py", submission.script)
+            write(self.workspace.folder / name / "submission.py", submission.script)
         return []
 
     def one(self, name: str) -> Command:
-        """``check50 --dev`` where the submission is."""
+        """Return ``check50 --dev``, run in the submission's folder."""
         output = ["-o", "json", "--output-file", "../" + name + ".json"]
-        return Command([self.place.tool("check50"), "--dev", *output, "../checks"], self.place.folder / name)
+        return Command([self.workspace.tool("check50"), "--dev", *output, "../checks"], self.workspace.folder / name)
 
     def marks(self, name: str) -> Marks:
-        """Checks passed."""
-        return read(self.place.folder / f"{name}.json")
+        """Return the checks passed."""
+        return read(self.workspace.folder / f"{name}.json")
 
 
 def read(file: Path) -> Marks:
-    """Passed of all in the file of ``--output-file``."""
+    """Return the passed checks in the file of ``--output-file``."""
     with reading("check50"):
         results = json.loads(file.read_text())["results"]
         return Marks(sum(r["passed"] is True for r in results), len(results))

@@ -1,7 +1,7 @@
-"""The two checks that the course notebook prints in exercise 2, spelled once; each peer puts them into its own form of test.
+"""The two checks that the course notebook prints in exercise 2, shared by all peers.
 
-They use the submission's own ``integrate_body``, ``T_rot`` and ``L_body``, as the notebook does, and the motion and the limit that
-polhode's checks have.
+They use the submission's ``integrate_body``, ``T_rot`` and ``L_body``, as the notebook does, with the motion
+and the limit of polhode's checks.
 """
 
 from exercises.catalogue import assignments

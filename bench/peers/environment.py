@@ -1,4 +1,4 @@
-"""An environment for each peer below ``.bench``: its pinned packages, with bytecode compiled, made once."""
+"""A virtual environment for each peer below ``.bench``, with pinned packages, created once."""
 
 import subprocess
 import sys
@@ -11,16 +11,16 @@ INSTALL_S = 900.0
 
 
 class NotInstalled(Exception):
-    """A peer's environment cannot be made, and the last that was said about it."""
+    """A peer's environment cannot be created; the message is the last line of the output."""
 
 
 def requirements(package: str) -> Path:
-    """The file with its versions."""
+    """Return the peer's requirements file."""
     return HERE / f"requirements-{package}.txt"
 
 
 def python_for(package: str, cache: Path) -> Path:
-    """The interpreter of that peer's environment, which is made anew if its requirements have changed; raises NotInstalled."""
+    """Return the interpreter of the peer's environment, which is recreated if its requirements changed. Raises NotInstalled."""
     folder, wanted = cache / package, requirements(package).read_text() + sys.version
     stamp, python = folder / "installed", folder / "bin/python"
     if not (stamp.exists() and stamp.read_text() == wanted):
@@ -33,7 +33,7 @@ def python_for(package: str, cache: Path) -> Path:
 
 
 def versions(package: str) -> dict[str, str]:
-    """Pinned versions by the names of packages."""
+    """Return the pinned versions by package name."""
     return dict(line.split("==") for line in requirements(package).read_text().split())
 
 

@@ -1,16 +1,16 @@
-"""What issue 9 asks of the measured times, as sentences with the ratios."""
+"""The speed goals, as sentences with the measured ratios."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bench.peers.clock import Row, Took
+from bench.peers.clock import Row, Timing
 
 SERVER, COMMAND, ONE = "polhode over HTTP", "polhode grade", "one"
 
 
 @dataclass(frozen=True)
 class Goal:
-    """A peer's wall time is to be at least ``wanted`` times ours; CPU time is told because it is the steadier of the two."""
+    """The goal that a peer's wall time is at least ``wanted`` times polhode's. The CPU ratio is shown too, as it varies less."""
 
     claim: str
     wanted: float
@@ -25,8 +25,10 @@ class Goal:
 
 
 def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int) -> list[Goal]:
-    """For one over HTTP against each peer's one, and for our batches against the best of all peers: over HTTP, and by the command
-    as a whole and without its start.
+    """Return the goals: one submission over HTTP against one of each peer, and polhode's batches against the
+    fastest peer.
+
+    The batches are graded over HTTP and by the command, with and without the command's start.
     """
     one = {r.name: r for r in rows if r.what == ONE}
     found = [
@@ -45,15 +47,15 @@ def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int)
 
 
 def further(batch: Row | None, one: Row | None) -> Row | None:
-    """What the batch takes beyond a single one, for the others in it: its start is left out."""
+    """Return the time of a batch without its first submission, and so without the start of the command."""
     if batch is None or one is None:
         return None
-    left = Took(*(whole - first for whole, first in zip(batch.median, one.median, strict=True)))
+    left = Timing(*(whole - first for whole, first in zip(batch.median, one.median, strict=True)))
     return Row(batch.name, "each after the first", batch.count - 1, [left])
 
 
 def best(rows: Sequence[Row], batch: int) -> Row | None:
-    """The peers' batch with the least time per submission."""
+    """Return the peers' batch with the least time per submission."""
     return min((r for r in rows if r.count == batch and not r.name.startswith("polhode")), key=lambda r: r.each, default=None)
 
 

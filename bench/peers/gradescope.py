@@ -1,4 +1,4 @@
-"""gradescope-utils: unittest in the process of the submission, by the script that a Gradescope autograder runs for each student."""
+"""gradescope-utils: unittest in the submission's process, by the script that a Gradescope autograder runs for each student."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -44,28 +44,28 @@ with open(sys.argv[2], "w") as stream:
 
 
 class Gradescope(Peer):
-    """In ``place``: the script, a folder per submission, and results.json of each."""
+    """The workspace holds the script, a folder per submission, and its results.json."""
 
     name, package, batch = "gradescope-utils", "gradescope", "the script ten times"
 
     def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
-        """No command is needed."""
-        write(self.place.folder / "run_tests.py", TESTS)
+        """Write the script and the submissions; no command is needed."""
+        write(self.workspace.folder / "run_tests.py", TESTS)
         for name, submission in submissions.items():
-            write(self.place.folder / name / "submission.py", submission.script)
+            write(self.workspace.folder / name / "submission.py", submission.script)
         return []
 
     def one(self, name: str) -> Command:
-        """A Python per submission, as in Gradescope's containers; their start is not in it."""
-        return Command([self.place.python, "run_tests.py", name, f"{name}/results.json"], self.place.folder)
+        """Return one Python process per submission, as in Gradescope's containers, without the container's start."""
+        return Command([self.workspace.python, "run_tests.py", name, f"{name}/results.json"], self.workspace.folder)
 
     def marks(self, name: str) -> Marks:
-        """Points."""
-        return read(self.place.folder / name / "results.json")
+        """Return the points."""
+        return read(self.workspace.folder / name / "results.json")
 
 
 def read(file: Path) -> Marks:
-    """Points of all tests that have any, in a results.json of Gradescope's format."""
+    """Return the points of all tests with points in a results.json."""
     with reading("results.json"):
         tests = [t for t in json.loads(file.read_text())["tests"] if t.get("max_score")]
         return Marks(sum(t["score"] for t in tests), sum(t["max_score"] for t in tests))

@@ -1,4 +1,4 @@
-"""nbgrader: ``nbgrader autograde`` executes the notebook, checks and all, in a kernel; a batch is a course of ten students."""
+"""nbgrader: ``nbgrader autograde`` executes the notebook with its checks in a kernel; a batch is a course of ten students."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -13,46 +13,47 @@ MOMENTUM_CELL = f"assert {MOMENTUM}"
 
 
 class Nbgrader(Peer):
-    """In ``place``: two courses of one assignment each, ``each`` for submissions one by one and ``batch`` for the copies."""
+    """The workspace holds two courses of one assignment: ``each`` for single submissions and ``batch`` for the copies."""
 
     name, package, batch = "nbgrader autograde", "nbgrader", "one command for the assignment"
 
     def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
-        """The release version, which the checks of a submission are overwritten from, is made by nbgrader."""
+        """Write the courses. The returned commands create the release version, from which nbgrader restores the checks."""
         for name, submission in submissions.items():
             write(self._course(name) / "submitted" / name / "exercise2/exercise2.ipynb", graded_notebook(submission))
         found = []
         for course in ("each", "batch"):
-            folder = self.place.folder / course
+            folder = self.workspace.folder / course
             write(folder / "source/exercise2/exercise2.ipynb", graded_notebook(submissions["right"]))
-            found.append(Command([self.place.tool("nbgrader"), "generate_assignment", "exercise2", "--force"], folder))
+            found.append(Command([self.workspace.tool("nbgrader"), "generate_assignment", "exercise2", "--force"], folder))
         return found
 
     def one(self, name: str) -> Command:
-        """One student of the course."""
-        words = [self.place.tool("nbgrader"), "autograde", "exercise2", "--student", name, "--force"]
+        """Return the command for one student."""
+        words = [self.workspace.tool("nbgrader"), "autograde", "exercise2", "--student", name, "--force"]
         return Command(words, self._course(name))
 
     def many(self, names: Sequence[str]) -> Sequence[Command]:
-        """The whole course ``batch``, which has these."""
-        return [Command([self.place.tool("nbgrader"), "autograde", "exercise2", "--force"], self.place.folder / "batch")]
+        """Return the command for the whole course ``batch``."""
+        return [Command([self.workspace.tool("nbgrader"), "autograde", "exercise2", "--force"], self.workspace.folder / "batch")]
 
     def marks(self, name: str) -> Marks:
-        """Points, after ``export``."""
+        """Return the points, after ``export``."""
         return read(self._course(name) / "grades.csv", name)
 
     def export(self) -> Sequence[Command]:
-        """What has to run before marks are read: nbgrader keeps them in a database."""
+        """Return the commands that export the marks from nbgrader's database."""
         return [
-            Command([self.place.tool("nbgrader"), "export", "--to", "grades.csv"], self.place.folder / c) for c in ("each", "batch")
+            Command([self.workspace.tool("nbgrader"), "export", "--to", "grades.csv"], self.workspace.folder / c)
+            for c in ("each", "batch")
         ]
 
     def _course(self, name: str) -> Path:
-        return self.place.folder / ("batch" if name.startswith("copy") else "each")
+        return self.workspace.folder / ("batch" if name.startswith("copy") else "each")
 
 
 def graded_notebook(submission: Submission) -> str:
-    """The submission with the checks as nbgrader's tests: cells that are locked and give a point each."""
+    """Return the submission with the checks as nbgrader's tests: locked cells worth one point each."""
     graded = {"schema_version": 3, "grade": True, "solution": False, "locked": True, "points": 1, "task": False}
     answer = {"schema_version": 3, "grade": False, "solution": True, "locked": False, "task": False, "grade_id": "euler"}
     return notebook([
@@ -64,7 +65,7 @@ def graded_notebook(submission: Submission) -> str:
 
 
 def read(file: Path, student: str) -> Marks:
-    """A student's points in a file of ``nbgrader export``."""
+    """Return a student's points in a file of ``nbgrader export``."""
     with reading("nbgrader"):
         with file.open(newline="") as stream:
             row = next(r for r in csv.DictReader(stream) if r["student_id"] == student)

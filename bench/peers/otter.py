@@ -1,4 +1,4 @@
-"""Otter-Grader: ``otter run`` executes the notebook in a kernel on this machine (its containers are for ``otter grade``)."""
+"""Otter-Grader: ``otter run`` executes the notebook in a kernel on this machine (only ``otter grade`` uses containers)."""
 
 from collections.abc import Mapping, Sequence
 
@@ -27,7 +27,7 @@ def momentum(L_body):
     w = played["w"]
     assert {MOMENTUM}
 """
-# The names of the notebooks, then where each one's marks go: what `otter run` leaves, cut down to what is read here.
+# Grade the named notebooks and write their marks: the part of `otter run`'s output that is read here.
 LOOP = """import json, pathlib, sys
 
 from otter.api import grade_submission
@@ -42,29 +42,29 @@ if __name__ == "__main__":
 
 
 class Otter(Peer):
-    """In ``place``: the autograder's zip, the notebooks, a folder with the results of each."""
+    """The workspace holds the autograder zip, the notebooks, and a folder with the results of each."""
 
     name, package, batch = "otter run", "otter", "otter.api.grade_submission, one process"
 
     def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
-        """The zip is made by Otter."""
-        write(self.place.folder / "tests/exercise2.py", TESTS)
-        write(self.place.folder / "loop.py", LOOP)
+        """Write tests and notebooks. The returned command creates the autograder zip."""
+        write(self.workspace.folder / "tests/exercise2.py", TESTS)
+        write(self.workspace.folder / "loop.py", LOOP)
         for name, submission in submissions.items():
-            write(self.place.folder / f"{name}.ipynb", submission.notebook)
-            (self.place.folder / name).mkdir(exist_ok=True)
+            write(self.workspace.folder / f"{name}.ipynb", submission.notebook)
+            (self.workspace.folder / name).mkdir(exist_ok=True)
         what = ["-t", "tests", "-o", "autograder.zip", "--no-config", "--no-requirements", "--no-environment"]
-        return [Command([self.place.tool("otter"), "generate", *what], self.place.folder)]
+        return [Command([self.workspace.tool("otter"), "generate", *what], self.workspace.folder)]
 
     def one(self, name: str) -> Command:
-        """The documented command."""
-        words = [self.place.tool("otter"), "run", "-a", "autograder.zip", "-o", name, "--no-logo", f"{name}.ipynb"]
-        return Command(words, self.place.folder)
+        """Return the documented command."""
+        words = [self.workspace.tool("otter"), "run", "-a", "autograder.zip", "-o", name, "--no-logo", f"{name}.ipynb"]
+        return Command(words, self.workspace.folder)
 
     def many(self, names: Sequence[str]) -> Sequence[Command]:
-        """By Otter's interface for Python, which starts Otter once; each notebook still has a kernel of its own."""
-        return [Command([self.place.python, "loop.py", *names], self.place.folder)]
+        """Return a script that starts Otter once and calls its Python API; each notebook still has its own kernel."""
+        return [Command([self.workspace.python, "loop.py", *names], self.workspace.folder)]
 
     def marks(self, name: str) -> Marks:
-        """Points; Otter writes Gradescope's format, with an entry about public tests as a whole that has none."""
-        return read(self.place.folder / name / "results.json")
+        """Return the points. Otter writes Gradescope's format, with one entry for all public tests that has no points."""
+        return read(self.workspace.folder / name / "results.json")

@@ -1,4 +1,4 @@
-"""polhode itself as a command: ``polhode grade``."""
+"""polhode as a command: ``polhode grade``."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -9,41 +9,41 @@ from bench.peers.submissions import Submission, write
 
 
 class Polhode(Peer):
-    """In ``place``: the submissions, and what ``--json`` printed about each or about the batch."""
+    """The workspace holds the submissions and the output of ``--json`` for each and for the batch."""
 
     name, package, batch = "polhode grade", "", "one command for ten files"
 
     def prepare(self, submissions: Mapping[str, Submission]) -> Sequence[Command]:
-        """No command is needed."""
+        """Write the submissions; no command is needed."""
         for name, submission in submissions.items():
-            write(self.place.folder / f"{name}.py", submission.script)
+            write(self.workspace.folder / f"{name}.py", submission.script)
         return []
 
     def one(self, name: str) -> Command:
-        """From nothing: walls, interpreter behind them, grading, end."""
+        """Return the command, whose time includes starting the sandbox."""
         return self._grade([name], f"{name}.json")
 
     def many(self, names: Sequence[str]) -> Sequence[Command]:
-        """A single command."""
+        """Return a single command for all files."""
         return [self._grade(names, "batch.json")]
 
     def marks(self, name: str) -> Marks:
-        """Checks that are ✓, of all of the exercise."""
-        return read(self.place.folder / ("batch.json" if name.startswith("copy") else f"{name}.json"), name)
+        """Return the number of ✓ and of all checks of the exercise."""
+        return read(self.workspace.folder / ("batch.json" if name.startswith("copy") else f"{name}.json"), name)
 
     def _grade(self, names: Sequence[str], out: str) -> Command:
-        words = [self.place.python, "-m", "service.cli", "grade", "--exercise", "2", "--json", *(f"{n}.py" for n in names)]
-        return Command(words, self.place.folder, self.place.folder / out)
+        words = [self.workspace.python, "-m", "service.cli", "grade", "--exercise", "2", "--json", *(f"{n}.py" for n in names)]
+        return Command(words, self.workspace.folder, self.workspace.folder / out)
 
 
 def read(file: Path, name: str) -> Marks:
-    """What ``polhode grade --json`` printed about the file of that stem."""
+    """Return the marks in the output of ``polhode grade --json`` for the file with stem ``name``."""
     with reading("polhode"):
         found = next(r for r in json.loads(file.read_text())["reports"] if Path(r["file"]).stem == name)
         return passed(found["report"])
 
 
 def passed(report: dict) -> Marks:
-    """Checks that are ✓."""
+    """Return the number of ✓ and of all checks."""
     verdicts = [o["verdict"] for e in report["exercises"] for o in e["outcomes"]]
     return Marks(verdicts.count("pass"), len(verdicts))

@@ -1,32 +1,32 @@
-"""Everything measured in turn, round by round, so that a machine that is busy for a while is so for all alike."""
+"""All measurements, interleaved in rounds, so that a temporarily busy machine affects all tools alike."""
 
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from bench.peers.clock import Broke, Row, Took, clock
+from bench.peers.clock import CommandFailed, Row, Timing, clock
 from bench.peers.goals import ONE, SERVER
-from bench.peers.peer import Command, Peer, Unread
+from bench.peers.peer import Command, NoMarks, Peer
 from bench.peers.submissions import copies
 from bench.peers.warm import Warm
 
 
 @dataclass
 class Case:
-    """Something to measure, what it took so far, and why it could not be measured."""
+    """One thing to measure, its times so far, and why it could not be measured."""
 
     name: str
     what: str
     count: int
-    run: Callable[[], Sequence[Took]]
-    taken: list[Took] = field(default_factory=list)
-    broke: str = ""
+    run: Callable[[], Sequence[Timing]]
+    taken: list[Timing] = field(default_factory=list)
+    error: str = ""
 
 
 def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Case]:
-    """The server: one, and a batch; then each tool: one, a batch, and one that does without matplotlib."""
+    """Return the cases: for the server one submission and a batch; for each tool one, a batch, and one without matplotlib."""
     found = [Case(SERVER, ONE, 1, lambda: warm.grade(posts))]
-    found.append(Case(SERVER, f"{batch}: sent at once", batch, lambda: warm.at_once(batch)))
+    found.append(Case(SERVER, f"{batch}: sent at once", batch, lambda: warm.grade_together(batch)))
     for tool in tools:
         found += [
             Case(tool.name, ONE, 1, lambda tool=tool: graded(tool, [tool.one("right")], ["right"])),
@@ -38,26 +38,26 @@ def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Cas
     return found
 
 
-def graded(tool: Peer, commands: Sequence[Command], names: Sequence[str]) -> list[Took]:
-    """What these commands take; raises Unread where the tool did not find these submissions right."""
-    took = clock(commands, tool.place)
-    clock(tool.export(), tool.place)
+def graded(tool: Peer, commands: Sequence[Command], names: Sequence[str]) -> list[Timing]:
+    """Return the time of the commands. Raises NoMarks if the tool did not accept these submissions, which are correct."""
+    took = clock(commands, tool.workspace)
+    clock(tool.export(), tool.workspace)
     if refused := [name for name in names if not tool.marks(name).full]:
-        raise Unread(f"{', '.join(refused)} refused, though right")
+        raise NoMarks(f"{', '.join(refused)} rejected, though correct")
     return [took]
 
 
-def play(found: Sequence[Case], rounds: int) -> list[Row]:
-    """Measure; what breaks is left out from then on and told."""
+def measure(found: Sequence[Case], rounds: int) -> list[Row]:
+    """Measure all cases. A case that fails is reported and left out from then on."""
     for number in range(rounds):
         print(f"round {number + 1} of {rounds}", file=sys.stderr, flush=True)
         for case in found:
-            if not case.broke:
+            if not case.error:
                 try:
                     case.taken += case.run()
-                except (Broke, Unread) as error:
-                    case.broke = str(error)
+                except (CommandFailed, NoMarks) as failure:
+                    case.error = str(failure)
     for case in found:
-        if case.broke:
-            print(f"{case.name}, {case.what}: not measured: {case.broke}")
-    return [Row(c.name, c.what, c.count, c.taken) for c in found if not c.broke]
+        if case.error:
+            print(f"{case.name}, {case.what}: not measured: {case.error}")
+    return [Row(c.name, c.what, c.count, c.taken) for c in found if not c.error]

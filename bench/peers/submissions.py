@@ -1,4 +1,4 @@
-"""What is graded: the Setup cell of the course notebook and an ``euler_eqs`` of the samples, as a script and as a notebook."""
+"""The graded submissions: the notebook's Setup cell and an ``euler_eqs`` of the samples, as a script and as a notebook."""
 
 import ast
 import json
@@ -26,7 +26,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 @dataclass(frozen=True)
 class Submission:
-    """What one student sends; ``name`` is used for files and folders."""
+    """What one student sends; ``name`` names files and folders."""
 
     name: str
     setup: str
@@ -34,17 +34,19 @@ class Submission:
 
     @property
     def script(self) -> str:
-        """As a .py file."""
+        """Return a .py file."""
         return f"{self.setup}\n\n{self.answer}"
 
     @property
     def notebook(self) -> str:
-        """As a .ipynb file of two cells."""
+        """Return a .ipynb file with two cells."""
         return notebook([code_cell("setup", self.setup), code_cell("euler", self.answer)])
 
 
 def submissions(batch: int) -> dict[str, Submission]:
-    """By their names: one of each kind, the right one without matplotlib, and ``batch`` copies of the right one."""
+    """Return the submissions by name: one of each kind, a correct one without matplotlib, and ``batch`` copies of
+    the correct one.
+    """
     answers = {kind: (FOLDER / "samples" / file).read_text() for kind, file in SAMPLES.items()}
     course, lean = (imports + "\n\n" + _setup_functions() for imports in (COURSE, LEAN))
     found = [Submission(file_name(kind), course, answer) for kind, answer in answers.items()]
@@ -54,34 +56,34 @@ def submissions(batch: int) -> dict[str, Submission]:
 
 
 def copies(batch: int) -> list[str]:
-    """Names of the right one's copies."""
+    """Return the names of the copies."""
     return [f"copy-{k}" for k in range(batch)]
 
 
 def file_name(kind: str) -> str:
-    """A kind's name as a file's."""
+    """Return the file name of a kind of submission."""
     return kind.replace(" ", "-").replace(".", "-")
 
 
 def notebook(cells: list[dict]) -> str:
-    """A notebook for Python (nbformat 4.5)."""
+    """Return a Python notebook (nbformat 4.5)."""
     kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
     return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": kernel, "cells": cells}, indent=1)
 
 
 def code_cell(id: str, source: str, **metadata: object) -> dict:
-    """A cell that has not been run."""
+    """Return a code cell without output."""
     return {"cell_type": "code", "id": id, "metadata": metadata, "source": source, "execution_count": None, "outputs": []}
 
 
 def write(path: Path, text: str) -> None:
-    """Write a file and the folders above it."""
+    """Write a file, creating its folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
 
 
 def _setup_functions() -> str:
-    """T_rot, L_body and integrate_body word for word as the course's Setup cell has them."""
+    """Return T_rot, L_body and integrate_body verbatim from the course's Setup cell."""
     text = (FOLDER / "setup.py").read_text()
     found = [ast.get_source_segment(text, node) for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     return "\n\n\n".join(f for f in found if f) + "\n"

@@ -1,4 +1,4 @@
-"""Tables in Markdown, so that they can be put into docs/benchmarks.md as they are."""
+"""Markdown tables for docs/benchmarks.md."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,21 +7,21 @@ from bench.peers.peer import Marks
 
 
 def table(head: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """With columns of equal width."""
+    """Return a Markdown table with aligned columns."""
     lines = [head, *lines]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
-    told = ["| " + " | ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) + " |" for line in lines]
-    return "\n".join([told[0], "|" + "|".join("-" * (w + 2) for w in widths) + "|", *told[1:]])
+    rendered = ["| " + " | ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) + " |" for line in lines]
+    return "\n".join([rendered[0], "|" + "|".join("-" * (w + 2) for w in widths) + "|", *rendered[1:]])
 
 
 def times(rows: Sequence[Row]) -> str:
-    """Medians, the least and the greatest, and medians per submission, in seconds."""
+    """Return the table of times: medians, range, and medians per submission, in seconds."""
     head = ("tool", "what", "wall s", "least – greatest", "CPU s", "wall s each", "CPU s each")
     return table(head, [_time(row) for row in rows])
 
 
 def verdicts(kinds: Sequence[str], given: Mapping[str, Mapping[str, Marks | str]]) -> str:
-    """A line for each kind of submission, a column for each tool; a text where a tool gave no marks."""
+    """Return a table with a line for each kind of submission and a column for each tool."""
     lines = [[kind, *(_mark(of.get(kind, "–")) for of in given.values())] for kind in kinds]
     return table(["submission", *given], lines)
 

@@ -1,4 +1,4 @@
-"""The diagnosis codes of this assignment's own causes and plays; what they mean stands in docs/checks.md."""
+"""The diagnosis codes of this assignment; docs/checks.md describes them."""
 
 CODES = (
     "sign-flipped",

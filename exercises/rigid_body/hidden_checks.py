@@ -1,6 +1,7 @@
-"""The checks whose numbers nobody knows beforehand, behind the public ones of each exercise.
+"""The hidden checks, with random inputs, after the public ones of each exercise.
 
-The notebook's own lines accept a function that returns zeros and the time-reversed equations, which conserve everything too.
+The notebook's own checks accept a function that returns zeros, and the time-reversed equations, which
+conserve everything too.
 """
 
 from dataclasses import replace
@@ -11,22 +12,22 @@ from ecp.checks import Arrays, Check, close, within
 from exercises.rigid_body.public import EXERCISES as PUBLIC
 from exercises.rigid_body.public.common_checks import attitude, omega
 
-ROUNDING = "only rounding separates two spellings of the same algebra at these magnitudes"
-EVEN = "the notebook's own tolerance: each way to take a mean rate from the phase gives the same number to rounding"
+ROUNDING = "correct formulas differ only by rounding at these magnitudes"
+EVEN = "the notebook's own tolerance: every correct way to compute a mean rate from the phase agrees to rounding"
 
 
 def at_moment(index: tuple[int, ...], seen: Arrays) -> str:
-    """Moment and body of an index into moments (n, 3)."""
+    """Return moment and body of an index into moments (n, 3)."""
     return f"I{'₁₂₃'[index[1]]}, body {index[0] + 1} of {len(seen['moments'])}"
 
 
 def at_box(index: tuple[int, ...], seen: Arrays) -> str:
-    """The box (m, a, b, c) of an index into moments (n, 3), with what was returned and expected."""
+    """Return the box (m, a, b, c) of an index into moments (n, 3), and the returned and expected values."""
     return f"I{'₁₂₃'[index[1]]}, (m, a, b, c) = {_vector(seen['at'][index[0]])}: {_compared(seen, 'moments', index)}"
 
 
 def at_point(index: tuple[int, ...], seen: Arrays) -> str:
-    """The point (ω, I) of an index into rates (n, 3), with what was returned and expected."""
+    """Return the point (ω, I) of an index into rates (n, 3), and the returned and expected values."""
     point = f"ω = {_vector(seen['at_w'][index[0]])}, I = {_vector(seen['at_I'][index[0]])}"
     return f"ω̇{'₁₂₃'[index[1]]}, {point}: {_compared(seen, 'wdot', index)}"
 
@@ -38,20 +39,22 @@ def _vector(numbers: Arrays) -> str:
 def _compared(seen: Arrays, name: str, index: tuple[int, ...]) -> str:
     got, expected = float(seen[name][index]), float(seen["exact"][index])
     few, digits = f"{got:.4g}", 4
-    while few == f"{expected:.{digits}g}" and digits < 17:  # as many digits as show a difference
+    while few == f"{expected:.{digits}g}" and digits < 17:  # enough digits to show a difference
         digits += 1
         few = f"{got:.{digits}g}"
     return f"got {few}, expected {expected:.{digits}g}"
 
 
 def at_body(index: tuple[int, ...], seen: Arrays) -> str:
-    """Body of an index into (n,)."""
+    """Return the body of an index into (n,)."""
     return f"body {index[0] + 1} of {len(seen['moments'])}"
 
 
 def pointwise(id: str) -> Check:
-    """``euler_eqs`` is right at secret (t, ω, I). Every exercise it drives makes this check: its own scene alone, with one body
-    known to everybody, would accept equations that are right for that body only."""
+    """Return the check that ``euler_eqs`` is right at random (t, ω, I), for every exercise that it drives.
+
+    The exercise's own scene, with one known body, would accept equations that are right for that body only.
+    """
     return within(
         id,
         "euler_eqs agrees with Euler's equations point by point",
@@ -60,13 +63,13 @@ def pointwise(id: str) -> Check:
         expected=lambda truth: truth["wdot"],
         scale=lambda truth: truth["scale"],
         limit=1e-13,
-        reason="of the largest Iω² over each moment, whose rounding every spelling inherits: far more than any of them needs",
+        reason="of the largest Iω² over each moment: far above the rounding error of any correct formula",
         locate=at_point,
     )
 
 
 def precession(id: str, label: str, scene: str) -> Check:
-    """``precession_rate`` of a motion given to it."""
+    """Return the check of ``precession_rate`` for one given motion."""
     return close(
         id,
         label,
@@ -99,12 +102,12 @@ BOXES = (
         expected=lambda truth: truth["moments"],
         scale=lambda truth: np.maximum(truth["moments"].max(axis=1, keepdims=True), 1.0),
         limit=1e-9,
-        reason="of the largest moment, or of 1 kg m²: eigenvalues are exact to rounding, roots of a polynomial lose some digits",
+        reason="of the largest moment, or of 1 kg m²: eigenvalues are exact to rounding, roots of a polynomial lose a few digits",
         locate=at_moment,
     ),
     close(
         "1-trace",
-        "their sum is the trace of the tensor",
+        "the sum of the moments is the trace of the tensor",
         "tensors",
         measured=lambda seen: seen["moments"].sum(axis=1),
         expected=lambda truth: truth["trace"],
@@ -115,13 +118,13 @@ BOXES = (
     ),
     close(
         "1-determinant",
-        "their product is the determinant of the tensor",
+        "the product of the moments is the determinant of the tensor",
         "tensors",
         measured=lambda seen: seen["moments"].prod(axis=1),
         expected=lambda truth: truth["determinant"],
         rtol=1e-9,
         atol=1e-12,
-        reason="a small moment is exact to rounding of the largest one, so that their product loses some digits",
+        reason="a small moment is exact to rounding of the largest one, so the product loses a few digits",
         locate=at_body,
     ),
 )
@@ -130,29 +133,29 @@ SECRET = {
     "1": BOXES,
     "2": (
         pointwise("2-pointwise"),
-        omega("2-secret", "ω(t) of a body not seen before follows the exact motion for sixty radians", "drawn-long"),
+        omega("2-secret", "ω(t) of a new random body follows the exact motion for sixty radians", "drawn-long"),
     ),
     "3": (
         pointwise("3-pointwise"),
-        omega("3-secret-greatest", "polhode about the axis of the greatest moment of a body not seen before", "drawn-greatest"),
-        omega("3-secret-least", "polhode about the axis of the least moment of a body not seen before", "drawn-least"),
+        omega("3-secret-greatest", "ω(t) of a new random body about its axis of the greatest moment", "drawn-greatest"),
+        omega("3-secret-least", "ω(t) of a new random body about its axis of the least moment", "drawn-least"),
     ),
     "4": (
         pointwise("4-pointwise"),
-        omega("4-secret", "ω(t) of a top with its axis along one of the three follows the exact motion", "drawn-symmetric"),
-        omega("4-sphere", "ω of a body with three equal moments stays as it is", "drawn-sphere"),
+        omega("4-secret", "ω(t) of a symmetric top about any of the three axes follows the exact motion", "drawn-symmetric"),
+        omega("4-sphere", "ω of a body with three equal moments stays constant", "drawn-sphere"),
         precession("4-function", "precession_rate finds Ω in a given motion", "rate"),
-        precession("4-retrograde", "precession_rate is negative where (ω₁, ω₂) turns backwards", "rate-retrograde"),
-        precession("4-coarse", "precession_rate finds Ω where samples lie up to 0.47 of a turn apart", "rate-coarse"),
+        precession("4-retrograde", "precession_rate is negative if (ω₁, ω₂) turns backwards", "rate-retrograde"),
+        precession("4-coarse", "precession_rate finds Ω with samples up to 0.47 of a turn apart", "rate-coarse"),
         precession("4-short", "precession_rate finds Ω in less than one turn", "rate-short"),
     ),
     "5": (
         pointwise("5-pointwise"),
-        omega("5-secret", "a body not seen before turns over when it should", "drawn-tumble"),
+        omega("5-secret", "a new random body turns over at the right times", "drawn-tumble"),
     ),
     "6": (
         pointwise("6-pointwise"),
-        attitude("6-secret", "R(t) of a body of three unequal moments follows the exact attitude", "drawn-attitude"),
+        attitude("6-secret", "R(t) of a new random body follows the exact attitude", "drawn-attitude"),
     ),
 }
 

@@ -1,4 +1,6 @@
-"""Trusted integration of a student's ``euler_eqs`` on the host, call by call: whole motions, and stretches to compare."""
+"""Trusted integration of a student's ``euler_eqs`` on the host, call by call: whole motions, and stretches to
+compare.
+"""
 
 from collections.abc import Mapping
 
@@ -11,24 +13,24 @@ from exercises.assignment import HostVerification, Inputs, RightHandSide
 
 Array = NDArray[np.float64]
 
-EXACT = 1e-12  # of the scale of each point: what any way of writing the right equations stays well below
+EXACT = 1e-12  # of the scale of each point: correct formulas stay well below it
 RTOL, ATOL = 1e-10, 1e-12
 MOST_CALLS, MOST_OF_A_STRETCH = 40_000, 4000
-STRETCHES, STRETCH = 2, 0.01  # how many, and their length in parts of the motion
-FOLLOWS = 1e-6  # of the largest |ω| and of R; a motion made by other equations is off by far more
+STRETCHES, STRETCH = 2, 0.01  # their number, and their length as a fraction of the motion
+FOLLOWS = 1e-6  # of the largest |ω| and of R; a motion of other equations is off by far more
 
 
 class TooManyCalls(Exception):
-    """The integrator does not get on with this function."""
+    """Integration failed: too many calls of the student's function."""
 
 
 def certified(inputs: Inputs, seen: Arrays, truth: Arrays) -> bool:
-    """Whether the rates are the exact ones at every probe, the random ones and those along the exact motions."""
+    """Return whether the rates are exact at every probe, the random ones and those along the exact motions."""
     return bool(np.all(np.abs(seen["wdot"] - truth["wdot"]) <= EXACT * truth["scale"]))
 
 
 def follows(inputs: Inputs, seen: Arrays, ask: RightHandSide, rng: np.random.Generator) -> bool:
-    """Whether stretches of the motion, drawn at random, are what the integrator makes of ``ask`` from their beginnings."""
+    """Return whether random stretches of the motion agree with an integration of ``ask`` from their start."""
     times, w, R = np.linspace(0.0, inputs["t_end"], inputs["n"]), seen["w"], seen.get("R")
     length = max(1, round(STRETCH * len(times)))
     for k in rng.integers(0, len(times) - length, STRETCHES):
@@ -44,7 +46,7 @@ def follows(inputs: Inputs, seen: Arrays, ask: RightHandSide, rng: np.random.Gen
 
 
 def motion(inputs: Inputs, ask: RightHandSide) -> Mapping[str, Array]:
-    """The whole motion. Raises TooManyCalls or ValueError where there is none."""
+    """Return the whole motion that ``ask`` drives. Raises TooManyCalls or ValueError if there is none."""
     times = np.linspace(0.0, inputs["t_end"], inputs["n"])
     start = _state(np.asarray(inputs["w0"], dtype=float), np.eye(3) if inputs["orientation"] else None)
     y = _integrate(start, times, inputs["I"], ask, MOST_CALLS)

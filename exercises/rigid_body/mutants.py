@@ -1,6 +1,7 @@
-"""Wrong ``euler_eqs`` written out: the slips of the catalogue, pairs of them drawn at random, and each change of right samples.
+"""Wrong versions of ``euler_eqs``: single mistakes, random pairs of them, and each small change of right
+samples.
 
-``polhode mutants`` grades them all. That they are wrong is found out here, by means the checks have no part in.
+``polhode mutants`` grades them all. ``differs`` decides independently of the checks that they are wrong.
 """
 
 import contextlib
@@ -36,14 +37,14 @@ POINTS, ROUNDING, PATIENCE = 400, 1e-11, 5
 
 
 def mutants() -> Iterator[Mutant]:
-    """All of them, in a fixed order."""
+    """Yield all mutants in a fixed order."""
     slips = [slip for k in range(3) for slip in _component_slips(k)]
     for name, k, term in slips:
-        yield Mutant("one slip in one component", name, _function({k: term}))
+        yield Mutant("one mistake in one component", name, _function({k: term}))
     rng = random.Random(2026)  # noqa: S311
     pairs = [(a, b) for a, b in itertools.combinations(slips, 2) if a[1] != b[1]]
     for (first, k, one), (second, m, other) in rng.sample(pairs, PAIRS):
-        yield Mutant("two slips", f"{first}; {second}", _function({k: one, m: other}))
+        yield Mutant("two mistakes", f"{first}; {second}", _function({k: one, m: other}))
     yield from _whole()
     folder = Path(__file__).parent / "samples"
     for file in SAMPLES:
@@ -51,7 +52,9 @@ def mutants() -> Iterator[Mutant]:
 
 
 def differs(source: str) -> bool:
-    """Whether the function is anything but Euler's equations to rounding, at points of its own: bodies and spins of all sizes."""
+    """Return whether the function is not Euler's equations to rounding, at its own points: bodies and spins
+    of all sizes.
+    """
     rng = np.random.default_rng(7)
     boxes = 10 ** rng.uniform(-1.5, 1.5, (POINTS, 3))
     moments = np.array([reference.box_moments(1.0, *box) for box in boxes])
@@ -129,7 +132,7 @@ def _whole() -> Iterator[Mutant]:
     for body in ((2.0, 3.0, 4.0), (1.0, 1.0, 1.6)):
         whole[f"always I = {body}"] = f"(lambda I: {right})(np.array({body}))"
     for name, answer in whole.items():
-        yield Mutant("a slip of the whole", name, f"def euler_eqs(t, w, I):\n    return {answer}\n")
+        yield Mutant("a mistake in all components", name, f"def euler_eqs(t, w, I):\n    return {answer}\n")
 
 
 def _function(changed: dict[int, str]) -> str:

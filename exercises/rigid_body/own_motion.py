@@ -1,4 +1,6 @@
-"""The exact motion behind an animation that a notebook's cell showed: found among the notebook's own numbers, and verified."""
+"""The exact motion behind an animation that a notebook's cell showed, found among the notebook's numbers and
+verified.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,19 +12,20 @@ from exercises.rigid_body.public.parameters import SYMMETRIC
 
 Array = NDArray[np.float64]
 
-CLOSE = 0.02  # largest difference of an element of R: less than a drawing may deviate, more than any integrator's default tolerance
-MOST_ANGLE = 1e4  # rad that the body turns
+CLOSE = 0.02  # largest difference of an element of R: below a drawing's tolerance, above any integrator's default tolerance
+MOST_ANGLE = 1e4  # rad
 AS_FUNCTION = (
-    "the motion behind the animation in your cell was not recognized; hand it in as a function: "
+    "the motion behind the animation in your cell was not recognized; submit it as a function: "
     "def animate_precession(t, R, L): … return show(anim)"
 )
 
 
 def own_motion(inputs: Inputs, seen: Arrays) -> Inputs | str | None:
-    """Return ``inputs`` with the exact t, R and L of a symmetric top behind the notebook's R (n, 3, 3) at times t (n,).
+    """Return ``inputs`` with the exact t, R and L of a symmetric top behind the notebook's R (n, 3, 3) at
+    times t (n,).
 
-    R(0) and ω(0) are free; the moments are among the notebook's numbers, or the course's. None where a function was handed in; a
-    sentence where the notebook's R is not such a motion.
+    R(0) and ω(0) are free; the moments are among the notebook's numbers, or the course's. Returns None if a
+    function was submitted, and a sentence if the notebook's R is not such a motion.
     """
     R, t = np.asarray(seen["own_R"]), np.asarray(seen["own_t"])[:, 0]
     if len(R) == 1:
@@ -52,7 +55,7 @@ def _possible(I: Array) -> bool:
 
 
 def _first_rate(R: Array, t: Array, I: Array) -> Array:
-    """Return ω(0) (3,) of a symmetric top from the circle on which the ê₃ of R (n, 3, 3) runs, with R(0) = 1."""
+    """Return ω(0) (3,) of a symmetric top from the circle of ê₃ in R (n, 3, 3), with R(0) = 1."""
     tips = R[:, :, 2]
     x, y, z = np.linalg.svd(tips - tips.mean(axis=0), full_matrices=False)[2]
     z = z * np.linalg.det([x, y, z])

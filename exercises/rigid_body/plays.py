@@ -1,7 +1,8 @@
-"""What is done with a submission's functions, inside the wall: numbers in, arrays out, no judgement and no truth.
+"""The calls of a submission's functions, inside the sandbox: numbers in, arrays out, no judgement and no
+truth.
 
-Each play takes the submission's names and a scene's inputs and returns arrays by name. It uses its own integrator, bound
-before the submission runs, so that replacing ``solve_ivp`` changes nothing here.
+Each play takes the submission's names and a scene's inputs and returns arrays by name. It uses its own
+integrator, bound before the submission runs, so that replacing ``solve_ivp`` changes nothing here.
 """
 
 import math
@@ -16,39 +17,39 @@ from scipy.integrate import solve_ivp
 
 import ecp.animate
 from ecp.animation import watch
-from ecp.return_value import WrongAnswer, exchanged, real_array, takes
+from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
 
-# The notebook's own settings; a right submission needs under 4000 calls on every scene.
+# The notebook's settings. A right submission needs under 4000 calls on every scene.
 RTOL, ATOL, MOST_CALLS = 1e-11, 1e-13, 40_000
-UNBOUNDED = 30.0  # times the first |ω|; energy allows the root of the largest moment over the smallest, under 6 here
+UNBOUNDED = 30.0  # times the first |ω|; energy conservation allows √(largest / smallest moment), under 6 here
 CALLED = ("t", "w", "I")
 TIMED = 500
 OVERWRITES = "euler_eqs returns the same array each time and overwrites it: build a new array"
 MOST_OWN = 4000  # samples of a notebook's own motion
-UNKNOWN = np.zeros((2, 3, 3))  # in place of the attitudes an animation was drawn from
+UNKNOWN = np.zeros((2, 3, 3))  # replaces the attitudes of an animation if they are not known
 NOT_OWN = {"own_R": np.zeros((1, 3, 3)), "own_t": np.zeros((1, 1)), "own_I": np.zeros((1, 3))}
 
 
 def box(student, inputs):
-    """``box_moments`` for each row (m, a, b, c)."""
+    """Return ``box_moments`` of each row (m, a, b, c)."""
     function = student["box_moments"]
-    takes(function, ("m", "a", "b", "c"), "box_moments")
+    check_signature(function, ("m", "a", "b", "c"), "box_moments")
     rows = [real_array(function(*map(float, row)), (3,), "box_moments") for row in np.asarray(inputs["boxes"])]
     return {"moments": np.array(rows)}
 
 
 def tensors(student, inputs):
-    """``principal_moments`` of each tensor (3, 3), in the order it returned them."""
+    """Return ``principal_moments`` of each tensor (3, 3), in the order the function returned them."""
     function = student["principal_moments"]
-    takes(function, ("tensor",), "principal_moments")
+    check_signature(function, ("tensor",), "principal_moments")
     rows = [real_array(function(np.array(tensor)), (3,), "principal_moments") for tensor in np.asarray(inputs["tensors"])]
     return {"moments": np.array(rows)}
 
 
 def pointwise(student, inputs):
-    """``euler_eqs`` asked once per probe, with its own copies of the arguments."""
+    """Call ``euler_eqs`` once per probe, with its own copies of the arguments."""
     function = student["euler_eqs"]
-    takes(function, CALLED, "euler_eqs")
+    check_signature(function, CALLED, "euler_eqs")
     answers, before = [], None
     for t, w, I in zip(inputs["t"], np.asarray(inputs["w"]), np.asarray(inputs["I"]), strict=True):
         spin, moments = w.copy(), I.copy()
@@ -68,7 +69,7 @@ def pointwise(student, inputs):
 
 
 def trajectory(student, inputs):
-    """The motion that ``euler_eqs`` drives: ω alone, or with the attitude where ``orientation`` is asked for."""
+    """Integrate the motion that ``euler_eqs`` drives: ω alone, or with the attitude if ``orientation`` is set."""
     times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
     start, rates, calls = driven(student["euler_eqs"], inputs)
     try:
@@ -81,13 +82,15 @@ def trajectory(student, inputs):
 
 
 def driven(function, inputs):
-    """Start and right-hand side of the motion that ``function`` drives, and a list: the number of its calls, and the last ω."""
+    """Return start and right-hand side of the motion that ``function`` drives, and a list of the number of
+    its calls and the last ω.
+    """
     moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
     def spin_rate(t, w):
         calls[:] = calls[0] + 1, w
         if calls[0] > MOST_CALLS:
-            raise WrongAnswer(None, f"the integrator stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
+            raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
         rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
         if not all(map(math.isfinite, rate)):
             raise WrongAnswer("not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite")
@@ -105,7 +108,9 @@ def driven(function, inputs):
 
 
 def sweep(student, inputs):
-    """The same motion by several solvers and tolerances: what each brings, its calls and seconds; and the seconds of a call."""
+    """Integrate one motion by several solvers and tolerances; return motions, calls and seconds, and the
+    seconds of one call.
+    """
     function, times = student["euler_eqs"], np.array(inputs["t"])
     states, calls, seconds = [], [], []
     for solver, rtol in inputs["settings"]:
@@ -115,7 +120,7 @@ def sweep(student, inputs):
             run = solve_ivp(rates, (0.0, times[-1]), start, method=solver, t_eval=times, rtol=rtol, atol=1e-2 * rtol)
             state[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
-            pass  # this setting stalls; the others need not
+            pass  # this setting stalls; others may not
         seconds.append(time.perf_counter() - began)
         calls.append(made[0])
         states.append(state)
@@ -131,19 +136,20 @@ def sweep(student, inputs):
 
 
 def precession(student, inputs):
-    """``precession_rate`` of a given motion: one number."""
-    takes(student["precession_rate"], ("t", "w"), "precession_rate")
+    """Return ``precession_rate`` of a given motion: one number."""
+    check_signature(student["precession_rate"], ("t", "w"), "precession_rate")
     rate = student["precession_rate"](np.array(inputs["t"]), np.array(inputs["w"]))
     return {"rate": real_array(rate, (), "precession_rate")}
 
 
 def animation(student, inputs):
-    """The animation of the function that ``inputs`` names, watched frame by frame: returned, or else shown, saved or rendered.
+    """Record the animation of the function that ``inputs`` names, frame by frame: returned, or else shown,
+    saved or rendered.
 
-    One that a cell showed instead comes with the numbers it may have been drawn from.
+    An animation that a cell showed comes with the numbers it may have been drawn from.
     """
     name, arguments = inputs["function"], inputs["arguments"]
-    takes(student[name], tuple(arguments), name)
+    check_signature(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
     ecp.animate.made.clear()
     unkept = False
@@ -161,7 +167,9 @@ def animation(student, inputs):
 
 
 def _lacks_a_file(error):
-    """Whether an animation could not be written, rendered or read again: no fault of its motion, the sandbox keeps no files."""
+    """Return whether an animation failed because it wrote, rendered or read a file: the sandbox has none, and
+    its motion may be right.
+    """
     if isinstance(error, OSError) or (isinstance(error, AssertionError) and ecp.animate.shown):
         return True
     frames = traceback.walk_tb(error.__traceback__)
@@ -169,22 +177,23 @@ def _lacks_a_file(error):
 
 
 class FromCell:
-    """An animation that a cell showed, in the place of the function that nobody wrote; ``own`` numbers of the notebook."""
+    """An animation that a cell showed, used if there is no function; ``own`` are numbers of the notebook."""
 
     def __init__(self, anim, own):
         self.anim, self.own = anim, own
 
     def __call__(self, t, R, L):
-        """Return the animation, drawn from the notebook's own numbers."""
+        """Return the animation, which was drawn from the notebook's own numbers."""
         return self.anim
 
 
 def adopt(student, source):
-    """``animate_precession`` for a notebook whose cell ``source`` shows an animation drawn from the motion of a symmetric top.
+    """Return ``animate_precession`` for a notebook whose cell ``source`` shows an animation of a symmetric
+    top's motion.
 
-    That cell, or a function it calls, names attitudes R (n, 3, 3) whose ê₃ runs on a circle, or that ê₃. Their times and the
-    moments may stand anywhere in the notebook; names of the cell come first. Where only other cells name such attitudes, the
-    animation comes with UNKNOWN ones.
+    That cell, or a function it calls, names attitudes R (n, 3, 3) whose ê₃ runs on a circle, or that ê₃.
+    Their times and the moments may be anywhere in the notebook; names of the cell come first. If only other
+    cells name such attitudes, the animation has UNKNOWN ones.
     """
     if not ecp.animate.shown:
         return {}
@@ -209,7 +218,7 @@ def _names(code):
 
 
 def _is_cone(R):
-    """Whether the ê₃ of R (n, 3, 3) runs on a circle."""
+    """Return whether the ê₃ of R (n, 3, 3) runs on a circle."""
     if R.ndim != 3 or R.shape[1:] != (3, 3) or not 10 <= len(R) <= MOST_OWN:
         return False
     sizes = np.linalg.svd(R[:, :, 2] - R[:, :, 2].mean(axis=0), compute_uv=False)
@@ -222,7 +231,7 @@ def _uses(used, R):
 
 
 def _numbers(value):
-    """The finite real array that a value is, or None."""
+    """Return the finite real array that a value is, or None."""
     if not isinstance(value, np.ndarray | list | tuple) or len(value) == 0 or len(value) > MOST_OWN:
         return None
     try:

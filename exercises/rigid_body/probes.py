@@ -1,8 +1,8 @@
-"""The points (t, ω, I) at which ``euler_eqs`` is called, and how exact its answer has to be at each of them.
+"""The points (t, ω, I) at which ``euler_eqs`` is called, and the accuracy required at each of them.
 
-Random points meet each order of the moments with each octant of ω. Special points follow: on axes and planes, at rest, with
-equal moments, and with very large and very small numbers. A right function may be written in many ways, so what is allowed is
-relative to the largest product Iω² of the point itself.
+Random points combine each order of the moments with each octant of ω. Special points follow: on axes and
+planes, at rest, with equal moments, and with very large and very small numbers. Correct formulas round
+differently, so the tolerance is relative to the largest product Iω² of the point.
 """
 
 import itertools
@@ -18,20 +18,20 @@ Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
-PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # at random; again; at another time; along each motion
+PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random; repeated; at another time; along each motion
 SPECIAL = 20
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
 AT_REST = 1e-20  # rad/s², the scale where ω = 0: a right rate is exactly zero there
 APART = 0.05  # least relative distance of two moments that are not equal
 
 
-def asked(motions: int) -> int:
-    """The number of points beside ``motions`` exact motions."""
+def number_of_points(motions: int) -> int:
+    """Return the number of points if some lie along ``motions`` exact motions."""
     return PROBES + REPEATS + RETIMED + SPECIAL + NODES * motions
 
 
 def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
-    """Points in random order: ``t`` (n,) in s, ``w`` (n, 3) in rad/s, ``I`` (n, 3) in kg m².
+    """Return points in random order: ``t`` (n,) in s, ``w`` (n, 3) in rad/s, ``I`` (n, 3) in kg m².
 
     Some random points are repeated, some at another time. Others lie along ``motions``.
     """
@@ -45,14 +45,18 @@ def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
 
 
 def exact(inputs: Inputs) -> Mapping[str, Array]:
-    """The rates ``wdot`` (n, 3), the ``scale`` (n, 3) of their rounding, and the points themselves as ``at_w`` and ``at_I``."""
+    """Return the rates ``wdot`` (n, 3), the ``scale`` (n, 3) of their rounding, and the points themselves as
+    ``at_w`` and ``at_I``.
+    """
     w, I = np.asarray(inputs["w"], dtype=float), np.asarray(inputs["I"], dtype=float)
     rates = reference.euler_rhs(w.T, I.T).T
     return {"wdot": rates, "exact": rates, "scale": scale(w, I), "at_w": w, "at_I": I}
 
 
 def scale(w: Array, I: Array) -> Array:
-    """The largest product Iω² of each point over each moment (n, 3): every spelling rounds to a fraction of it."""
+    """Return the largest product Iω² of each point over each moment (n, 3) in rad/s², a bound for rounding in
+    every correct formula.
+    """
     return np.asarray(np.maximum(I.max(axis=1, keepdims=True) * np.abs(w).max(axis=1, keepdims=True) ** 2 / I, AT_REST))
 
 
@@ -94,5 +98,5 @@ def _timed(points: list[tuple[Array, Array]], rng: Rng) -> Array:
 
 def _along(motion: Inputs, rng: Rng) -> Array:
     w = reference.motion(motion["w0"], motion["I"], rng.uniform(0.0, motion["t_end"], NODES)).w
-    told = rng.uniform(0.0, motion["t_end"], NODES)  # not the time at which the motion is there: a student could use that
-    return np.column_stack([told, w.T, np.tile(motion["I"], (NODES, 1))])
+    unrelated = rng.uniform(0.0, motion["t_end"], NODES)  # not the motion's own times, which would identify the points
+    return np.column_stack([unrelated, w.T, np.tile(motion["I"], (NODES, 1))])

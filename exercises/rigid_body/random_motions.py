@@ -1,4 +1,4 @@
-"""Motions nobody has seen: body, spin and time drawn for each attempt, one family after the other."""
+"""Hidden motions: body, spin and time drawn for each submission, by family."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ OFF_SEPARATRIX = 0.02  # least relative distance of |L|² from 2 T I₂ in the t
 
 
 def body(rng: Rng) -> Array:
-    """Moments (3,) of a box, in any order, no two nearly equal."""
+    """Return moments (3,) of a box in kg m², in any order, no two nearly equal."""
     while True:
         moments = reference.box_moments(rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3))
         low, mid, high = np.sort(moments)
@@ -26,23 +26,23 @@ def body(rng: Rng) -> Array:
 
 
 def long_run(rng: Rng) -> Inputs:
-    """Sixty radians of a body in general motion."""
+    """Draw a general motion over sixty radians."""
     w0 = _spin(rng)
     return _inputs(w0, body(rng), 60.0 / np.linalg.norm(w0), 600)
 
 
 def about_least(rng: Rng) -> Inputs:
-    """A polhode around the axis of the least moment."""
+    """Draw a polhode around the axis of the least moment."""
     return _family(rng, -1)
 
 
 def about_greatest(rng: Rng) -> Inputs:
-    """A polhode around the axis of the greatest moment."""
+    """Draw a polhode around the axis of the greatest moment."""
     return _family(rng, 1)
 
 
 def symmetric(rng: Rng) -> Inputs:
-    """Two moments equal to the last bit; the third is that of any of the three axes."""
+    """Draw a body with two moments equal to the last bit; the third is that of any of the three axes."""
     equal = rng.uniform(0.5, 3.0)
     moments = np.full(3, equal)
     moments[rng.integers(3)] = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
@@ -51,13 +51,13 @@ def symmetric(rng: Rng) -> Inputs:
 
 
 def sphere(rng: Rng) -> Inputs:
-    """Three equal moments: ω stays where it is."""
+    """Draw a body with three equal moments, whose ω is constant."""
     w0 = _spin(rng)
     return _inputs(w0, np.full(3, rng.uniform(0.5, 3.0)), 10.0 / np.linalg.norm(w0), 100)
 
 
 def tumble(rng: Rng) -> Inputs:
-    """A spin so near the intermediate axis that it turns over once, along the separatrix."""
+    """Draw a spin so near the intermediate axis that the body turns over once, along the separatrix."""
     moments, spin, nudge = body(rng), rng.uniform(2.0, 6.0), 10 ** rng.uniform(-4.0, -2.0)
     axis = int(np.argsort(moments)[1])
     t_end = 1.5 * np.log(4.0 / nudge) / reference.steady_spin_growth_rate(moments, axis, spin)
@@ -70,7 +70,7 @@ def tumble(rng: Rng) -> Inputs:
 
 
 def attitude(rng: Rng) -> Inputs:
-    """A general motion with its attitude."""
+    """Draw a general motion with its attitude."""
     w0 = _spin(rng)
     return _inputs(w0, body(rng), 20.0 / np.linalg.norm(w0), 120, orientation=True)
 

@@ -1,4 +1,4 @@
-"""The scenes of notebook 2.6: which function is called with which numbers, what comes back, and the exact answer."""
+"""The scenes of notebook 2.6: each names a function and its inputs, the arrays it returns, and the exact answer."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -20,13 +20,15 @@ from exercises.rigid_body.turning import TURNING
 Array = NDArray[np.float64]
 
 BOOK = reference.box_moments(*BOX)
-UNEQUAL = 8  # boxes of which no two moments are nearly equal
-BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # given to box_moments and to principal_moments
-SENSED = 60  # times at which a motion's sensitivity is summed up
+UNEQUAL = 8  # boxes with no two moments nearly equal
+BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # inputs of box_moments and of principal_moments
+SENSED = 60  # times at which a motion's sensitivity is evaluated
 
 
 def _same_energy(*direction: float) -> tuple[float, ...]:
-    """ω(0) along ``direction`` with the kinetic energy of the torque-free scene, so that its polhode lies on the same ellipsoid."""
+    """Return ω(0) along ``direction`` with the kinetic energy of the torque-free scene, so that its polhode
+    lies on the same ellipsoid.
+    """
     energies = [float(reference.kinetic_energy(w, BODY)) for w in (TORQUE_FREE, direction)]
     return tuple(float(x) for x in np.asarray(direction) * np.sqrt(energies[0] / energies[1]))
 
@@ -37,7 +39,7 @@ def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, 
 
 
 def _spin(name: str, axis: int) -> Scene:
-    """The book spun about one axis; the truth also holds how far the spin leaves it."""
+    """Return the scene of the book spun about one axis; the truth also holds the largest departure from that axis."""
     spin = _trajectory(name, spun(axis), BOOK, SPIN_TIME, 1500, orientation=True)
     return replace(spin, truth=lambda inputs: {**_exact_motion(inputs), "growth": np.array(_largest_growth(axis))})
 
@@ -50,7 +52,7 @@ def _motion(name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs],
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
-    """Times, ω and R, and how much of an error comes through: the sensitivity κ and the angle in rad turned at the first rate."""
+    """Return times, ω and R, the sensitivity κ to errors, and the angle in rad turned at the initial rate."""
     w0, I, times = inputs["w0"], inputs["I"], np.linspace(0.0, inputs["t_end"], inputs["n"])
     exact = reference.motion(w0, I, times, need="orientation" if inputs["orientation"] else "omega")
     angle = float(np.linalg.norm(w0)) * inputs["t_end"]
@@ -59,12 +61,14 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def _probes(rng: np.random.Generator) -> Inputs:
-    """The points of probes.py, also along the fixed motions."""
+    """Draw the points of probes.py, some of them along the fixed motions."""
     return probes.draw(rng, [motion.inputs for motion in TRAJECTORIES if not callable(motion.inputs)])
 
 
 def _boxes(rng: np.random.Generator) -> Inputs:
-    """Boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars, large and small ones."""
+    """Draw boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars,
+    large and small ones.
+    """
     boxes: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
     for m, a, b, c in (_unequal_box(rng) for _ in range(2)):
         long, thin = 20 * max(a, b, c), min(a, b, c) / 20
@@ -97,9 +101,10 @@ def _rotation(rng: np.random.Generator) -> Array:
 
 
 def _drawn_tensors(rng: np.random.Generator) -> Inputs:
-    """Tilted boxes, as they are, diagonal already, and of other sizes.
+    """Draw tilted boxes, some of them diagonal already or of other sizes.
 
-    No two moments are nearly equal: there the roots of the characteristic polynomial lose half their digits or become complex.
+    No two moments are nearly equal: the roots of the characteristic polynomial would lose half their digits
+    or become complex.
     """
     boxes = np.array([_unequal_box(rng) for _ in range(UNEQUAL)])
     given = [*np.asarray(_tilted(boxes, rng)["tensors"]), *(np.diag(reference.box_moments(*box)) for box in boxes[:2])]
@@ -115,12 +120,12 @@ def _exact_tensors(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def spun(axis: int) -> tuple[float, ...]:
-    """ω(0) of the book spun about one axis, nudged off it."""
+    """Return ω(0) of the book spun about one axis, nudged off it."""
     return tuple(SPIN if i == axis else NUDGE * SPIN for i in range(3))
 
 
 def _largest_growth(axis: int) -> float:
-    """The largest transverse |ω| over the spin about ``axis``, over all times and not only at samples."""
+    """Return the largest transverse |ω| over the spin about ``axis``, over all times and not only at samples."""
     from scipy.optimize import minimize_scalar
 
     exact, times = reference.Exact(spun(axis), BOOK), np.linspace(0.0, SPIN_TIME, 400)
@@ -138,10 +143,11 @@ def _exact_precession(inputs: Inputs) -> Mapping[str, Array]:
 
 
 def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) -> Scene:
-    """A motion graded nowhere else: what an animation is given to draw must not answer another scene's question.
+    """Return the scene of an animation, with a motion that is not graded elsewhere: its inputs must not
+    answer another scene.
 
-    It starts from an attitude that keeps L and ê₃ off every coordinate axis and plane, where mistakes would look alike; the cone of
-    ê₃ crosses each of the planes.
+    It starts from an attitude that keeps L and ê₃ off every coordinate axis and plane, where mistakes would
+    look alike; the cone of ê₃ crosses each of the planes.
     """
     times = np.linspace(0.0, 4.0, 96)
     exact = reference.motion(w0, I, times, need="orientation")
@@ -156,7 +162,7 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
     return Scene(name, "animation", function, inputs, FILM, truth, 15.0, replaced=own_motion)
 
 
-FILMED = (1.25, 1.25, 2.0)  # not those of the course: |L| is not the rate at which ê₃ goes round L
+FILMED = (1.25, 1.25, 2.0)  # not the course's: |L| must differ from the rate at which ê₃ goes round L
 TILT = Rotation.from_rotvec([-2.0, 1.0, 0.0]).as_matrix()
 FILM = {
     "frames": ArraySpec((24, 360, 480, 3), "uint8", up_to=True),
@@ -180,7 +186,7 @@ TRAJECTORIES = (
     _spin("spin-max", 2),
     _trajectory("precession", (0.2, 0.3, 3.0), SYMMETRIC, 8.0, 80, orientation=True),
 )
-ASKED = probes.asked(len(TRAJECTORIES))
+POINTS = probes.number_of_points(len(TRAJECTORIES))
 
 SCENES = (
     Scene("boxes", "box", "box_moments", _boxes, {"moments": ArraySpec((BOXES, 3))}, _exact_boxes, 1.0, known=("exact", "at")),
@@ -191,7 +197,7 @@ SCENES = (
         "pointwise",
         "euler_eqs",
         _probes,
-        {"wdot": ArraySpec((ASKED, 3))},
+        {"wdot": ArraySpec((POINTS, 3))},
         probes.exact,
         2.0,
         known=("exact", "at_w", "at_I"),

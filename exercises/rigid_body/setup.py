@@ -1,4 +1,4 @@
-"""The notebook's Setup cell: these names are in scope for every submission."""
+"""The notebook's Setup cell: every submission can use these names."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""Speed against accuracy of the student's own ``euler_eqs``: adaptive solvers over their tolerances, on exercise 2."""
+"""Speed against accuracy of the student's ``euler_eqs``: adaptive solvers over their tolerances, on exercise 2."""
 
 import math
 
@@ -36,7 +36,9 @@ def _truth(inputs: Inputs) -> Arrays:
 
 
 def read(seen: Arrays, truth: Arrays) -> SweepResult:
-    """Errors of every run, and one line: what the notebook's setting reaches, what a call costs, what is cheapest to 1e-8."""
+    """Return errors of every run and a summary line: the error at the notebook's setting, the cost of a call,
+    the cheapest to 1e-8.
+    """
     exact, points = Sampled(truth["w"], truth["R"]), []
     for k, (solver, rtol) in enumerate(SETTINGS):
         found = errors(CHARTED, Run(seen["w"][k], seen["R"][k], int(seen["calls"][k])), exact)
@@ -55,13 +57,13 @@ def read(seen: Arrays, truth: Arrays) -> SweepResult:
 
 def _line(points: list[SweptPoint], per_call: float) -> str:
     own = next(p for p in points if (p.method, p.rtol) == NOTEBOOKS)
-    reached = "blows up" if own.error is None else f"reaches {own.error:.1e}"
-    told = f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls} calls"
+    reached = "diverges" if own.error is None else f"reaches {own.error:.1e}"
+    summary = f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls} calls"
     enough = [p for p in points if p.error is not None and p.error <= ENOUGH]
     if not enough:
-        return f"{told}; nothing reaches {ENOUGH:g}: the equations themselves are off"
+        return f"{summary}; nothing reaches {ENOUGH:g}: the equations themselves are wrong"
     best = min(enough, key=lambda p: p.calls)
-    return f"{told}; cheapest to {ENOUGH:g} is {best.method} at rtol {best.rtol:g} with {best.calls} calls"
+    return f"{summary}; cheapest to {ENOUGH:g} is {best.method} at rtol {best.rtol:g} with {best.calls} calls"
 
 
 SWEEP = Sweep(Scene("sweep", "sweep", "euler_eqs", INPUTS, RETURNS, _truth, budget_s=20.0), read)

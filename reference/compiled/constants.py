@@ -1,4 +1,4 @@
-"""A body's constants in double-double: the same formulas as ``reference.polhode``, for general motion only."""
+"""A body's constants in double-double arithmetic: the formulas of ``reference.polhode``, for general motion only."""
 
 import math
 
@@ -17,7 +17,9 @@ ENOUGH, NEARLY_NOTHING = 1e-16, 1e-60
 
 @njit(cache=True, error_model="numpy")
 def integrals(kc: DD, root_n: DD, cot: DD) -> tuple[DD, DD, DD]:
-    """K, Π and F/2K of one body in one arithmetic-geometric mean, as ``reference.precise.integrals``; ``cot`` is cot φ."""
+    """Return K, Π and F/2K of one body from one arithmetic-geometric mean, as
+    ``reference.precise.integrals``; ``cot`` is cot φ.
+    """
     p, a, b, mean, e, gap = root_n, ONE, div(ONE, root_n), ONE, kc, kc
     halves, doublings = 0.0, 1.0
     while True:
@@ -38,7 +40,7 @@ def integrals(kc: DD, root_n: DD, cot: DD) -> tuple[DD, DD, DD]:
 
 @njit(cache=True, error_model="numpy")
 def complete_k(kc: float) -> float:
-    """K for the complementary modulus kc > 0."""
+    """Return K for the complementary modulus kc > 0."""
     a, b = max(kc, 1.0), min(kc, 1.0)
     while a - b > 1e-8 * a:
         a, b = (a + b) / 2, math.sqrt(a * b)
@@ -47,7 +49,7 @@ def complete_k(kc: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def carlson_rf(x: float, y: float, z: float) -> float:
-    """Carlson's R_F."""
+    """Return Carlson's R_F (Carlson, Numer. Algorithms 10, 1995)."""
     while True:
         mean = (x + y + z) / 3
         dx, dy = 1 - x / mean, 1 - y / mean
@@ -62,9 +64,10 @@ def carlson_rf(x: float, y: float, z: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
-    """Fill ``out`` and ``axes``; 0 for the direct model, 1 for the dual, −1 where neither serves.
+    """Fill ``out`` and ``axes``; return 0 for the direct model, 1 for the dual, −1 if neither applies.
 
-    out: phase, start and swing (pairs), sizes a, b, c, |L|, moments a, b, c, signs a, b, c, nome ratio, offset.
+    out: phase, start and swing (pairs), sizes a, b, c, |L|, moments a, b, c, signs a, b, c, nome ratio,
+    offset. Units are those of ``reference.polhode.Polhode``.
     """
     order = np.argsort(I)
     n1, n2, n3 = order[0], order[1], order[2]
@@ -77,7 +80,7 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
     if d1[0] == 0.0 or d3[0] == 0.0:
         return -1
     if abs(d2[0]) <= NEAR * (q3[0] * i32[0] + q1[0] * i21[0]):
-        return -1  # so near the separatrix 32 digits do not give the period to the 25 that a hundred million of them need
+        return -1  # so near the separatrix, 32 digits do not give the period to the 25 digits that 10⁸ periods need
     if d2[0] > 0:
         ia, ib, ic, da, dc, iab, icb, ma, mc, qa, sense = i1, i2, i3, d1, d3, i21, i32, m1, m3, q1, 1.0
         axes[0], axes[1], axes[2] = n1, n2, n3
@@ -116,7 +119,7 @@ def constants(w: Array, I: Array, out: Array, axes: NDArray[np.int64]) -> int:
 
 @njit(cache=True, error_model="numpy")
 def _nome(k2: float, direct: bool, quarter: float, sn2: float, cn2: float) -> tuple[float, float]:
-    """πK'/K and πy₀/K for the direct series, πK/K' and πy₀/2K' for the dual one."""
+    """Return πK'/K and πy₀/K for the direct series, πK/K' and πy₀/2K' for the dual one."""
     if k2 == 0.0:
         return math.inf, 0.0
     sn2, cn2 = sn2 / (sn2 + cn2), cn2 / (sn2 + cn2)

@@ -12,7 +12,7 @@ compiled = njit(cache=True, error_model="numpy")
 
 @compiled
 def product(a: float, b: float) -> DD:
-    """a·b exactly."""
+    """Return a·b exactly."""
     c = SPLIT * a
     a1 = c - (c - a)
     a2 = a - a1
@@ -25,7 +25,7 @@ def product(a: float, b: float) -> DD:
 
 @compiled
 def total(a: float, b: float) -> DD:
-    """a + b exactly."""
+    """Return a + b exactly."""
     s = a + b
     z = s - a
     return s, (a - (s - z)) + (b - z)
@@ -33,7 +33,7 @@ def total(a: float, b: float) -> DD:
 
 @compiled
 def add(a: DD, b: DD) -> DD:
-    """a + b."""
+    """Return a + b."""
     s, e = total(a[0], b[0])
     t, f = total(a[1], b[1])
     e += t
@@ -45,19 +45,19 @@ def add(a: DD, b: DD) -> DD:
 
 @compiled
 def neg(a: DD) -> DD:
-    """−a."""
+    """Return −a."""
     return -a[0], -a[1]
 
 
 @compiled
 def sub(a: DD, b: DD) -> DD:
-    """a − b."""
+    """Return a − b."""
     return add(a, neg(b))
 
 
 @compiled
 def mul(a: DD, b: DD) -> DD:
-    """a·b."""
+    """Return a·b."""
     p, e = product(a[0], b[0])
     e += a[0] * b[1] + a[1] * b[0]
     r = p + e
@@ -66,7 +66,7 @@ def mul(a: DD, b: DD) -> DD:
 
 @compiled
 def times(a: DD, k: float) -> DD:
-    """a·k for a double k."""
+    """Return a·k for a double k."""
     p, e = product(a[0], k)
     e += a[1] * k
     r = p + e
@@ -75,7 +75,7 @@ def times(a: DD, k: float) -> DD:
 
 @compiled
 def div(a: DD, b: DD) -> DD:
-    """a / b by two corrections."""
+    """Return a / b by two corrections."""
     first = a[0] / b[0]
     rest = sub(a, times(b, first))
     second = rest[0] / b[0]
@@ -86,7 +86,7 @@ def div(a: DD, b: DD) -> DD:
 
 @compiled
 def root(a: DD) -> DD:
-    """√a for a ≥ 0."""
+    """Return √a for a ≥ 0."""
     if a[0] <= 0.0:
         return 0.0, 0.0
     x = math.sqrt(a[0])

@@ -1,4 +1,4 @@
-"""The samples in blocks that stay in the first cache: momentum and quaternion of a block, then ω and R."""
+"""The samples in blocks that fit the first-level cache: momentum and quaternion of a block, then ω and R."""
 
 import math
 
@@ -18,7 +18,10 @@ BLOCK = 64
 
 
 def compiled_motion(w0: ArrayLike, I: ArrayLike, t: ArrayLike, *, orientation: bool = True) -> tuple[Array, Array | None]:
-    """ω (3, n) and R (n, 3, 3) or None at times ``t`` (n,), as ``reference.Exact`` gives them; the same errors for bad input."""
+    """Return ω (3, n) in rad/s, body axes, and R (n, 3, 3) body → space, or None, at times ``t`` (n,) in s.
+
+    Agrees with ``reference.Exact`` to rounding and raises the same ValueError for bad input.
+    """
     spin, moments = np.array(w0, dtype=float), np.array(I, dtype=float)
     times = np.ascontiguousarray(t, dtype=float)
     if spin.shape == moments.shape == (3,):
@@ -41,7 +44,7 @@ def _motion(spin: Array, moments: Array, t: Array, orientation: bool) -> tuple[b
 
 @njit(cache=True, error_model="numpy")
 def _bodily(spin: Array, moments: Array) -> bool:
-    """Whether all is plainly in order: what is not goes to ``Exact``, which tells what is wrong."""
+    """Return whether the input is plainly valid. Other input goes to ``Exact``, which raises the error."""
     whole, largest = moments[0] + moments[1] + moments[2], max(moments[0], moments[1], moments[2])
     moved = abs(spin[0]) + abs(spin[1]) + abs(spin[2])
     return min(moments[0], moments[1], moments[2]) > 0 and 2 * largest <= whole < math.inf and moved < math.inf
@@ -59,7 +62,7 @@ def _turns(high: float, low: float, t: float, start: float, start_low: float) ->
 def _quaternion(
     c: Table, t: float, a: float, b: float, z: float, re: float, im: float, extra: float
 ) -> tuple[float, float, float, float]:
-    """The attitude about L as a quaternion of any length and either sign."""
+    """Return the attitude about L as a quaternion of any length and either sign."""
     _, half = _turns(c[4], c[5], t, extra, 0.0)
     k, s = circle(half)
     k, s = k * re - s * im, s * re + k * im
@@ -69,7 +72,7 @@ def _quaternion(
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _block(model: int, c: Table, k: Table, t: Array, orientation: bool, out: Array) -> None:
-    """Momentum in the triad a, b, c and the quaternion at BLOCK times, row after row into ``out``."""
+    """Fill ``out``, row after row, with the momentum in the triad a, b, c and the quaternion at BLOCK times."""
     for i in range(BLOCK):
         whole, rest = _turns(c[0], c[1], t[i], c[2], c[3])
         flip = 1.0 - 4.0 * (0.5 * whole - np.floor(0.5 * whole))
@@ -107,7 +110,7 @@ def _sample(model: int, c: Table, axes: NDArray[np.int64], t: Array, w: Array, R
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def _matrices(c: Table, axes: NDArray[np.int64], f: tuple[float, ...], out: Array, R: Array) -> None:
-    """The rotations from the start ``f``, turned back from the triad to the body's axes."""
+    """Fill ``R`` with the rotations from the start ``f``, turned back from the triad to the body's axes."""
     q = np.empty(4)
     a0, a1, a2 = 1 + axes[0], 1 + axes[1], 1 + axes[2]
     for i in range(R.shape[0]):

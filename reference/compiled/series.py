@@ -1,6 +1,7 @@
-"""The theta series of ``reference.theta`` for one sample at a time, and the sine, cosine and exponential they need.
+"""The theta series of ``reference.theta`` for one sample at a time, and the sine, cosine and exponential they
+need.
 
-Neither branches nor library calls nor arrays, so that the compiler does eight samples at once where the processor can.
+No branches, library calls or arrays, so that the compiler can vectorize over eight samples.
 """
 
 import math
@@ -25,7 +26,7 @@ FACTORS = tuple(2.0**-k for k in POWERS)
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def circle(half_turns: float) -> tuple[float, float]:
-    """cos πx and sin πx for |x| ≤ ½, by the series at x/2: three times as fast as the library's two calls."""
+    """Return cos πx and sin πx for |x| ≤ ½, by the series at x/2: three times as fast as two library calls."""
     h = 0.5 * half_turns
     x = h * h
     x2 = x * x
@@ -37,7 +38,7 @@ def circle(half_turns: float) -> tuple[float, float]:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def decay(x: float) -> float:
-    """e^(−x) for 0 ≤ x < 88: the exponential series of what a power of two leaves."""
+    """Return e^(−x) for 0 ≤ x < 88: a power of two times the exponential series of the rest."""
     n = np.rint(x * LOG2_E)
     d = (n * LN2 - x) + n * LN2_LOW
     d2 = d * d
@@ -51,7 +52,7 @@ def decay(x: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def direct_table(c: Table) -> Table:
-    """q, q², …, the sizes over the series' values at their maxima, and the coefficients of re and im."""
+    """Return q, q², …, the sizes over the series' values at their maxima, and the coefficients of re and im."""
     ratio, offset = c[16], c[17]
     q = math.exp(-ratio)
     k = np.zeros(21)
@@ -68,7 +69,7 @@ def direct_table(c: Table) -> Table:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def direct(k: Table, rest: float) -> tuple[float, float, float, float, float]:
-    """m_a, m_b, m_c before the sign of the half period, and re, im."""
+    """Return m_a, m_b, m_c before the sign of the half period, and re, im, from the direct series."""
     q, q2, q4, q6, q9, q12 = k[0], k[1], k[2], k[3], k[4], k[5]
     o, s = circle(rest)
     c2, s2 = (o - s) * (o + s), 2 * s * o
@@ -85,7 +86,7 @@ def direct(k: Table, rest: float) -> tuple[float, float, float, float, float]:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def dual_table(c: Table) -> Table:
-    """ratio, e^(−ratio/2), powers of q, the sizes, and the coefficients of re and im."""
+    """Return ratio, e^(−ratio/2), powers of q, the sizes, and the coefficients of re and im."""
     k = np.zeros(21)
     q, base = math.exp(-c[16]), math.exp(-c[16] / 2)
     k[0], k[1], k[2], k[3], k[4], k[5] = c[16], base, q, q**2, q**4, q**6
@@ -107,7 +108,7 @@ def dual_table(c: Table) -> Table:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"}, inline="always")
 def dual(k: Table, rest: float) -> tuple[float, float, float, float, float]:
-    """The same."""
+    """Return m_a, m_b, m_c before the sign of the half period, and re, im, from the dual series."""
     side = -1.0 if rest < 0 else 1.0
     e = decay(k[0] * abs(rest))
     y = k[1] / e

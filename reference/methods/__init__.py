@@ -1,7 +1,9 @@
-"""Numerical methods for the torque-free body, to chart what they cost and where they fail. The exact solution is the judge.
+"""Numerical methods for the torque-free body, to chart what they cost and where they fail against the exact
+solution.
 
-One file per family: a table of coefficients, the algorithm once. Fixed-step kernels are compiled with numba, because otherwise a
-chart of CPU time would show the interpreter; this package is not imported by ``import reference``.
+Each family is one file with a table of coefficients and one algorithm. Fixed-step kernels are compiled with
+numba, because otherwise a chart of CPU time would measure the interpreter; ``import reference`` does not
+import this package.
 """
 
 from reference.method import Method, Run, Scene

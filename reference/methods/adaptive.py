@@ -1,4 +1,4 @@
-"""SciPy's adaptive integrators as the notebook uses them, on (ω, R), and one on Euler's angles, to show gimbal lock."""
+"""SciPy's adaptive integrators on (ω, R), as the notebook uses them, and one on Euler angles, to show gimbal lock."""
 
 from functools import partial
 
@@ -10,7 +10,7 @@ from reference.method import Array, Method, Run, Scene
 
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 ATOL = 1e-2  # of rtol, the notebook's proportion
-TILT = 1.0  # rad: Euler's angles cannot start upright
+TILT = 1.0  # rad: Euler angles cannot start upright
 
 
 def _matrix(solver: str, scene: Scene, rtol: float) -> Run:
@@ -26,7 +26,10 @@ def _matrix(solver: str, scene: Scene, rtol: float) -> Run:
 
 
 def euler_angles(scene: Scene, rtol: float, tilt: float = TILT) -> Run:
-    """By angles φ, θ, ψ about z, x, z; the start is tilted by ``tilt`` rad about x, and the tilt taken back afterwards."""
+    """Integrate with Euler angles φ, θ, ψ about z, x, z at ``rtol``.
+
+    The start is tilted by ``tilt`` rad about x, and the tilt is removed from the result.
+    """
     I = scene.I
 
     def rates(_: float, y: Array) -> Array:
@@ -57,7 +60,7 @@ def _about_x(angle: Array) -> Array:
     return np.array([[o + 1, o, o], [o, c, -s], [o, s, c]]).transpose(2, 0, 1)
 
 
-# Radau pays for each digit with three times the steps: below 1e-8 it would need minutes.
+# Radau needs three times the steps for each digit: below 1e-8 it would take minutes.
 ADAPTIVE = (
     *(Method(solver, "adaptive", None, TOLERANCES, partial(_matrix, solver)) for solver in ("RK45", "DOP853", "LSODA")),
     Method("Radau", "adaptive", None, (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), partial(_matrix, "Radau")),

@@ -1,4 +1,4 @@
-"""The exact solution, as two more points of the charts: compiled like the steppers beside it, and in NumPy."""
+"""The exact solution as two more points of the charts: compiled like the steppers, and in NumPy."""
 
 from reference.compiled import compiled_motion
 from reference.exact import Exact

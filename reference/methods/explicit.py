@@ -16,7 +16,7 @@ RK8 = (np.ascontiguousarray(dop853.A[:12, :12]), np.ascontiguousarray(dop853.B))
 
 @njit(cache=True)
 def rates(y: Array, I: Array, out: Array) -> None:
-    """d(ω, R)/dt, with R by rows."""
+    """Fill ``out`` (12,) with d(ω, R)/dt of a state (12,), R by rows."""
     w1, w2, w3 = y[0], y[1], y[2]
     out[0] = (I[1] - I[2]) * w2 * w3 / I[0]
     out[1] = (I[2] - I[0]) * w3 * w1 / I[1]
@@ -28,7 +28,7 @@ def rates(y: Array, I: Array, out: Array) -> None:
 
 @njit(cache=True)
 def advance(y: Array, h: float, weights: Array, k: Array, out: Array) -> None:
-    """``out`` = y + h Σ weights·k, the sum over as many stages as there are weights."""
+    """Fill ``out`` with y + h Σ weights·k, summed over as many stages as there are weights."""
     for i in range(12):
         total = 0.0
         for s in range(weights.size):
@@ -38,7 +38,7 @@ def advance(y: Array, h: float, weights: Array, k: Array, out: Array) -> None:
 
 @njit(cache=True)
 def keep(y: Array, at: int, w: Array, R: Array) -> None:
-    """Copy a state into the output."""
+    """Copy a state (12,) to sample ``at`` of w (n, 3) and R (n, 3, 3)."""
     for i in range(3):
         w[at, i] = y[i]
         for j in range(3):
@@ -47,7 +47,7 @@ def keep(y: Array, at: int, w: Array, R: Array) -> None:
 
 @njit(cache=True)
 def start(w0: Array) -> Array:
-    """The state at t = 0."""
+    """Return the state (12,) at t = 0."""
     y = np.zeros(12)
     y[:3] = w0
     y[3] = y[7] = y[11] = 1.0

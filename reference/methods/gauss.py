@@ -1,4 +1,6 @@
-"""Gauss collocation on (ω, R), solved by fixed-point iteration. They conserve every quadratic invariant: T, |L|², RᵀR."""
+"""Gauss collocation on (ω, R), solved by fixed-point iteration. It conserves every quadratic invariant: T,
+|L|², RᵀR.
+"""
 
 from functools import partial
 
@@ -12,7 +14,10 @@ MOST_ITERATIONS = 60
 
 
 def tableau(stages: int) -> tuple[Array, Array]:
-    """A and b of the Gauss method with that many stages (Hairer, Lubich & Wanner, Geometric Numerical Integration, §II.1.3)."""
+    """Return A (s, s) and b (s,) of the Gauss method with s = ``stages``.
+
+    Source: Hairer, Lubich & Wanner, Geometric Numerical Integration, §II.1.3.
+    """
     node, weight = np.polynomial.legendre.leggauss(stages)
     c, b = (node + 1) / 2, weight / 2
     powers = c[:, None] ** np.arange(stages)

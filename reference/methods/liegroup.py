@@ -9,7 +9,9 @@ from reference.methods.rotation import keep, normalise, start, turn
 
 @njit(cache=True)
 def _stage(m: Array, v: Array, I: Array, h: float, k: Array) -> None:
-    """h dexp⁻¹(ω) at the point reached by turning by v, to the terms that fourth order needs (Munthe-Kaas, BIT 38, 1998)."""
+    """Fill ``k`` with h dexp⁻¹(ω) at the point reached by turning by v, to the terms of fourth order
+    (Munthe-Kaas, BIT 38, 1998).
+    """
     point, quaternion = m.copy(), np.array([1.0, 0.0, 0.0, 0.0])
     turn(point, quaternion, v[0], v[1], v[2])
     a, b, c = point[0] / I[0], point[1] / I[1], point[2] / I[2]

@@ -17,7 +17,7 @@ MOST_ITERATIONS = 60
 
 @njit(cache=True)
 def _modified(order: int, I: Array, c: float, e: float) -> Array:
-    """1/Ĩ for c = h²|L|²/2 and e = h²T."""
+    """Return 1/Ĩ for c = h²|L|²/2 and e = h²T."""
     inverse, inverse2 = np.sum(1 / I), np.sum(1 / (I * I))
     total, total2, product = np.sum(I), np.sum(I * I), I[0] * I[1] * I[2]
     ratios = (I[0] + I[1]) / I[2] + (I[1] + I[2]) / I[0] + (I[2] + I[0]) / I[1]

@@ -1,4 +1,4 @@
-"""A state of momentum in the body (3,) and attitude as a quaternion (4,), for the methods that turn instead of adding."""
+"""A state of body momentum (3,) and attitude as a quaternion (4,), for methods that turn instead of adding."""
 
 import math
 
@@ -10,7 +10,7 @@ from reference.method import Array
 
 @njit(cache=True)
 def multiply(p: Array, s: float, x: float, y: float, z: float) -> None:
-    """p ← p (s, x, y, z)."""
+    """Multiply p by (s, x, y, z) from the right, in place."""
     a, b, c, d = p[0], p[1], p[2], p[3]
     p[0] = a * s - b * x - c * y - d * z
     p[1] = a * x + b * s + c * z - d * y
@@ -20,7 +20,7 @@ def multiply(p: Array, s: float, x: float, y: float, z: float) -> None:
 
 @njit(cache=True)
 def normalise(p: Array) -> None:
-    """p ← p / |p|: removes rounding, nothing else."""
+    """Normalize p in place, which only removes rounding."""
     scale = 1.0 / math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
     for i in range(4):
         p[i] *= scale
@@ -28,7 +28,9 @@ def normalise(p: Array) -> None:
 
 @njit(cache=True)
 def turn(m: Array, p: Array, x: float, y: float, z: float) -> None:
-    """Turn the body by the vector (x, y, z) in body axes: the attitude by exp, the momentum's body components back."""
+    """Turn the body by the vector (x, y, z) in rad, body axes: the attitude by exp, the momentum's body
+    components back.
+    """
     angle = math.sqrt(x * x + y * y + z * z)
     half = 0.5 * angle
     f = math.sin(half) / angle if angle > 1e-8 else 0.5 - angle * angle / 48
@@ -41,7 +43,7 @@ def turn(m: Array, p: Array, x: float, y: float, z: float) -> None:
 
 @njit(cache=True)
 def keep(m: Array, p: Array, I: Array, at: int, w: Array, R: Array) -> None:
-    """Copy a state into the output."""
+    """Copy a state to sample ``at`` of w (n, 3) and R (n, 3, 3)."""
     for i in range(3):
         w[at, i] = m[i] / I[i]
     s, x, y, z = p[0], p[1], p[2], p[3]
@@ -52,7 +54,7 @@ def keep(m: Array, p: Array, I: Array, at: int, w: Array, R: Array) -> None:
 
 @njit(cache=True)
 def start(w0: Array, I: Array) -> tuple[Array, Array]:
-    """Momentum and attitude at t = 0."""
+    """Return momentum (3,) and attitude (4,) at t = 0."""
     p = np.zeros(4)
     p[0] = 1.0
     return w0 * I, p

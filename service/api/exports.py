@@ -13,7 +13,8 @@ from exercises.assignment import Assignment
 from service.api.archive import course_archive
 from service.api.submissions import find_assignment
 from service.auth.roles import Staff
-from service.formats import canvas, grades_csv, grades_json, moodle, nbgrader
+from service.formats import gradebooks
+from service.formats import grades as grade_files
 from service.formats.filenames import safe_filename
 from service.formats.grade_row import GradeRow
 from service.store.course.grades import grades, roster
@@ -21,9 +22,9 @@ from service.store.course.grades import grades, roster
 router = APIRouter()
 CSV = "text/csv; charset=utf-8"
 GRADEBOOKS: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
-    "nbgrader": lambda rows, _: nbgrader.text(rows),
-    "canvas": lambda rows, assignment: canvas.text(rows, assignment.title, assignment.max_points()),
-    "moodle": lambda rows, assignment: moodle.text(rows, assignment.title),
+    "nbgrader": lambda rows, _: gradebooks.nbgrader_csv(rows),
+    "canvas": lambda rows, assignment: gradebooks.canvas_csv(rows, assignment.title, assignment.max_points()),
+    "moodle": lambda rows, assignment: gradebooks.moodle_csv(rows, assignment.title),
 }
 
 
@@ -31,7 +32,7 @@ GRADEBOOKS: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
 async def course_csv(request: Request, person: Staff) -> Response:
     """Export the course: one row per student with points and maximum points of every assignment."""
     rows = await grades(request.app.state.database)
-    return _file("course-grades.csv", CSV, await asyncio.to_thread(grades_csv.course_csv, rows))
+    return _file("course-grades.csv", CSV, await asyncio.to_thread(grade_files.course_csv, rows))
 
 
 @router.get("/assignments/{slug}/grades.csv")
@@ -72,7 +73,7 @@ async def all_zip(slug: str, request: Request, person: Staff) -> Response:
 def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     """Return the CSV with checks in the assignment's order, followed by checks of older versions only."""
     current = dict.fromkeys(check.id for exercise in assignment.exercises for check in exercise.checks)
-    return grades_csv.assignment_csv(rows, [*current, *sorted({check for row in rows for check in row.checks} - current.keys())])
+    return grade_files.assignment_csv(rows, [*current, *sorted({check for row in rows for check in row.checks} - current.keys())])
 
 
 def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
@@ -83,7 +84,7 @@ def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     ]
     about = {"assignment": assignment.slug, "title": assignment.title, "version": assignment.version}
     about |= {"exported_at": datetime.now(UTC).isoformat(timespec="seconds")}
-    return grades_json.text({**about, "max_points": assignment.max_points(), "checks": checks}, rows)
+    return grade_files.assignment_json({**about, "max_points": assignment.max_points(), "checks": checks}, rows)
 
 
 def _file(name: str, kind: str, content: str) -> Response:

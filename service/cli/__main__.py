@@ -1,7 +1,8 @@
-"""The command line, one module for each group of commands.
+"""The command-line entry point ``polhode``: one module for each group of commands.
 
-What a command needs is imported when it runs, so that also where this fails the exit code is 2: 0 and 1 are answers. They are of
-grade: all ✓, or not all; of mutants: whether we accept what is right and nothing else. A reader that went away gives 141.
+A command's modules are imported when it runs, so that a failing import exits with code 2. Codes 0 and 1 are
+answers: of ``grade``, all checks ✓ or not; of ``mutants``, whether the checks accept exactly the right
+functions. Code 141 means that standard output was closed early.
 """
 
 import argparse
@@ -16,41 +17,42 @@ CANNOT, PIPE, INTERRUPTED = 2, 141, 130
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run the command; its exit code."""
+    """Run the command and return its exit code."""
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # as standard error: no ✓ and no file's name may cost a whole answer
+        sys.stdout.reconfigure(errors="backslashreplace")  # print even if the encoding lacks ✓
     try:
         arguments = _parse(argv)
         code = int(arguments.run(arguments))
         if sys.stdout is not None:
-            sys.stdout.flush()  # what was told may not have arrived
+            sys.stdout.flush()  # a full disk may show only here
         return code
-    except BrokenPipeError:  # whoever read us has seen enough
+    except BrokenPipeError:
         _close(sys.stdout)
         return PIPE
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
         try:
-            _tell(error)
-        except OSError:  # standard error is full too, and a traceback's exit code is an answer
+            _print_error(error)
+        except OSError:  # standard error is full too; a traceback would exit with 1, which is an answer
             _close(sys.stderr)
         if isinstance(error, OSError):
             _close(sys.stdout)
         return CANNOT
 
 
-def _tell(error: Exception) -> None:
-    """A sentence for each wrong setting; anything else was not foreseen."""
+def _print_error(error: Exception) -> None:
+    """Print one sentence for each invalid setting, or the traceback of any other error."""
     if type(error).__name__ != "ValidationError" or getattr(error, "title", "") != "Settings":  # no import here: it may fail
         traceback.print_exc()
         return
     for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
-        print(f"polhode: POLHODE_{'_'.join(map(str, wrong['loc'])).upper()}: {wrong['msg']}", file=sys.stderr)
+        name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")  # an alias has the prefix already
+        print(f"polhode: POLHODE_{name}: {wrong['msg']}", file=sys.stderr)
 
 
 def _close(stream: TextIO | None) -> None:
-    """Or Python flushes it once more at its end, and tells of that with an exit code of its own."""
+    """Redirect the stream to /dev/null, because Python flushes it once more on exit and would change the exit code."""
     if stream is not None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
@@ -64,25 +66,27 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     serve.add_argument("--host", help="address to listen on (POLHODE_HOST, default 127.0.0.1)")
     serve.add_argument("--port", type=int, help="port to listen on (POLHODE_PORT, default 8000)")
     serve.set_defaults(run=_serve)
-    worker = commands.add_parser("worker", help="grade for a server, on this machine or another: POLHODE_DATABASE_URL tells where")
-    worker.add_argument("--slots", type=int, dest="workers", help="how many at a time (POLHODE_WORKERS, default one per processor)")
-    worker.add_argument("--with-parent", type=int, metavar="PID", help="end when process PID, which started it, ends")
+    worker = commands.add_parser(
+        "worker", help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL"
+    )
+    worker.add_argument("--slots", type=int, dest="workers", help="gradings at a time (POLHODE_WORKERS, default one per processor)")
+    worker.add_argument("--with-parent", type=int, metavar="PID", help="exit when the parent process PID exits")
     worker.set_defaults(run=_worker)
-    chart = commands.add_parser("chart", help="measure the reference methods and draw what they cost and where they fail")
-    chart.add_argument("what", choices=["work-precision", "stability"])
-    chart.add_argument("--scene", action="append", metavar="NAME", help="only scenes whose name holds NAME; repeatable")
+    chart = commands.add_parser("chart", help="measure the reference methods and chart their cost and where they fail")
+    chart.add_argument("what", choices=["work-precision", "stability"], help="the chart to draw")
+    chart.add_argument("--scene", action="append", metavar="NAME", help="only scenes whose name contains NAME; repeatable")
     chart.add_argument(
-        "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for CSV, JSON and SVG (default charts)"
+        "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for the CSV, JSON and SVG files (default charts)"
     )
     chart.set_defaults(run=_chart)
-    mutants = commands.add_parser("mutants", help="grade wrong functions by the dozen and tell which of them the checks accept")
+    mutants = commands.add_parser("mutants", help="grade mutants of the solution and list those that the checks misjudge")
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
-    mutants.add_argument("--most", type=int, metavar="N", help="only the first N")
+    mutants.add_argument("--most", type=int, metavar="N", help="only the first N mutants")
     mutants.set_defaults(run=_mutants)
     for more in (grade, verify, new_assignment, export, database, queue, plan, people):
         more.add(commands)
-    commands.add_parser("doctor", help="tell what this machine gives to shut submissions in with").set_defaults(run=_doctor)
-    commands.add_parser("assignments", help="list the assignments").set_defaults(run=_assignments)
+    commands.add_parser("doctor", help="check which sandbox features this machine supports").set_defaults(run=_doctor)
+    commands.add_parser("assignments", help="list the assignments and their exercises").set_defaults(run=_assignments)
     return parser.parse_args(argv)
 
 
@@ -109,7 +113,10 @@ def _worker(arguments: argparse.Namespace) -> int:
     if settings.database_url is None:
         settings = settings.model_copy(update={"database_url": running_url(settings.data)})
     if settings.database_url is None:
-        print(f"polhode: no server has its database in {settings.data}, and POLHODE_DATABASE_URL is not set", file=sys.stderr)
+        print(
+            f"polhode: no running server has its database in {settings.data}; start one, or set POLHODE_DATABASE_URL",
+            file=sys.stderr,
+        )
         return 2
     return WorkerPool(settings).run()
 
@@ -128,7 +135,7 @@ def _chart(arguments: argparse.Namespace) -> int:
     except ModuleNotFoundError as missing:
         if missing.name != "numba":
             raise
-        print("polhode: the reference methods are compiled with numba, which is not installed here", file=sys.stderr)
+        print("polhode: the reference methods need numba, which is not installed: pip install numba", file=sys.stderr)
         return 2
     return 0
 
@@ -136,25 +143,25 @@ def _chart(arguments: argparse.Namespace) -> int:
 def _mutants(arguments: argparse.Namespace) -> int:
     from exercises.assignment import InvalidAssignment, NoAssignment
     from exercises.catalogue import find
-    from service.cli.mutants import OURS, NoMutants, grade_mutants, table
+    from service.cli.mutants import NoMutants, grade_mutants, table
 
     try:
-        load_catalogue = list(grade_mutants(find(arguments.assignment), arguments.most))
+        results = list(grade_mutants(find(arguments.assignment), arguments.most))
     except (InvalidAssignment, NoAssignment, NoMutants) as error:
         print(f"polhode: no mutants: {error}", file=sys.stderr)
         return 2
-    print(table(load_catalogue))
-    for fate in load_catalogue:
-        if fate.wrong == (OURS in fate.accepted):
-            print(f"{'WRONG, BUT ACCEPTED' if fate.wrong else 'right, but refused'}: {fate.mutant.kind}, {fate.mutant.name}")
-    return 1 if any(f.wrong == (OURS in f.accepted) for f in load_catalogue) else 0
+    print(table(results))
+    misjudged = [result for result in results if result.misjudged]
+    for result in misjudged:
+        print(f"{'WRONG, BUT ACCEPTED' if result.wrong else 'right, but rejected'}: {result.mutant.kind}, {result.mutant.name}")
+    return 1 if misjudged else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:
     from service.cli.doctor import examine
     from service.settings import Settings
 
-    lines, valid = examine(Settings().min_tier)
+    lines, valid = examine(Settings().min_isolation)
     print("\n".join(lines))
     return 0 if valid else 2
 

@@ -1,7 +1,8 @@
-"""What Classroom 50's runner tells an autograder of the submission: by its environment, and by the commit it has checked out.
+"""The submission's identity in Classroom 50, read from the runner's environment variables and the checked-out
+commit.
 
-The names are its own (foundation50/classroom50, runner.py). When a submission was made is the commit's date of committing, which
-is the same whenever it is graded; without git, the time in the submission's tag.
+The variables are those of foundation50/classroom50, runner.py. The time of submission is the commit date, which
+a regrade does not change; without git, it is the time in the submission's tag.
 """
 
 import os
@@ -23,43 +24,47 @@ NAMES = {
     "release": ("RELEASE_URL",),
     "review": ("REVIEW_URL", "COMMIT_URL"),
 }
-"""The variables that each field is read from: the first that is set."""
+"""The environment variables of each field; the first one set is used."""
 _NO_HELPERS = {"GIT_ALLOW_PROTOCOL": "none", "GIT_NO_LAZY_FETCH": "1"}
-"""Git fetches from nowhere: what to run for a fetch can stand in files of the submission."""
+"""Forbid fetching: files of the submission could name a command to run for it."""
 _COMMITTER = re.compile(rb"^committer .*> (\d{1,11}) [+-]\d+$", re.MULTILINE)
 _TAG = re.compile(r"submit/(\d{4}-\d\d-\d\dT\d\d-\d\d-\d\dZ)")
 
 
 class MissingEnvironment(Exception):
-    """We are not run by Classroom 50, or not told enough: the message names what is missing."""
+    """Classroom 50's runner did not start this process, or a value is missing; the message names it."""
 
 
 def read_environment(environment: Mapping[str, str], folder: Path, graded_at: datetime) -> About:
-    """The submission checked out in that folder; NotTold if a variable is missing or no time of submission can be found."""
-    told = {field: next((value for name in names if (value := environment.get(name))), "") for field, names in NAMES.items()}
-    told["assignment_type"] = told["assignment_type"] or "individual"
-    if missing := [" or ".join(NAMES[field]) for field, value in told.items() if not value]:
-        raise MissingEnvironment(f"Classroom 50 sets {', '.join(missing)}: not set here")
-    submitted_at = _committed(environment.get("GITHUB_SHA", ""), folder) or _tagged(told["submission"])
+    """Return the identity of the submission checked out in ``folder``.
+
+    Raises MissingEnvironment if a variable is not set or no time of submission is found.
+    """
+    values = {field: next((value for name in names if (value := environment.get(name))), "") for field, names in NAMES.items()}
+    values["assignment_type"] = values["assignment_type"] or "individual"
+    if missing := [" or ".join(NAMES[field]) for field, value in values.items() if not value]:
+        raise MissingEnvironment(f"missing environment variables of Classroom 50: {', '.join(missing)}")
+    submitted_at = _committed(environment.get("GITHUB_SHA", ""), folder) or _tagged(values["submission"])
     if submitted_at is None:
-        raise MissingEnvironment(f"neither git nor the tag {told['submission']} tells when the submission was made")
-    return About(**told, submitted_at=submitted_at, graded_at=graded_at)
+        raise MissingEnvironment(f"no time of submission: git has no commit date, and the tag {values['submission']} holds no time")
+    return About(**values, submitted_at=submitted_at, graded_at=graded_at)
 
 
 def _committed(commit: str, folder: Path) -> datetime | None:
-    """When the commit was made; the folder may be another user's, as it is where the runner works in a container.
+    """Return the commit date, or None.
 
-    It is the student's: a folder that is made like a bare repository is not taken for one, since git runs what its config says.
+    The folder may belong to another user, as in a container, and its content is the student's. Git must not
+    take it for a bare repository, because it would run commands from the repository's configuration.
     """
     if not re.fullmatch("[0-9a-f]{7,64}", commit):
         return None
-    ours = ("-c", "safe.directory=*", "-c", "safe.bareRepository=explicit")
-    asked = ["git", *ours, "-C", str(folder), "cat-file", "commit", commit]
+    safe = ("-c", "safe.directory=*", "-c", "safe.bareRepository=explicit")
+    asked = ["git", *safe, "-C", str(folder), "cat-file", "commit", commit]
     try:
-        told = subprocess.run(asked, capture_output=True, timeout=60, check=True, env=os.environ | _NO_HELPERS).stdout
+        content = subprocess.run(asked, capture_output=True, timeout=60, check=True, env=os.environ | _NO_HELPERS).stdout
     except (OSError, subprocess.SubprocessError):
         return None
-    match = _COMMITTER.search(told)  # the first is the header's: a message comes after it
+    match = _COMMITTER.search(content)  # the first match is in the header; the message follows
     return datetime.fromtimestamp(int(match[1]), UTC) if match else None
 
 

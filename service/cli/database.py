@@ -1,4 +1,4 @@
-"""polhode db: bring it up to date, back it up, restore it, check it."""
+"""The command ``polhode db``: upgrade, back up, restore and check the database."""
 
 import argparse
 import asyncio
@@ -13,17 +13,17 @@ from service.settings import Settings
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command and its subcommands."""
-    parser = commands.add_parser("db", help="the database: upgrade, backup, restore, check")
+    parser = commands.add_parser("db", help="upgrade, back up, restore and check the database")
     actions = parser.add_subparsers(dest="action", required=True)
-    actions.add_parser("upgrade", help="bring the tables to this version, as a starting server does").set_defaults(run=_upgrade)
-    backup = actions.add_parser("backup", help="write everything into FILE, while the server works")
-    backup.add_argument("file", type=Path, metavar="FILE")
+    actions.add_parser("upgrade", help="upgrade the tables to this version, as a starting server does").set_defaults(run=_upgrade)
+    backup = actions.add_parser("backup", help="write all data to FILE; the server can keep running")
+    backup.add_argument("file", type=Path, metavar="FILE", help="file to write")
     backup.set_defaults(run=_backup)
-    restore = actions.add_parser("restore", help="read FILE into an empty database")
-    restore.add_argument("file", type=Path, metavar="FILE")
-    restore.add_argument("--replace", action="store_true", help="drop what is in the database")
+    restore = actions.add_parser("restore", help="load FILE into an empty database")
+    restore.add_argument("file", type=Path, metavar="FILE", help="file written by polhode db backup")
+    restore.add_argument("--replace", action="store_true", help="delete the database's present content first")
     restore.set_defaults(run=_restore)
-    actions.add_parser("check", help="check that what is stored fits together").set_defaults(run=_check)
+    actions.add_parser("check", help="check the stored data for inconsistencies").set_defaults(run=_check)
 
 
 if TYPE_CHECKING:
@@ -36,7 +36,11 @@ T = TypeVar("T")
 
 @contextmanager
 def database_url(settings: "Settings", *, create: bool = False) -> Iterator[str]:
-    """Where the database is, for the duration of the block. DatabaseUnavailable where there is none and none is to be made."""
+    """Provide the database's URL for the duration of the block, starting the embedded database if it is not
+    running.
+
+    Raises DatabaseUnavailable if there is no database and ``create`` is false.
+    """
     from service.store.postgres.os_user import DatabaseUnavailable
     from service.store.postgres.server import EmbeddedPostgres, running_url
 
@@ -44,7 +48,7 @@ def database_url(settings: "Settings", *, create: bool = False) -> Iterator[str]
         yield url
         return
     if not create and not (settings.data / "postgres" / "PG_VERSION").exists():
-        raise DatabaseUnavailable(f"there is no database in {settings.data} (POLHODE_DATA)")
+        raise DatabaseUnavailable(f"no database in {settings.data}: set POLHODE_DATA or POLHODE_DATABASE_URL")
     embedded = EmbeddedPostgres(settings.data, settings.postgres)
     embedded.start()
     try:
@@ -54,7 +58,7 @@ def database_url(settings: "Settings", *, create: bool = False) -> Iterator[str]
 
 
 def report_errors(command: Callable[P, int]) -> Callable[P, int]:
-    """Exit code 2 and a sentence where the database does not do what is asked."""
+    """Wrap a command so that a database error prints one sentence and returns exit code 2."""
 
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> int:
         import psycopg
@@ -71,14 +75,14 @@ def report_errors(command: Callable[P, int]) -> Callable[P, int]:
             cause = getattr(error, "orig", None) or error
             missing = isinstance(cause, psycopg.errors.UndefinedTable)
             first = str(cause).strip().split("\n")[0]
-            print(f"polhode: {'the database has no tables yet: polhode db upgrade' if missing else first}", file=sys.stderr)
+            print(f"polhode: {'the database has no tables yet: run polhode db upgrade' if missing else first}", file=sys.stderr)
         return 2
 
     return wrapped
 
 
 def run_async(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
-    """What ``action`` makes of the database behind ``url``."""
+    """Return the result of ``action`` on the database at ``url``."""
     from service.store.database import Database
 
     async def once() -> T:
@@ -120,7 +124,7 @@ def _restore(arguments: argparse.Namespace) -> int:
     settings = Settings()
     with database_url(settings, create=True) as url:
         restore(url, settings.postgres or find_programs(), arguments.file, replace=arguments.replace)
-    print(f"restored from {arguments.file}; what was being graded will be graded again")
+    print(f"restored from {arguments.file}; unfinished gradings start again")
     return 0
 
 

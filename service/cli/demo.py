@@ -1,4 +1,4 @@
-"""The demonstration: a real server on a free port, some samples sent over HTTP, its lines printed as they come back."""
+"""Start a server on a free port, submit samples over HTTP, and print their reports."""
 
 import argparse
 import json
@@ -22,11 +22,11 @@ SLUG = "rigid-body"
 
 
 def main() -> int:
-    """Exit code 0 if every one of them got its expected report, 1 if not, 2 if nothing could be graded."""
+    """Run the demonstration. Return 0 if every report is as expected, 1 if not, 2 if the server did not start."""
     parser = argparse.ArgumentParser(prog="polhode demo", description=__doc__)
     parser.add_argument("--once", action="store_true", help="stop the server after the last sample")
     once = parser.parse_args().once
-    for stop in (signal.SIGINT, signal.SIGTERM):  # also where a shell started us with interrupts ignored
+    for stop in (signal.SIGINT, signal.SIGTERM):  # a shell may start background jobs with SIGINT ignored
         signal.signal(stop, signal.default_int_handler)
     began, address = time.monotonic(), f"http://127.0.0.1:{(port := free_port())}"
     os.environ.setdefault("POLHODE_DATA", ".demo")
@@ -39,11 +39,11 @@ def main() -> int:
         wrong = _grade_all(address)
         print(f"\n{_summary(wrong)} ({time.monotonic() - began:.1f} s)")
         if not once:
-            print(f"The notebook for students is at {address}/v1/assignments/{SLUG}/notebook.ipynb")
+            print(f"Student notebook: {address}/v1/assignments/{SLUG}/notebook.ipynb")
             if count:
-                print(f"A class of {STUDENTS} invented students handed in {count} times; the rest of it is being graded.")
-            print(f"The dashboard: {address}/assignments/{SLUG}/class and {address}/queue")
-            print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop it.", flush=True)
+                print(f"A synthetic class of {STUDENTS} students sent {count} submissions; the server is grading them.")
+            print(f"Dashboard: {address}/assignments/{SLUG}/class and {address}/queue")
+            print(f"The server is running: open {address}/ in a browser. Press Ctrl-C to stop.", flush=True)
             server.wait()
         return 1 if wrong else 0
     except KeyboardInterrupt:
@@ -54,7 +54,7 @@ def main() -> int:
 
 
 def _grade_all(address: str) -> list[str]:
-    """Send them, a few at a time, print the reports in order; names of those with an unexpected report."""
+    """Submit the samples, four at a time, and print the reports in order. Return the names of unexpected reports."""
     known, wrong = [s for s in samples(assignments()[SLUG]) if s.demo], []
     with ThreadPoolExecutor(4) as pool:
         answers = [pool.submit(_submit, address, sample) for sample in known]
@@ -77,11 +77,11 @@ def _print_lines(address: str, id: str) -> None:
 
 
 def _summary(wrong: list[str]) -> str:
-    return f"unexpected reports: {', '.join(wrong)}" if wrong else "every sample got the report it should"
+    return f"unexpected reports: {', '.join(wrong)}" if wrong else "every sample got its expected report"
 
 
 def _submit(address: str, sample: Sample) -> dict[str, Any]:
-    """POST the file as a form and wait for the report."""
+    """Post the file as a form, wait for the report and return the submission's document."""
     boundary, file = "polhode-demo-boundary", sample.file
     fields = [f'name="exercises"\r\n\r\n{number}'.encode() for number in sample.ask or ()]
     fields.append(f'name="file"; filename="{file.name}"\r\n\r\n'.encode() + file.read_bytes())
@@ -96,21 +96,21 @@ def _submit(address: str, sample: Sample) -> dict[str, Any]:
 
 def _wait_ready(server: subprocess.Popen[bytes], address: str) -> bool:
     deadline = time.monotonic() + START_S
-    print(f"starting a server at {address} ", end="", flush=True)
+    print(f"starting the server at {address} ", end="", flush=True)
     while server.poll() is None and time.monotonic() < deadline:
         try:
             with urllib.request.urlopen(f"{address}/readyz", timeout=ANSWER_S) as answer:
                 print(f"ready: {json.load(answer)['checks']}", flush=True)
                 return True
-        except OSError:  # also a server too busy to answer in time
+        except OSError:  # includes timeouts of a busy server
             print(".", end="", flush=True)
             time.sleep(0.25)
-    print("\nthe server did not start", file=sys.stderr)
+    print("\npolhode: the server did not start; see the log above", file=sys.stderr)
     return False
 
 
 def free_port() -> int:
-    """A port of loopback that nobody listens on."""
+    """Return an unused port on the loopback interface."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]

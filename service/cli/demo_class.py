@@ -1,4 +1,4 @@
-"""A class for the demonstration: forty invented students who hand in samples, graded like everybody's, behind who waits."""
+"""A synthetic class for the demonstration: forty students who submit samples, graded after all interactive submissions."""
 
 import asyncio
 import time
@@ -59,7 +59,7 @@ FAMILY = [
     "Novak",
 ]
 STUDENTS, BY = 40, "demo"
-# What such a class hands in, and how often: first tries, and last ones.
+# The samples submitted and their relative frequencies: first tries, then final submissions.
 TRIES = {
     "wrong_sign_flipped.py": 7,
     "wrong_missing_division_all.py": 4,
@@ -85,7 +85,10 @@ ENDS = {
 
 
 def enter_class(settings: Settings, slug: str) -> int:
-    """Enter the class and what it hands in into the running server's database, unless it is there; how many submissions."""
+    """Add the class and its submissions to the running server's database unless it has them.
+
+    Return the number of submissions added.
+    """
     with database_url(settings) as url:
         return asyncio.run(_enter(url, assignments()[slug]))
 
@@ -103,10 +106,10 @@ async def _enter(url: str, assignment: Assignment) -> int:
         await queue_overview.set_rules(database, assignment.slug, queue_overview.Rules(due, 3600.0, None), BY)
         late = due + timedelta(days=3)
         await deadlines.extend(database, assignment.slug, roster[4][0], late, reason="was ill for three days", by=BY)
-        handed_in = [new for name, *_ in roster for new in _handed_in(assignment, name, rng)]
-        for new in sorted(handed_in, key=lambda new: new.arrived):
+        submissions = [new for name, *_ in roster for new in _submissions(assignment, name, rng)]
+        for new in sorted(submissions, key=lambda new: new.arrived):
             await accept(database, new, kind="bulk")
-        return len(handed_in)
+        return len(submissions)
     finally:
         await database.close()
 
@@ -117,8 +120,8 @@ def _roster(rng: np.random.Generator) -> Iterator[tuple[str, str, str, str, str]
         yield f"student-{k:02}", "student", f"{given} {family}", f"student-{k:02}@example.org", f"{260000 + k}"
 
 
-def _handed_in(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
-    """None to three submissions of the last days, the last one better than the first as a rule."""
+def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
+    """Yield the student's up to three submissions of the last days; the last one is usually the best."""
     files = {s.file.name: s for s in samples(assignment)}
     tries, ends = (_some(table, most, rng) for table, most in ((TRIES, rng.choice([0, 1, 1, 2])), (ENDS, rng.random() < 0.85)))
     ago = rng.uniform(0.5, 4.0)

@@ -1,4 +1,4 @@
-"""What this machine gives to shut submissions in with, and what to change where it gives less."""
+"""Which sandbox features this machine supports, and how to enable those that are missing."""
 
 import os
 import platform
@@ -10,45 +10,46 @@ from exercises.catalogue import assignments
 from service.grading.grade import missing_packages
 from service.sandbox.guest import landlock, lockdown
 from service.sandbox.guest.syscalls import MACHINES
+from service.sandbox.isolation import Level
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
-from service.sandbox.self_test import ATTEMPTS
+from service.sandbox.self_test import FORBIDDEN
 
-SWITCHES = {  # kernel settings that forbid namespaces: the value that does, and what to do
+SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and the remedy
     "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
     "kernel/unprivileged_userns_clone": ("0", "sysctl kernel.unprivileged_userns_clone=1"),
     "user/max_user_namespaces": ("0", "sysctl user.max_user_namespaces=10000"),
 }
 
 
-def examine(least: str) -> tuple[list[str], bool]:
-    """The findings, a line each, and whether submissions can be graded here behind tier ``least`` or better."""
+def examine(least: Level) -> tuple[list[str], bool]:
+    """Return the findings as lines, and whether this machine can grade at isolation level ``least`` or stronger."""
     machine = platform.machine()
     lines = [
-        f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no filter of system calls is known'}",
+        f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no system-call filter'}",
         f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: Linux 5.13 or later, named in lsm= at boot'}",
         f"user          {'root: the guest runs as user ' + str(lockdown.GUEST_UID) if os.geteuid() == 0 else os.geteuid()}",
     ]
-    walls, reason = try_namespaces()
-    lines.append(f"namespaces    {'yes' if walls else f'no: {reason}'}")
-    lines += [f"              try: {advice}" for advice in ([] if walls else _advice())]
+    available, reason = try_namespaces()
+    lines.append(f"namespaces    {'yes' if available else f'no: {reason}'}")
+    lines += [f"              try: {advice}" for advice in ([] if available else _advice())]
     try:
         chosen = choose(least)
     except IsolationUnavailable as missing:
-        return [*lines, f"tier          none: {missing}"], False
-    lines.append(f"tier          {chosen.name.removeprefix('tier ')}")
+        return [*lines, f"isolation     none: {missing}"], False
+    lines.append(f"isolation     {chosen.name}")
     sandbox = Sandbox(chosen)
     try:
         sandbox.self_test()
     except SystemFault as fault:
-        return [*lines, f"probe         {fault}"], False
+        return [*lines, f"self-test     {fault}"], False
     finally:
         sandbox.close()
     absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
     return [
         *lines,
-        f"probe         failed at all of its {len(ATTEMPTS)} attempts, as it should",
+        f"self-test     passed: all {len(FORBIDDEN)} forbidden operations were blocked",
         f"limits        {_limits()}",
         f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
         *(f"              {sentence}" for sentence in absent),
@@ -65,7 +66,7 @@ def _limits() -> str:
 def _advice() -> list[str]:
     found = [do for name, (value, do) in SWITCHES.items() if _read(Path("/proc/sys") / name) == value]
     if Path("/.dockerenv").exists() or Path("/run/.containerenv").exists():
-        more = " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""  # others have them in a user namespace
+        more = " --cap-add SYS_ADMIN --cap-add NET_ADMIN" if os.geteuid() == 0 else ""  # other users get them in a user namespace
         found.append(f"in a container: --security-opt seccomp=unconfined --security-opt apparmor=unconfined{more}")
     return found
 

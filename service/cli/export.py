@@ -1,4 +1,4 @@
-"""polhode export: an assignment in the form that another grader takes."""
+"""The command ``polhode export``: an assignment for another grading system."""
 
 import argparse
 import sys
@@ -7,14 +7,14 @@ from pathlib import Path
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command."""
-    export = commands.add_parser("export", help="an assignment in the form that another grader takes")
+    export = commands.add_parser("export", help="export an assignment for another grading system")
     forms = export.add_subparsers(dest="form", required=True)
-    gradescope = forms.add_parser("gradescope", help="the zip of an autograder to upload there")
-    gradescope.add_argument("--assignment", metavar="SLUG", help="default: the only one there is")
+    gradescope = forms.add_parser("gradescope", help="write the autograder zip to upload to Gradescope")
+    gradescope.add_argument("--assignment", metavar="SLUG", help="default: the only assignment")
     gradescope.add_argument(
-        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted"
+        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: the attempted exercises"
     )
-    gradescope.add_argument("--out", type=Path, required=True, metavar="FILE.zip")
+    gradescope.add_argument("--out", type=Path, required=True, metavar="FILE.zip", help="zip file to write")
     gradescope.set_defaults(run=_gradescope)
 
 
@@ -33,5 +33,5 @@ def _gradescope(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
     points = assignment.max_points(arguments.exercise)
-    print(f"written to {arguments.out}: upload it as the autograder, with {points} points for it")
+    print(f"written to {arguments.out}: upload it as the autograder and set the autograder points to {points}")
     return 0

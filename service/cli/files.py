@@ -1,4 +1,4 @@
-"""The submissions that somebody names on a command line: files, folders of them, and patterns a shell has left as they are."""
+"""The files named on a command line, and the assignment they belong to."""
 
 import glob
 import os
@@ -15,23 +15,25 @@ SUFFIXES = (".py", ".ipynb")
 
 
 class NoSubmissionFound(ValueError):
-    """A name that leads to no submission; the message tells which."""
+    """A name matches no submission; the message says which."""
 
 
 def find_files(named: Iterable[str]) -> list[Path]:
-    """The files, each once: those named, and in folders and below them every .py and .ipynb that is not hidden, by name.
+    """Return the named files, each once, in order.
 
-    A link is followed only where it is named itself: in a folder it could be a student's, and lead to another's file or away.
-    NothingFound where a name leads to none; OSError for a folder that cannot be listed, whose files would be passed over.
+    A folder stands for all .py and .ipynb files in it and below that are not hidden, sorted by name. A symbolic
+    link is followed only if it is named itself: inside a folder a student's link could lead to another
+    student's file. Raises NoSubmissionFound if a name matches nothing, OSError for a folder that cannot be
+    listed.
     """
-    load_catalogue: dict[Path, Path] = {}
+    found: dict[Path, Path] = {}
     for name in named:
         files = list(_files(name))
         if not files:
-            raise NoSubmissionFound(f"{name}: {'no .py or .ipynb file in it' if Path(name).is_dir() else 'there is no such file'}")
+            raise NoSubmissionFound(f"{name}: {'no .py or .ipynb file in this folder' if Path(name).is_dir() else 'no such file'}")
         for file in files:
-            load_catalogue.setdefault(file.resolve(), file)
-    return list(load_catalogue.values())
+            found.setdefault(file.resolve(), file)
+    return list(found.values())
 
 
 def _files(name: str) -> Iterator[Path]:
@@ -39,43 +41,46 @@ def _files(name: str) -> Iterator[Path]:
     if path.is_file():
         yield path
     elif path.is_dir():
-        yield from _below(path)
+        yield from _in_folder(path)
     elif glob.has_magic(name):
         fixed = next(k for k, part in enumerate(path.parts) if glob.has_magic(part))
         for match in sorted(map(Path, glob.glob(name, recursive=True))):
-            told = [Path(*match.parts[:end]) for end in range(fixed + 1, len(match.parts) + 1)]  # by the pattern's signs
-            if any(part.is_symlink() or part.name.startswith("__") for part in told):  # glob itself leaves out what is hidden
+            matched = [Path(*match.parts[:end]) for end in range(fixed + 1, len(match.parts) + 1)]  # parts matched by wildcards
+            if any(part.is_symlink() or part.name.startswith("__") for part in matched):  # glob itself skips hidden files
                 continue
             if match.is_dir():
-                yield from _below(match)
-            elif _is_one(match):
+                yield from _in_folder(match)
+            elif _is_submission(match):
                 yield match
 
 
-def _below(folder: Path) -> list[Path]:
-    """Also where the folder itself is hidden. Checkpoints of Jupyter and files such as __init__.py are none."""
-    load_catalogue: list[Path] = []
+def _in_folder(folder: Path) -> list[Path]:
+    """Return the files in a folder, which may itself be hidden, without Jupyter's checkpoints and files such as __init__.py."""
+    found: list[Path] = []
     for here, folders, names in os.walk(folder, onerror=_raise):
-        folders[:] = filter(_seen, folders)
-        load_catalogue += filter(_is_one, (Path(here, name) for name in names if _seen(name)))
-    return sorted(load_catalogue)
+        folders[:] = filter(_visible, folders)
+        found += filter(_is_submission, (Path(here, name) for name in names if _visible(name)))
+    return sorted(found)
 
 
 def _raise(error: OSError) -> None:
     raise error
 
 
-def _seen(name: str) -> bool:
+def _visible(name: str) -> bool:
     return not name.startswith((".", "__"))
 
 
-def _is_one(file: Path) -> bool:
+def _is_submission(file: Path) -> bool:
     return file.suffix.lower() in SUFFIXES and not file.is_symlink() and file.is_file()
 
 
 def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
-    """The assignment ``slug``; or, for None, that whose folder the files lie in, the only one there is, or, if none is broken, the
-    only one whose functions they name. NoAssignment where that is not one, InvalidAssignment for a broken one.
+    """Return the assignment ``slug``.
+
+    For None, return the assignment whose folder contains the files; else the only assignment; else, if no
+    assignment is broken, the only one whose functions the files name. Raises NoAssignment if none or several
+    match, InvalidAssignment for a broken one.
     """
     if slug is not None:
         return find(slug)
@@ -87,8 +92,8 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
     likely = [a for a in known.values() if a.functions() & words]
     if len(likely) == 1 and not invalid:
         return likely[0]
-    told = "".join(f"; {error}" for error in invalid.values())
-    raise NoAssignment(f"which assignment are they for? Say --assignment {' or '.join(sorted(known)) or '…'}{told}")
+    broken = "".join(f"; {error}" for error in invalid.values())
+    raise NoAssignment(f"cannot determine the assignment: give --assignment {' or '.join(sorted(known)) or 'SLUG'}{broken}")
 
 
 def _words(file: Path) -> set[str]:

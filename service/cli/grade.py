@@ -1,6 +1,6 @@
-"""polhode grade: files graded here, without server and database.
+"""The command ``polhode grade``: grade files on this machine, without server or database.
 
-Exit codes: 0 all ✓, 1 not all, 2 where even one could not be graded: that is our failure, and no verdict.
+Exit codes: 0 if every check is ✓, 1 if not, 2 if a file was not graded because of a system fault.
 """
 
 import argparse
@@ -19,32 +19,38 @@ if TYPE_CHECKING:
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command."""
-    grade = commands.add_parser("grade", help="grade .py and .ipynb files here, without server and database")
-    grade.add_argument("files", nargs="+", metavar="FILE", help="a file, a folder of them, or a pattern such as 'class/**/*.ipynb'")
-    grade.add_argument("--assignment", metavar="SLUG", help="default: the only one there is, or whose functions they name")
-    grade.add_argument("--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: those attempted")
-    grade.add_argument("--seed", type=seed, help="draw the secret scenes from this seed, as a report names it")
-    grade.add_argument("--jobs", type=count, metavar="N", help="grade at most N at a time; default: one per processor")
-    grade.add_argument("--sweep", action="store_true", help="also chart the function's own speed against accuracy")
+    grade = commands.add_parser("grade", help="grade .py and .ipynb files on this machine, without server or database")
+    grade.add_argument("files", nargs="+", metavar="FILE", help="file, folder, or pattern such as 'class/**/*.ipynb'")
+    grade.add_argument(
+        "--assignment", metavar="SLUG", help="default: the only assignment, or the one whose functions the files name"
+    )
+    grade.add_argument(
+        "--exercise", action="append", metavar="N", help="grade exercise N; repeatable; default: the attempted exercises"
+    )
+    grade.add_argument("--seed", type=seed, help="seed of the hidden scenes, as a report gives it; default: random")
+    grade.add_argument("--jobs", type=count, metavar="N", help="grade at most N files at a time; default: one per processor")
+    grade.add_argument("--sweep", action="store_true", help="also chart the function's speed against its accuracy")
     printed = grade.add_mutually_exclusive_group()
     printed.add_argument("--json", action="store_true", help="print the reports as one JSON document and nothing else")
-    printed.add_argument("--github", action="store_true", help="annotate lines and write a summary, in GitHub Actions")
-    grade.add_argument("--out", type=Path, metavar="DIR", help="write each report with its figures into DIR, and DIR/index.html")
+    printed.add_argument("--github", action="store_true", help="annotate source lines and write the job summary of GitHub Actions")
+    grade.add_argument(
+        "--out", type=Path, metavar="DIR", help="write each report with its figures to DIR, and an overview to DIR/index.html"
+    )
     report_options.add(grade)
     grade.set_defaults(run=_grade)
 
 
-def count(told: str) -> int:
-    """A number of processes."""
-    if (number := int(told)) < 1:
-        raise argparse.ArgumentTypeError("at least 1")
+def count(text: str) -> int:
+    """Return a number of processes, for argparse."""
+    if (number := int(text)) < 1:
+        raise argparse.ArgumentTypeError(f"expected at least 1, got {text}")
     return number
 
 
-def seed(told: str) -> int:
-    """What scenes are drawn from."""
-    if (number := int(told)) < 0:
-        raise argparse.ArgumentTypeError("a seed is 0 or more")
+def seed(text: str) -> int:
+    """Return a seed, for argparse."""
+    if (number := int(text)) < 0:
+        raise argparse.ArgumentTypeError(f"expected a seed of 0 or more, got {text}")
     return number
 
 
@@ -54,9 +60,9 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    least = Settings().min_tier
-    with ThreadPoolExecutor(1) as beside:  # walls are looked for while the libraries are imported
-        looking = beside.submit(choose, least)
+    least = Settings().min_isolation
+    with ThreadPoolExecutor(1) as executor:  # select the sandbox while the libraries are imported
+        isolation = executor.submit(choose, least)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment
         from service.cli.output_dir import OutputDir
@@ -72,8 +78,8 @@ def _grade(arguments: argparse.Namespace) -> int:
         asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = OutputDir(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
-        with Progress(len(files), guard=report_options.guard(arguments)) as progress:
-            for file in grade_files(asks, wanted, looking.result(), arguments.jobs, progress.tell):
+        with Progress(len(files), escape=report_options.escape(arguments)) as progress:
+            for file in grade_files(asks, wanted, isolation.result(), arguments.jobs, progress.update):
                 graded.append(file)
                 if folder:
                     folder.add(file)
@@ -95,25 +101,23 @@ def _grade(arguments: argparse.Namespace) -> int:
     ) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
-    _conclude(graded, as_json=arguments.json)
+    _print_result(graded, as_json=arguments.json)
     return 2 if any(file.fault for file in graded) else 0 if all(file.passed for file in graded) else 1
 
 
-def _conclude(graded: "list[GradedFile]", *, as_json: bool) -> None:
+def _print_result(graded: "list[GradedFile]", *, as_json: bool) -> None:
     from service.grading.result import summary
 
     if as_json:
-        print(json.dumps({"reports": [_told(file) for file in graded]}, allow_nan=False))
+        print(json.dumps({"reports": [_entry(file) for file in graded]}, allow_nan=False))
     elif len(graded) > 1:
         print(summary(graded))
 
 
-def _told(file: "GradedFile") -> dict[str, Any]:
+def _entry(file: "GradedFile") -> dict[str, Any]:
     from ecp.document import document
 
-    told: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
-    return (
-        told
-        | ({"error": file.refused} if file.refused else {})
-        | ({"fault": file.fault, "system_fault": file.fault} if file.fault else {})
-    )
+    entry: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
+    error = {"error": file.refused} if file.refused else {}
+    fault = {"fault": file.fault, "system_fault": file.fault} if file.fault else {}
+    return entry | error | fault

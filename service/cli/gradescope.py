@@ -1,7 +1,7 @@
-"""What run_autograder runs: finds what was handed in, has it graded, and leaves results.json; or none where we could not grade.
+"""The program that Gradescope's run_autograder starts: it grades the submitted file and writes results.json.
 
-Without one Gradescope tells that the autograder failed, which is no verdict, and can run it again. Exit codes: 0 where there are
-results, 2 where there are none.
+After a system fault it writes no results.json. Gradescope then reports that the autograder failed, which is no
+grade, and staff can run it again. Exit codes: 0 with results, 2 without.
 """
 
 import argparse
@@ -20,35 +20,35 @@ ANSWERS = (0, 1)  # exit codes of polhode grade
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Grade the one file in /autograder/submission; ``arguments`` are more of ``polhode grade``'s."""
+    """Grade the one file in /autograder/submission. ``arguments`` are further options of ``polhode grade``."""
     results, submission = HOME / "results" / "results.json", HOME / "submission"
     results.unlink(missing_ok=True)
     if not submission.is_dir():
-        print(f"polhode: there is no folder {submission}, which is nobody's empty submission")
+        print(f"polhode: system fault: Gradescope provided no folder {submission}; run the autograder again")
         return 2
     found = _found(submission)
     if len(found) != 1:
-        _refuse([str(file.relative_to(submission)) for file in found], arguments, results)
+        _write_refusal([str(file.relative_to(submission)) for file in found], arguments, results)
         return 0
     grade = [sys.executable, "-I", "-m", "service.cli", "grade", str(found[0]), *arguments, "--gradescope", str(results)]
     code = subprocess.run(grade, check=False).returncode
     if code in ANSWERS and results.is_file():
         return 0
     results.unlink(missing_ok=True)
-    print(f"polhode: this submission was not graded (exit code {code}), which says nothing about it: run the autograder again")
+    print(f"polhode: system fault (exit code {code}): this submission was not graded; run the autograder again")
     return 2
 
 
 def _found(submission: Path) -> list[Path]:
-    """Every .py and .ipynb that was handed in."""
+    """Return all submitted .py and .ipynb files."""
     try:
         return find_files([str(submission)])
     except NoSubmissionFound:
         return []
 
 
-def _refuse(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
-    """No points, and what to hand in instead."""
+def _write_refusal(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
+    """Write results with no points and the instruction to submit one file."""
     from exercises.catalogue import assignments
     from service.formats import gradescope
     from service.grading.grade import select
@@ -66,8 +66,8 @@ def _refuse(names: Sequence[str], arguments: Sequence[str], results: Path) -> No
 
 def _sentence(names: Sequence[str]) -> str:
     if not names:
-        return "There is no .py or .ipynb file in this submission. Hand in one of either."
-    return f"Hand in one file: this submission has {len(names)} that could be graded, {', '.join(names)}."
+        return "This submission contains no .py or .ipynb file. Submit exactly one."
+    return f"This submission contains {len(names)} .py or .ipynb files: {', '.join(names)}. Submit exactly one."
 
 
 if __name__ == "__main__":

@@ -1,4 +1,7 @@
-"""polhode as a wheel, made of the modules that run now, from a checkout as well as from an installed wheel."""
+"""The autograder zip for Gradescope, with polhode as a wheel built from the running modules.
+
+The modules can come from a checkout or an installed wheel.
+"""
 
 import shlex
 from collections.abc import Iterator, Sequence
@@ -15,16 +18,18 @@ from exercises.zipfiles import zipped
 
 FORM = b"Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 METADATA = "Metadata-Version: 2.1\nName: polhode\nVersion: {version}\nLicense: MIT\nRequires-Python: >=3.11\n"
-"""Without requirements, which in a checkout are those of the day it was installed: the lock has them all."""
-KEPT = ("entry_points.txt", "licenses/LICENSE")  # of what the installed distribution tells of itself
+"""It lists no requirements: those of a checkout may be outdated, and the lock file has all of them."""
+KEPT = ("entry_points.txt", "licenses/LICENSE")  # copied from the installed distribution's metadata
 LOCK = "requirements.lock"
 HERE = Path(__file__).parent / "gradescope_zip"
 LEFT_OUT = ("__pycache__", "kit", "samples")
 
 
 def own_wheel(*outside: Path) -> tuple[str, bytes]:
-    """Its file name and its bytes, the same for the same content; with assignments whose folders lie ``outside`` as if they were
-    ours. Samples, which hold solutions, stay out.
+    """Return the file name and the bytes of the wheel, which are reproducible. Samples, which hold solutions, are
+    left out.
+
+    The assignments in the folders ``outside`` are added to the package ``exercises``.
     """
     own = metadata.distribution("polhode")
     info = f"polhode-{own.version}.dist-info"
@@ -38,7 +43,7 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
 
 
 def lock() -> bytes:
-    """The hashed lock: of the checkout, or the copy that a wheel has beside this file."""
+    """Return the hashed requirements, from the checkout or from the copy in the installed wheel."""
     checkout = HERE.parents[2]
     return (checkout / LOCK if (checkout / "pyproject.toml").is_file() else HERE / LOCK).read_bytes()
 
@@ -51,7 +56,7 @@ def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
 
 
 def _belongs(path: Path) -> bool:
-    """A notebook of another name than the students' may be the one with the solutions."""
+    """Return False for a notebook that is not the students' own, which may contain solutions."""
     return path.suffix != ".ipynb" or path.name == "notebook.ipynb"
 
 
@@ -60,9 +65,9 @@ MARK = "{{ARGUMENTS}}"
 
 
 def bundle(assignment: Assignment, numbers: Sequence[str] | None) -> bytes:
-    """The zip, byte for byte the same for the same content; ``numbers``: of the exercises to grade, default those attempted."""
+    """Return the zip, byte-for-byte reproducible, that grades the exercises ``numbers`` (None: the attempted ones)."""
     arguments = ["--assignment", assignment.slug, *(part for number in numbers or () for part in ("--exercise", number))]
     files = {name: (HERE / name).read_text().replace(MARK, shlex.join(arguments)).encode() for name in SCRIPTS}
-    ours = assignment.folder.is_relative_to(Path(exercises.__path__[0]))
-    name, wheel = own_wheel(*([] if ours else [assignment.folder]))
+    included = assignment.folder.is_relative_to(Path(exercises.__path__[0]))
+    name, wheel = own_wheel(*([] if included else [assignment.folder]))
     return zipped({**files, LOCK: lock(), name: wheel}, runnable=SCRIPTS)

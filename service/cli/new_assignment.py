@@ -1,4 +1,4 @@
-"""polhode new-assignment: a folder that works, to be changed step by step."""
+"""The command ``polhode new-assignment``: create an assignment from a working example."""
 
 import argparse
 import sys
@@ -7,10 +7,12 @@ from pathlib import Path
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command."""
-    new = commands.add_parser("new-assignment", help="make the folder of a new assignment, which polhode verify accepts as it is")
-    new.add_argument("slug", metavar="SLUG", help="such as driven-pendulum: small letters, digits and single dashes")
-    new.add_argument("--title", help="as students read it; default: the slug's words")
-    new.add_argument("--into", type=Path, metavar="FOLDER", help="where to put it; default: where this installation looks for them")
+    new = commands.add_parser("new-assignment", help="create the folder of a new assignment from a working example")
+    new.add_argument("slug", metavar="SLUG", help="lower-case letters, digits and single dashes, such as driven-pendulum")
+    new.add_argument("--title", help="title for students; default: the slug's words")
+    new.add_argument(
+        "--into", type=Path, metavar="FOLDER", help="parent folder; default: where this installation looks for assignments"
+    )
     new.set_defaults(run=_new)
 
 
@@ -23,14 +25,14 @@ def _new(arguments: argparse.Namespace) -> int:
     try:
         if into is None:
             raise CannotScaffold(
-                f"an installed package is no place for it: give --into FOLDER, and set {catalogue.SETTING} to FOLDER"
+                f"cannot write into the installed package: give --into FOLDER, and set {catalogue.SETTING} to FOLDER"
             )
         folder = scaffold(slug, title, into)
     except (CannotScaffold, OSError) as error:
-        print(f"polhode: {error}; nothing was made", file=sys.stderr)
+        print(f"polhode: {error}; nothing was created", file=sys.stderr)
         return 2
-    print(f"made {folder}")
+    print(f"created {folder}")
     if folder.resolve() not in [known.resolve() for known in catalogue.folders()]:
-        print(f"so that the other commands and the server find it: export {catalogue.SETTING}={into.resolve()}")
+        print(f"to make it known to the other commands and the server: export {catalogue.SETTING}={into.resolve()}")
     print(f"next: polhode verify {folder}")
     return 0

@@ -1,4 +1,4 @@
-"""What is written of a batch: whole files or none, and a folder with every report, its pictures and pages to look at."""
+"""Output files of a batch: each written completely or not at all, and a folder of reports with pages to browse."""
 
 import json
 import os
@@ -15,10 +15,10 @@ from service.grading.result import GradedFile
 
 
 def write(file: Path, content: str | bytes) -> None:
-    """Write a file as a whole: where that fails, as on a full disk, what was there before is still there.
+    """Write a file completely or not at all: if writing fails, as on a full disk, the previous content remains.
 
-    What is no file, such as a pipe or anything in /dev, is written to and not replaced; a link is replaced, wherever it leads.
-    Names that are not UTF-8 are told as they can be.
+    Pipes and files in /dev are written in place; a symbolic link is replaced. Undecodable file names in the
+    text are escaped.
     """
     whole = content.encode(errors="backslashreplace") if isinstance(content, str) else content
     if file.is_relative_to("/dev") or (file.exists() and not file.is_file() and not file.is_dir()):
@@ -34,7 +34,10 @@ def write(file: Path, content: str | bytes) -> None:
 
 
 class OutputDir:
-    """Reports below ``path``, a folder for each file named like it; where several are, by their whole paths; and index.html."""
+    """A folder ``path`` with index.html and a subfolder of reports for each file.
+
+    A subfolder is named after the file, or after its whole path if several files have the same name.
+    """
 
     def __init__(self, path: Path, files: Sequence[Path]) -> None:
         stems, names = Counter(file.stem for file in files), UniqueNames(["index.html"])
@@ -42,7 +45,7 @@ class OutputDir:
         self._path, self._names = path, {file: names.give(name) for file, name in whole.items()}
 
     def add(self, file: GradedFile) -> None:
-        """Write report.txt, report.json, every picture, and the page that shows them."""
+        """Write a file's report as text, JSON and HTML, and its pictures."""
         folder = self._path / self._names[file.file]
         write(folder / "index.html", html.page(file))
         if file.report is None:

@@ -1,4 +1,4 @@
-"""polhode roster and token: who is in the course, and the tokens they log in with."""
+"""The commands ``polhode roster``, ``token``, ``password`` and ``unlink``: people and their credentials."""
 
 import argparse
 import getpass
@@ -22,33 +22,40 @@ NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the commands."""
-    roster = commands.add_parser("roster", help="enter the people of a CSV file and give each a token to log in with")
+    roster = commands.add_parser("roster", help="import people from a CSV file and give each a token to log in with")
     roster.add_argument(
-        "file", type=Path, metavar="ROSTER.csv", help="with a header: name and, if wanted, role, full_name, email, student_id"
+        "file", type=Path, metavar="ROSTER.csv", help="CSV with a header: name; optional: role, full_name, email, student_id"
     )
-    roster.add_argument("--tokens", type=Path, required=True, metavar="TOKENS.csv", help="written anew, readable by you only")
-    roster.add_argument("--days", type=_days, default=DAYS, help=f"how long the tokens are good (default {DAYS:g})")
+    roster.add_argument(
+        "--tokens", type=Path, required=True, metavar="TOKENS.csv", help="new file for the tokens, readable only by you"
+    )
+    roster.add_argument("--days", type=_days, default=DAYS, help=f"days until the tokens expire (default {DAYS:g})")
     roster.set_defaults(run=_roster)
-    token = commands.add_parser("token", help="give, list and revoke tokens")
+    token = commands.add_parser("token", help="create, list and revoke tokens")
     kinds = token.add_subparsers(dest="kind", required=True)
-    give = kinds.add_parser("give", help="print a new token for a person; it is never shown again")
-    give.add_argument("name")
-    give.add_argument("--days", type=_days, default=DAYS, help=f"how long it is good (default {DAYS:g})")
-    give.add_argument("--scope", action="append", choices=["submit", "read", "login"], help="repeatable; default all three")
-    give.add_argument("--label", default="given by the course")
+    give = kinds.add_parser("give", help="create a token for a person and print it; it is shown only once")
+    give.add_argument("name", help="user name")
+    give.add_argument("--days", type=_days, default=DAYS, help=f"days until it expires (default {DAYS:g})")
+    give.add_argument(
+        "--scope",
+        action="append",
+        choices=["submit", "read", "login"],
+        help="permission of the token; repeatable; default: all three",
+    )
+    give.add_argument("--label", default="issued by the course", help="description in the list (default: issued by the course)")
     give.set_defaults(run=_give)
-    listing = kinds.add_parser("list", help="tokens by how they begin, newest first")
-    listing.add_argument("name", nargs="?")
+    listing = kinds.add_parser("list", help="list tokens with their first characters, newest first")
+    listing.add_argument("name", nargs="?", help="user name; default: everyone")
     listing.set_defaults(run=_list)
-    revoke = kinds.add_parser("revoke", help="make a token useless, at once")
-    revoke.add_argument("id", nargs="?", type=UUID, help="as the list tells it")
-    revoke.add_argument("--person", metavar="NAME", help="instead: all of a person")
+    revoke = kinds.add_parser("revoke", help="revoke a token immediately")
+    revoke.add_argument("id", nargs="?", type=UUID, help="token id from polhode token list")
+    revoke.add_argument("--person", metavar="NAME", help="revoke all tokens of a person instead")
     revoke.set_defaults(run=_revoke)
-    password = commands.add_parser("password", help="set a person's password, asked for here or read from standard input")
-    password.add_argument("name")
+    password = commands.add_parser("password", help="set a person's password, typed at a prompt or read from standard input")
+    password.add_argument("name", help="user name")
     password.set_defaults(run=_password)
-    unlink = commands.add_parser("unlink", help="forget which account at the OpenID provider is a person's")
-    unlink.add_argument("name")
+    unlink = commands.add_parser("unlink", help="disconnect a person from the account at the OpenID provider")
+    unlink.add_argument("name", help="user name")
     unlink.set_defaults(run=_unlink)
 
 
@@ -64,8 +71,8 @@ def _roster(arguments: argparse.Namespace) -> int:
         return 2
 
     async def enter(database: "Database") -> None:
-        """All of it or nothing: the file is whole before anything is committed."""
-        terms = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
+        """Import the roster in one transaction, which commits only after the token file is complete."""
+        terms = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
         async with database.begin() as connection:
             await people.enroll(connection, roster)
             rows = await tokens.create_all(connection, [entry.name for entry in roster], **terms)
@@ -80,7 +87,7 @@ def _roster(arguments: argparse.Namespace) -> int:
         except BaseException:
             arguments.tokens.unlink()
             raise
-    print(f"{len(roster)} people entered; their tokens are in {arguments.tokens}")
+    print(f"imported {len(roster)} people; their tokens are in {arguments.tokens}")
     return 0
 
 
@@ -120,7 +127,7 @@ def _revoke(arguments: argparse.Namespace) -> int:
     from service.store.course import people, tokens
 
     if (arguments.id is None) == (arguments.person is None):
-        print("polhode: which one? Give either an id or --person NAME", file=sys.stderr)
+        print("polhode: select tokens: give either an id or --person NAME", file=sys.stderr)
         return 2
 
     async def revoke(database: "Database") -> int:
@@ -132,20 +139,20 @@ def _revoke(arguments: argparse.Namespace) -> int:
 
     with database_url(Settings()) as url:
         count = run_async(url, revoke)
-    print(f"{count} revoked")
+    print(f"revoked {count} token(s)")
     return 0 if count else 1
 
 
 def _lines(rows: Any) -> Iterator[str]:
     for row in rows:
-        state = "revoked" if row.revoked_at else "expired" if row.expired else f"good until {row.expires_at:%Y-%m-%d}"
+        state = "revoked" if row.revoked_at else "expired" if row.expired else f"valid until {row.expires_at:%Y-%m-%d}"
         used = f"used {row.used_at:%Y-%m-%d}" if row.used_at else "never used"
         yield f"{row.id}  {row.prefix}…  {row.name}  {','.join(row.scopes)}  {state}, {used}  {row.label}"
 
 
 def _days(text: str) -> float:
     if not 0 < (days := float(text)) <= MOST_DAYS:
-        raise argparse.ArgumentTypeError(f"between 0 and {MOST_DAYS:g} days")
+        raise argparse.ArgumentTypeError(f"expected more than 0 and at most {MOST_DAYS:g} days, got {text}")
     return days
 
 
@@ -156,21 +163,21 @@ def _password(arguments: argparse.Namespace) -> int:
 
     try:
         name = people.normalize_name(arguments.name)
-        kept = passwords.hash_password(passwords.normalize(_asked(name), name))
+        hashed = passwords.hash_password(passwords.normalize(_read_password(name), name))
     except (people.InvalidName, passwords.InvalidPassword) as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
-    async def keep(database: "Database") -> bool:
+    async def store(database: "Database") -> bool:
         async with database.begin() as connection:
-            return await credentials.set_password(connection, name, kept, by=getpass.getuser())
+            return await credentials.set_password(connection, name, hashed, by=getpass.getuser())
 
     with database_url(Settings()) as url:
-        known = run_async(url, keep)
+        known = run_async(url, store)
     if not known:
-        print(f"polhode: nobody is called {name} here: polhode roster and polhode token give enter people", file=sys.stderr)
+        print(f"polhode: no person named {name}: add people with polhode roster or polhode token give", file=sys.stderr)
         return 1
-    print(f"the password of {name} is set; their browsers are logged out")
+    print(f"the password of {name} is set; all browser sessions of {name} are logged out")
     return 0
 
 
@@ -178,23 +185,23 @@ def _password(arguments: argparse.Namespace) -> int:
 def _unlink(arguments: argparse.Namespace) -> int:
     from service.store.course import credentials
 
-    async def forget(database: "Database") -> bool:
+    async def unlink(database: "Database") -> bool:
         async with database.begin() as connection:
             return await credentials.unlink(connection, arguments.name, by=getpass.getuser())
 
     with database_url(Settings()) as url:
-        known = run_async(url, forget)
-    print(f"{arguments.name} is connected to no account any more" if known else f"{arguments.name} was connected to none")
+        known = run_async(url, unlink)
+    print(f"{arguments.name} is disconnected" if known else f"{arguments.name} was not connected to an account")
     return 0 if known else 1
 
 
-def _asked(name: str) -> str:
-    """What is typed twice at a terminal, or the first line of the input."""
+def _read_password(name: str) -> str:
+    """Return the password typed twice at a terminal, or the first line of standard input."""
     from service.auth import passwords
 
     if not sys.stdin.isatty():
         return sys.stdin.readline().rstrip("\r\n")
-    asked = getpass.getpass(f"New password of {name}: ")
-    if asked != getpass.getpass("The same again: "):
-        raise passwords.InvalidPassword("that was not the same twice")
-    return asked
+    password = getpass.getpass(f"New password of {name}: ")
+    if password != getpass.getpass("Repeat new password: "):
+        raise passwords.InvalidPassword("the passwords do not match")
+    return password

@@ -1,4 +1,4 @@
-"""How far a batch is: a line that is written over on a terminal, and each file's report as soon as it is its turn."""
+"""Progress of a batch: a status line on a terminal, and each file's report as soon as it is ready."""
 
 import sys
 import threading
@@ -14,14 +14,15 @@ CLEAR = "\r\x1b[K"
 
 
 class Progress:
-    """Of ``total`` files, of which those shown as good are ``kind``. The live line goes to standard error, only to a terminal.
+    """Progress of ``total`` files; the status line counts the good ones as ``kind``.
 
-    ``guard`` makes words of students fit to be printed where a line can be a command; all of them then go to standard output, as
-    a guard that is opened on one stream may be closed by the other.
+    The status line goes to standard error, and only to a terminal. ``escape`` is applied to all printed text
+    where a line could be a workflow command. All text then goes to standard output, because escaping opened on
+    one stream could be closed on the other.
     """
 
-    def __init__(self, total: int, kind: str = "all ✓", guard: Callable[[str], str] | None = None) -> None:
-        self._total, self._kind, self._guard, self._done, self._good = total, kind, guard, 0, 0
+    def __init__(self, total: int, kind: str = "all ✓", escape: Callable[[str], str] | None = None) -> None:
+        self._total, self._kind, self._escape, self._done, self._good = total, kind, escape, 0, 0
         self._live, self._began, self._lock = total > 1 and sys.stderr.isatty(), time.monotonic(), threading.Lock()
 
     def __enter__(self) -> "Progress":
@@ -31,27 +32,27 @@ class Progress:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._clear()
 
-    def tell(self, done: int) -> None:
-        """So many files are done; from any thread."""
+    def update(self, done: int) -> None:
+        """Set the number of finished files; callable from any thread."""
         with self._lock:
             self._done = done
             self._draw()
 
     def show(self, file: GradedFile, *, text: bool) -> None:
-        """Print a file's report (``text``), or why there is none."""
-        name = sanitize(str(file.file)).replace("\n", "\ufffd")  # a line of its own could be a command where it is printed
+        """Print a file's report (if ``text``), or the reason why it has none."""
+        name = sanitize(str(file.file)).replace("\n", "\ufffd")  # a line break could start a workflow command
         if file.report is None:
-            self.say(f"polhode: {name}: {one_line(file.why)}", good=False, to=sys.stderr)
+            self.print(f"polhode: {name}: {one_line(file.why)}", good=False, to=sys.stderr)
         else:
-            self.say(f"== {name}\n{file.report.text()}" if text else "", good=file.passed)
+            self.print(f"== {name}\n{file.report.text()}" if text else "", good=file.passed)
 
-    def say(self, words: str, *, good: bool, to: TextIO | None = None) -> None:
-        """Print the ``words`` for one file, if there are any."""
+    def print(self, text: str, *, good: bool, to: TextIO | None = None) -> None:
+        """Print the ``text`` of one file, if any, and count the file as good or not."""
         with self._lock:
             self._clear()
             self._good += good
-            if words:
-                print(self._guard(words) if self._guard else words, file=None if self._guard else to, flush=True)
+            if text:
+                print(self._escape(text) if self._escape else text, file=None if self._escape else to, flush=True)
             self._draw()
 
     def _draw(self) -> None:

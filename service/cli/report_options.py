@@ -1,6 +1,6 @@
-"""What polhode grade leaves for other systems: files of grades, and words for GitHub Actions.
+"""Options of ``polhode grade`` that write reports and grades for other systems.
 
-After a fault of ours there is no file that somebody could take for a grade: only JUnit's report, where it is an error.
+After a system fault no file is written that could be read as a grade; only JUnit's report is, with an error.
 """
 
 import argparse
@@ -24,59 +24,68 @@ if TYPE_CHECKING:
 VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 """When students see a test in Gradescope."""
 
-
 FILES = ("junit", "csv", "gradescope", "classroom50")
 
 
 class InvalidOutputOption(ValueError):
-    """What was asked for cannot be written; the message tells why."""
+    """An output option cannot be satisfied; the message says why."""
 
 
 def add(grade: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    grade.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML")
+    """Add the options to the parser."""
+    grade.add_argument("--junit", type=Path, metavar="FILE", help="write the reports as JUnit XML")
     grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
-    grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write the results.json of one file")
-    grade.add_argument("--hidden", choices=VISIBILITIES, default="visible", help="there, of checks that ask what nobody knows")
-    grade.add_argument("--max-score", type=_positive, metavar="N", help="there, of all checks together; default: a point each")
-    grade.add_argument("--classroom50", type=Path, metavar="FILE", help="write the result.json of one file, in its runner")
+    grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write Gradescope's results.json (for one file only)")
+    grade.add_argument(
+        "--hidden", choices=VISIBILITIES, default="visible", help="Gradescope visibility of hidden checks (default visible)"
+    )
+    grade.add_argument(
+        "--max-score", type=_positive, metavar="N", help="Gradescope points of all checks together; default: one per check"
+    )
+    grade.add_argument(
+        "--classroom50", type=Path, metavar="FILE", help="write Classroom 50's result.json (for one file, in its runner)"
+    )
 
 
-def _positive(told: str) -> float:
-    if not 0 < (number := float(told)) < math.inf:
-        raise argparse.ArgumentTypeError("more than 0")
+def _positive(text: str) -> float:
+    if not 0 < (number := float(text)) < math.inf:
+        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
     return number
 
 
 def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
-    """The kinds of figures that are needed."""
+    """Return the figure formats that the options need."""
     return ("svg",) * bool(arguments.out) + ("png",) * bool(arguments.gradescope)
 
 
-def guard(arguments: argparse.Namespace) -> Callable[[str], str] | None:
-    """In GitHub Actions what makes words of students such that none of their lines is a command; elsewhere None."""
+def escape(arguments: argparse.Namespace) -> Callable[[str], str] | None:
+    """Return a function that keeps GitHub Actions from reading printed lines as commands; None outside GitHub Actions."""
     from service.formats.github import escape_commands
 
-    in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"  # such as pre-commit's hook
-    return (lambda words: escape_commands(words, secrets.token_hex(16))) if in_actions else None
+    in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"  # for example in pre-commit's hook
+    return (lambda text: escape_commands(text, secrets.token_hex(16))) if in_actions else None
 
 
 class ReportFiles:
-    """The forms asked for; Unfit, before anything is graded, where one of them cannot be had of these files."""
+    """The output files named by the options.
+
+    The constructor deletes files of an earlier run. It raises InvalidOutputOption if an output is impossible
+    for these files.
+    """
 
     def __init__(self, arguments: argparse.Namespace, files: Sequence[Path]) -> None:
         self._arguments, self._about = arguments, None
         for form in ("gradescope", "classroom50"):
             if getattr(arguments, form) and len(files) != 1:
-                raise InvalidOutputOption(f"--{form} tells of one file, and there are {len(files)}")
+                raise InvalidOutputOption(f"--{form} takes one file, got {len(files)}")
         if arguments.classroom50:
             self._about = _about(files[0])
         for path in filter(None, (getattr(arguments, form) for form in FILES)):
             if path.is_file():
-                path.unlink()  # what an earlier run left there is no grade of this one
+                path.unlink()
 
     def write(self, graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
-        """Write them; of points and checks there are those of the exercises asked for."""
+        """Write the output files, with points and checks of the requested exercises only."""
         from service.cli.output_dir import write
         from service.grading.grade import select
 
@@ -91,16 +100,16 @@ class ReportFiles:
             for path, content in self._grades(graded, assignment):
                 write(path, content)
         if self._arguments.github:
-            _tell_github(graded, assignment)
+            _write_github(graded, assignment)
 
     def _grades(self, graded: "Sequence[GradedFile]", assignment: "Assignment") -> list[tuple[Path, str]]:
-        from service.formats import classroom50, grades_csv, gradescope
+        from service.formats import classroom50, grades, gradescope
         from service.formats.grade_row import rows
 
         found, arguments = [], self._arguments
         if arguments.csv:
             checks = [check.id for check in assignment.checks()]
-            found.append((arguments.csv, grades_csv.assignment_csv(rows(graded, assignment), checks)))
+            found.append((arguments.csv, grades.assignment_csv(rows(graded, assignment), checks)))
         if arguments.gradescope:
             results = gradescope.document(graded[0], assignment, max_score=arguments.max_score, hidden=arguments.hidden)
             found.append((arguments.gradescope, json.dumps(results, indent=1)))
@@ -119,8 +128,8 @@ def _about(file: Path) -> "About":
         raise InvalidOutputOption(str(error)) from error
 
 
-def _tell_github(graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
-    """Annotations on standard output, and the summary where the step has one."""
+def _write_github(graded: "Sequence[GradedFile]", assignment: "Assignment") -> None:
+    """Print annotations to standard output and append to the job summary if the step has one."""
     from service.formats import github
 
     for annotation in github.annotations(graded, assignment):
@@ -129,5 +138,5 @@ def _tell_github(graded: "Sequence[GradedFile]", assignment: "Assignment") -> No
         if path := os.environ.get("GITHUB_STEP_SUMMARY"):
             with open(path, "a", encoding="utf-8") as stream:
                 stream.write(github.summary(graded, assignment))
-    except OSError as error:  # it repeats what the log tells, and is no grade
-        print(f"polhode: no summary: {error}", file=sys.stderr)
+    except OSError as error:  # not fatal: the log has the same content
+        print(f"polhode: cannot write the job summary: {error}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""A new assignment as a copy of one that works: every file of the template, with another slug and title."""
+"""A new assignment as a copy of the template, with another slug and title."""
 
 import json
 import keyword
@@ -16,17 +16,20 @@ LONGEST, MOST_TITLE = 60, 100
 
 
 class CannotScaffold(ValueError):
-    """The folder cannot be made; the message tells why."""
+    """The folder cannot be created; the message says why."""
 
 
 def scaffold(slug: str, title: str, into: Path) -> Path:
-    """Make the folder of a new assignment within ``into``; there is all of it or nothing. CannotScaffold, or OSError."""
+    """Create the folder of a new assignment within ``into``, completely or not at all, and return it.
+
+    Raises CannotScaffold for an invalid or taken slug or title, OSError if writing fails.
+    """
     _check(slug, title)
     name = slug.replace("-", "_")
     if _exists(into / name):
-        raise CannotScaffold(f"{into / name} is there already")
+        raise CannotScaffold(f"{into / name} already exists")
     into.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".new-assignment-", dir=into) as made:  # hidden: nobody takes it for an assignment
+    with tempfile.TemporaryDirectory(prefix=".new-assignment-", dir=into) as made:  # hidden, so that it is not discovered
         folder = Path(made) / name
         shutil.copytree(TEMPLATE, folder, ignore=shutil.ignore_patterns("__pycache__"))
         for file, change in (("__init__.py", _declaration), ("notebook.ipynb", _notebook)):
@@ -37,17 +40,19 @@ def scaffold(slug: str, title: str, into: Path) -> Path:
 
 def _check(slug: str, title: str) -> None:
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", slug) or len(slug) > LONGEST:
-        raise CannotScaffold(f"{slug!r} is no slug: small letters and digits, words parted by single dashes, such as {SLUG}")
+        raise CannotScaffold(
+            f"invalid slug {slug!r}: use lower-case letters and digits, with single dashes between words, such as {SLUG}"
+        )
     if keyword.iskeyword(slug):
-        raise CannotScaffold(f"{slug} is a word of Python's own, which no package can be called")
+        raise CannotScaffold(f"invalid slug {slug}: it is a Python keyword")
     if catalogue.is_taken(slug):
-        raise CannotScaffold(f"{slug} is taken: there is an assignment or a module of that name")
+        raise CannotScaffold(f"the slug {slug} is taken by an assignment or module: choose another")
     if not title.strip() or not title.isprintable() or len(title) > MOST_TITLE:
-        raise CannotScaffold(f"a title is one line of text, of at most {MOST_TITLE} characters")
+        raise CannotScaffold(f"invalid title: use one line of at most {MOST_TITLE} printable characters")
 
 
 def _exists(folder: Path) -> bool:
-    """Also as a link that leads nowhere, or as a module of that name."""
+    """Return whether the folder exists, also as a broken link or as a module of that name."""
     return folder.is_symlink() or folder.exists() or folder.with_suffix(".py").exists()
 
 
@@ -60,7 +65,7 @@ def _notebook(text: str, slug: str, title: str) -> str:
 
 
 def _within(notebook: dict[str, list[dict[str, list[str]]]], slug: str, title: str) -> object:
-    """The notebook with its heading, and with the slug by which it connects."""
+    """Return the notebook with the title in its heading and the slug in its setup cell."""
     changes: dict[str, Callable[[str], str]] = {
         "title": lambda line: line.replace(f"# {TITLE}", f"# {_markdown(title)}"),
         "setup": lambda line: line.replace(f'assignment="{SLUG}"', f'assignment="{slug}"'),
@@ -80,7 +85,7 @@ def _changed(text: str, changes: dict[str, str]) -> str:
 
 
 def _python(title: str) -> str:
-    """A string literal, in the quotes that need fewer escapes, as the formatter wants it."""
+    """Return a string literal in the quotes that need fewer escapes, as the formatter writes it."""
     quote = "'" if title.count('"') > title.count("'") else '"'
     return quote + title.replace("\\", "\\\\").replace(quote, f"\\{quote}") + quote
 

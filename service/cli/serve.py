@@ -1,4 +1,4 @@
-"""Running the server: an embedded database under it unless there is another, a crew of workers beside it, and a clean end."""
+"""Run the server: the HTTP application, the workers, and an embedded database unless another one is set."""
 
 import signal
 import socket
@@ -16,21 +16,23 @@ from service.settings import Settings
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
 
-CLOSE_S = 2  # what a stopping server gives its open answers, event streams among them
+CLOSE_S = 2  # seconds that a stopping server leaves to open responses, such as event streams
 
 
 def serve(settings: Settings) -> int:
-    """Serve until interrupted; exit code 2 if the database cannot be had, with the reason on stderr."""
+    """Serve until interrupted. Return 2, with the reason on stderr, if the server cannot start."""
     logs.install(settings.log_level)
-    keeper = None
-    signal.signal(signal.SIGTERM, _end)  # uvicorn passes the signal on when it is done; unhandled it would skip the clean-up
+    supervisor = None
+    signal.signal(
+        signal.SIGTERM, _exit
+    )  # uvicorn raises the signal again when it has stopped; unhandled, it would skip the clean-up
     try:
-        oidc.provider(settings)  # to fail before a database is started
-        door = open_socket(settings)
-        keeper = Supervisor(settings)
-        keeper.begin()
-        server = http_server(settings.model_copy(update={"database_url": keeper.url}))
-        server.run(sockets=[door])
+        oidc.provider(settings)  # fail before the database is started
+        listening = open_socket(settings)
+        supervisor = Supervisor(settings)
+        supervisor.begin()
+        server = http_server(settings.model_copy(update={"database_url": supervisor.url}))
+        server.run(sockets=[listening])
         return 0 if server.started else 2
     except (oidc.NotInstalled, DatabaseUnavailable, OperationalError, OSError) as error:
         print(f"polhode: {error}", file=sys.stderr)
@@ -38,17 +40,19 @@ def serve(settings: Settings) -> int:
     except KeyboardInterrupt:
         return 0
     finally:
-        if keeper is not None:
-            keeper.stop()
+        if supervisor is not None:
+            supervisor.stop()
 
 
 def http_server(settings: Settings) -> uvicorn.Server:
-    """Return the HTTP server of the application, which runs on a socket of ``open_door``; ``settings.database_url`` is set."""
+    """Return the HTTP server of the application, to run on a socket of ``open_socket``. ``settings.database_url``
+    must be set.
+    """
     return _Server(uvicorn.Config(create_app(settings), log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S))
 
 
 class _Server(uvicorn.Server):
-    """Lets those who wait have their last look before it closes their connections."""
+    """A uvicorn server that notifies waiting requests before it closes their connections."""
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         assert isinstance(self.config.app, FastAPI)
@@ -58,15 +62,17 @@ class _Server(uvicorn.Server):
 
 
 def open_socket(settings: Settings) -> socket.socket:
-    """Return a socket that listens where the settings say; OSError with the address where that fails."""
+    """Return a listening socket at the host and port of the settings. Raises OSError naming the address."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
-        door = socket.create_server((settings.host, settings.port), family=family)
+        listening = socket.create_server((settings.host, settings.port), family=family)
     except OSError as error:
         raise OSError(f"{settings.host} port {settings.port}: {error.strerror or error}") from error
-    door.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # asyncio sets it for its own sockets only: else 40 ms an answer
-    return door
+    listening.setsockopt(
+        socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
+    )  # saves 40 ms per response; asyncio sets it only on sockets it opens
+    return listening
 
 
-def _end(signum: int, frame: object) -> None:
+def _exit(signum: int, frame: object) -> None:
     raise SystemExit(0)

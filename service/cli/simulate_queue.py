@@ -1,8 +1,10 @@
-"""How long students wait at a deadline: the queue of ``service.store.queue``, simulated event by event.
+"""Event-by-event simulation of how long students wait at a deadline, with the queue order of
+``service.store.queue``.
 
-Every student sends each submission at a moment of its own, independent of all others and of any result: uniform over the time
-before the deadline, or with ``rush`` of a density that grows linearly from zero to the deadline. Every worker grades one
-submission at a time and has a core of its own; how long it takes is drawn, with replacement, from measured times.
+Each student sends each submission at a random time, independent of the others and of any result. The times
+before the deadline are uniform; with ``rush`` their density grows linearly from zero to the deadline. Each
+worker has its own core and grades one submission at a time. Grading times are drawn with replacement from
+measured ones.
 """
 
 import json
@@ -24,7 +26,9 @@ QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 
 @dataclass(frozen=True)
 class Deadline:
-    """What to simulate; ``seconds`` are the service times drawn from. Raises ValueError, naming all that is out of range."""
+    """The parameters of a simulation; ``seconds`` are the grading times to draw from. Raises ValueError listing
+    all values that are out of range.
+    """
 
     students: int
     minutes: float
@@ -38,12 +42,14 @@ class Deadline:
         if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
             raise ValueError(f"must be more than 0: {', '.join(wrong)}")
         if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
-            raise ValueError(f"at most {MOST} submissions and {YEAR_MIN} minutes")
+            raise ValueError(f"too large: at most {MOST} submissions and {YEAR_MIN} minutes")
 
 
 @dataclass(frozen=True)
 class Arrivals:
-    """Submissions as they come, each (n,): accepted when (s), whose, which of that person's (from 1), for how long a worker (s)."""
+    """Submissions in order of arrival, each array (n,): time of acceptance (s), person, number of the person's
+    submission (from 1), and grading time (s).
+    """
 
     accepted: NDArray[np.float64]
     person: NDArray[np.int64]
@@ -53,9 +59,13 @@ class Arrivals:
 
 @dataclass(frozen=True)
 class Waiting:
-    """Quantiles of the seconds from accepted to started, of all and of each student's first and last; the most that wait at a time;
-    the seconds from the deadline until nobody waits, 0 if that was before; the share of the workers' time spent on submissions,
-    until the deadline or the last result if that is later."""
+    """Statistics of the waits.
+
+    ``waits`` holds quantiles of the seconds from acceptance to start, for all submissions, each student's first
+    and each student's last. ``longest_queue`` is the largest number of waiting submissions. ``emptied_s`` is
+    the time (s) from the deadline until the queue is empty, 0 if it was empty before. ``utilisation`` is the
+    share of the workers' time spent on submissions, until the deadline or the last result, whichever is later.
+    """
 
     waits: dict[str, dict[str, float]]
     longest_queue: int
@@ -64,27 +74,31 @@ class Waiting:
 
 
 def simulate(deadline: Deadline) -> Waiting:
-    """Draw the arrivals and play them through; the same seed gives the same answer."""
+    """Simulate the deadline. The same seed gives the same result."""
     arrivals = draw(deadline)
-    return summary(arrivals, begin(arrivals, deadline.workers), deadline.workers, 60 * deadline.minutes)
+    return summary(arrivals, start_times(arrivals, deadline.workers), deadline.workers, 60 * deadline.minutes)
 
 
 def workers_needed(deadline: Deadline, p99_s: float) -> int:
-    """How many workers keep the 99th percentile of waits at or below ``p99_s`` seconds, where one fewer does not; by doubling, then
-    bisection. ``deadline.workers`` is not used. Raises ValueError for a negative ``p99_s``."""
+    """Return the smallest number of workers that keeps the 99th percentile of the waits at or below ``p99_s``
+    seconds.
+
+    The search doubles the number, then bisects; ``deadline.workers`` is ignored. Raises ValueError for a
+    negative ``p99_s``.
+    """
     if not p99_s >= 0:
-        raise ValueError("no wait is shorter than 0 seconds")
+        raise ValueError(f"--p99 must not be negative, got {p99_s:g}")
     arrivals = draw(deadline)
 
     def enough(workers: int) -> bool:
-        return bool(np.quantile(begin(arrivals, workers) - arrivals.accepted, 0.99) <= p99_s)
+        return bool(np.quantile(start_times(arrivals, workers) - arrivals.accepted, 0.99) <= p99_s)
 
     high = next(2**k for k in count() if enough(2**k))
     return bisect_left(range(high), True, lo=min(high, high // 2 + 1), key=enough)
 
 
 def draw(deadline: Deadline) -> Arrivals:
-    """Arrivals from the deadline's seed; they do not depend on the number of workers."""
+    """Draw the arrivals from the deadline's seed; they do not depend on the number of workers."""
     random = np.random.default_rng(deadline.seed)
     share = random.random((deadline.students, deadline.submissions))
     moments = 60 * deadline.minutes * np.sort(np.sqrt(share) if deadline.rush else share)  # √u has density 2u
@@ -93,17 +107,19 @@ def draw(deadline: Deadline) -> Arrivals:
     return Arrivals(moments.ravel()[order], person, turn + 1, random.choice(deadline.seconds, moments.size))
 
 
-def begin(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
-    """When each submission is begun (n,), in seconds: the lowest rank first, within a rank in the order of coming to it.
+def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
+    """Return the start time of each submission (n,) in seconds: lowest rank first, within a rank in order of
+    entering it.
 
-    The rank counts its person's earlier submissions without result: taken when it is accepted, and anew at each result of that
-    person for the oldest that waits with a rank above 0. A result at the very moment of an arrival comes before it.
+    A submission's rank is the number of its student's earlier unfinished submissions. It is set on acceptance,
+    and again after each result of that student for the oldest waiting submission with a rank above 0. A result
+    precedes an arrival at the same time.
     """
     person, service, begun = arrivals.person.tolist(), arrivals.service.tolist(), np.empty(len(arrivals.person))
-    events = [(moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())]  # False: its result
-    unfinished: dict[int, list[int]] = {who: [] for who in person}  # the oldest first
-    rank, place, places = [0] * len(events), [0] * len(events), count()  # what does not wait keeps rank 0
-    queue: list[tuple[int, int, int]] = []  # rank, place, submission; void where that has another place by now
+    events = [(moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())]  # (time, is an arrival, submission)
+    unfinished: dict[int, list[int]] = {one: [] for one in person}  # oldest first
+    rank, place, places = [0] * len(events), [0] * len(events), count()  # a submission that does not wait has rank 0
+    queue: list[tuple[int, int, int]] = []  # (rank, place, submission); void if the submission's place has changed
     while events:
         now, arrives, one = heappop(events)
         mine = unfinished[person[one]]
@@ -125,19 +141,21 @@ def begin(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
 
 
 def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadline_s: float) -> Waiting:
-    """How these arrivals waited, simulated or real: ``begun`` (n,) tells when each was begun, the deadline is at ``deadline_s``."""
+    """Return the statistics of simulated or measured waits. ``begun`` (n,) are the start times, ``deadline_s`` is
+    the deadline, in seconds.
+    """
     waits, last = begun - arrivals.accepted, int(arrivals.turn.max())
     chosen = {"all": waits, "students' first": waits[arrivals.turn == 1], f"students' no. {last}": waits[arrivals.turn == last]}
     quantiles = {name: {q: float(np.quantile(those, share)) for q, share in QUANTILES.items()} for name, those in chosen.items()}
-    moments = np.concatenate([begun, arrivals.accepted])  # at the same moment one leaves the queue before another joins it
+    moments = np.concatenate([begun, arrivals.accepted])  # at equal times a start precedes an arrival
     queue = np.cumsum(np.repeat([-1, 1], len(begun))[np.argsort(moments, kind="stable")])
     busy = float(arrivals.service.sum()) / workers / max(deadline_s, float((begun + arrivals.service).max()))
     return Waiting(quantiles, int(queue.max()), max(0.0, float(begun.max()) - deadline_s), busy)
 
 
 def table(waiting: Waiting) -> str:
-    """For a terminal."""
+    """Return the statistics as a table for a terminal."""
     rows = {"seconds waited": [*QUANTILES]} | {n: [f"{s:.1f}" for s in row.values()] for n, row in waiting.waits.items()}
     lines = [f"{name:20}" + "".join(f"{cell:>9}" for cell in cells) for name, cells in rows.items()]
     lines.append(f"longest queue {waiting.longest_queue}, workers {waiting.utilisation:.0%} busy")
-    return "\n".join([*lines, f"nobody waits any more {waiting.emptied_s:.0f} s after the deadline"])
+    return "\n".join([*lines, f"queue empty {waiting.emptied_s:.0f} s after the deadline"])

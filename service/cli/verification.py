@@ -1,4 +1,4 @@
-"""What became of samples, against what was expected of them: told to the author of the assignment, line by line."""
+"""Comparison of graded samples with their expected reports, as text for the assignment's author."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -13,10 +13,10 @@ from service.grading.result import GradedFile
 
 @dataclass
 class Tally:
-    """What was seen of an assignment so far: checks that failed, codes that were named."""
+    """Counts over the samples of an assignment, with the checks made, the checks that failed and the diagnosis codes named."""
 
     samples: int = 0
-    otherwise: int = 0  # whose report was not the expected one
+    unexpected: int = 0
     right: int = 0
     made: set[str] = field(default_factory=set)
     failed: set[str] = field(default_factory=set)
@@ -25,7 +25,7 @@ class Tally:
     def add(self, graded: GradedFile, expected: bool) -> None:
         """Count a sample."""
         self.samples += 1
-        self.otherwise += not expected
+        self.unexpected += not expected
         self.right += graded.passed
         if graded.report:
             self.made |= {o.id for o in graded.report.outcomes()}
@@ -34,35 +34,37 @@ class Tally:
 
 
 def differences(sample: Sample, graded: GradedFile) -> list[str]:
-    """What is not as expected: for each such check its line with numbers and cause, then the codes; empty if nothing is."""
+    """Return the differences from the expected report: each such check with its line and diagnosis, then the codes."""
     if graded.report is None:
-        return [f"is no submission: {graded.refused}"]
+        return [f"cannot be graded: {graded.refused}"]
     report = document(graded.report)
     return [*_of_checks(sample, graded.report), *_of_codes(sample.codes, codes(report), graded.report)]
 
 
-def unlisted(assignment: Assignment, graded: GradedFile) -> list[str]:
-    """What a sample without an expectation is told: the entry it would have, or that its name is not what its report says."""
+def missing_entry(assignment: Assignment, graded: GradedFile) -> list[str]:
+    """Return what to report about a sample without an entry in expected.toml."""
     if graded.report is None:
-        return [f"is no submission: {graded.refused}"]
+        return [f"cannot be graded: {graded.refused}"]
     if written := new_entry(assignment, graded):
-        return ["has no entry in expected.toml; with --write it would get", *written.rstrip().split("\n")]
-    said = "has no entry in expected.toml; right_… is to be all ✓ and any other name not, so that none is written:"
-    return [said, *graded.report.text().rstrip().split("\n")]
+        return ["has no entry in expected.toml; --write would add", *written.rstrip().split("\n")]
+    problem = "has no entry in expected.toml, and none can be written: right_… must be all ✓, any other name must not be:"
+    return [problem, *graded.report.text().rstrip().split("\n")]
 
 
 def new_entry(assignment: Assignment, graded: GradedFile) -> str | None:
-    """The entry of a sample that has none; None where its report is not what its name says."""
+    """Return the entry for a sample without one, or None if its report contradicts its name."""
     if graded.report is None or graded.report.passed != graded.file.name.startswith("right_"):
         return None
     return entry(graded.file.name, None, assignment, document(graded.report))
 
 
 def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool) -> Iterator[str]:
-    """How many were as expected; and, of ``whole`` sets, what no sample shows: these are warnings."""
-    agreed = tally.samples - tally.otherwise
+    """Yield how many samples are as expected and which entries lack a file; for a ``whole`` set also warnings
+    about checks and codes that no sample shows.
+    """
+    agreed = tally.samples - tally.unexpected
     yield f"{assignment.slug}: {agreed} of {tally.samples} samples as expected, {len(tally.made)} checks"
-    yield from (f"{name}: expected.toml has an entry for it, but there is no such file" for name in found.missing)
+    yield from (f"{name}: listed in expected.toml, but the file does not exist" for name in found.missing)
     if whole:
         yield from _listing("no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed])
         yield from _listing("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])
@@ -73,10 +75,10 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
 def _of_checks(sample: Sample, report: Report) -> Iterator[str]:
     outcomes = {o.id: o for o in report.outcomes()}
     for one in sample.differences(document(report)):
-        want = f"expected {MARKS[one.expected]}" if one.expected else "not to be made"
+        want = f"expected {MARKS[one.expected]}" if one.expected else "expected no result"
         outcome = outcomes.get(one.check)
         if outcome is None:
-            yield f"{one.check}: {want}, not made: its exercise was not attempted, or its function is not defined"
+            yield f"{one.check}: {want}, got no result: its exercise was not attempted, or its function is not defined"
             continue
         yield f"{one.check}: {want}, got {MARKS[outcome.verdict]}"
         yield from (f"  {line}" for line in outcome.text().split("\n"))
@@ -84,10 +86,10 @@ def _of_checks(sample: Sample, report: Report) -> Iterator[str]:
 
 def _of_codes(expected: frozenset[str], got: set[str], report: Report) -> Iterator[str]:
     if missing := expected - got:
-        yield f"codes expected, but not named: {', '.join(sorted(missing))}"
+        yield f"missing diagnosis codes: {', '.join(sorted(missing))}"
     if more := got - expected:
         sentences = {d.code: d.sentence for o in report.outcomes() for d in o.diagnosis}
-        yield from (f"code named, but not expected: {code} ({sentences[code]})" for code in sorted(more))
+        yield from (f"unexpected diagnosis code: {code} ({sentences[code]})" for code in sorted(more))
 
 
 def _listing(what: str, names: Sequence[str]) -> Iterator[str]:

@@ -1,1 +1,1 @@
-"""Reports and grades in the formats of other systems. Pure: no HTTP, no SQL, no clock."""
+"""Reports and grades in the formats of other systems: pure functions without HTTP, SQL or a clock."""

@@ -1,4 +1,4 @@
-"""What a telling says of one check: text that is harmless wherever it is shown, with all that helps to find the discrepancy."""
+"""The text of one check for other systems: harmless wherever it is displayed, with what helps to find the error."""
 
 import re
 from collections.abc import Iterable
@@ -9,29 +9,31 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from service.sandbox.wire import text
 
-NOTHING = "a check that counts was made"
-"""Its failure stands where nothing that counts was checked: other systems take no failure for a success."""
+NOTHING = "at least one counted check was made"
+"""Name of a failed test for reports without counted checks, since other systems read "no failure" as success."""
 SUBMITTED = "the file can be graded"
 MOST_TRACE = 2000
 
 
 class NoVerdict(Exception):
-    """We could not grade the file, and a grade would be a lie."""
+    """The file was not graded because of a system fault, so no grade may be written."""
 
 
-def sanitize(told: str, most: int | None = None) -> str:
-    """The text without what is no character of XML, turns lines around or steers a terminal; cut to ``most`` characters."""
-    whole = text(told.replace("\r\n", "\n"), len(told))
+def sanitize(raw: str, most: int | None = None) -> str:
+    """Return the text without non-XML characters, bidirectional controls and terminal sequences, cut to ``most`` characters."""
+    whole = text(raw.replace("\r\n", "\n"), len(raw))
     return whole if most is None or len(whole) <= most else f"{whole[: most - 2]} …"
 
 
-def one_line(told: str, most: int | None = None) -> str:
-    """The same as one line."""
-    return sanitize(" ".join(told.split()), most)
+def one_line(raw: str, most: int | None = None) -> str:
+    """Return the sanitized text on one line, cut to ``most`` characters."""
+    return sanitize(" ".join(raw.split()), most)
 
 
 def detail(outcome: Outcome, report: Report, *, trace: bool = True) -> str:
-    """The check's line, where a ✗ is worst, likely causes, hints, why just so much was allowed; then the code that stopped."""
+    """Return all that is known about a check: its line, location, diagnosis and hints, the reason for its
+    tolerance, and the traceback that prevented the measurement.
+    """
     parts = [outcome.text()]
     if outcome.verdict is Verdict.FAIL:
         parts.append(f"     allowed: {outcome.tolerance.reason}")
@@ -42,35 +44,37 @@ def detail(outcome: Outcome, report: Report, *, trace: bool = True) -> str:
 
 
 def not_attempted(report: Report, assignment: Assignment) -> dict[str, int]:
-    """Return the points of each exercise that was asked for and not attempted, by a sentence that says so."""
-    there = {exercise.number for exercise in assignment.exercises}
-    points = {number: assignment.max_points([number]) for number in report.not_attempted if number in there}
+    """Return the points of each requested exercise that was not attempted, keyed by a sentence that says so."""
+    known = {exercise.number for exercise in assignment.exercises}
+    points = {number: assignment.max_points([number]) for number in report.not_attempted if number in known}
     return {f"exercise {number} was not attempted": most for number, most in points.items() if most}
 
 
 def stopped_by(outcome: Outcome, scene_ends: Iterable[SceneEnd]) -> SceneEnd | None:
-    """The ending with a traceback that kept the check from being measured."""
+    """Return the scene end whose traceback explains why the check is unmeasured, or None."""
     if outcome.verdict is not Verdict.UNMEASURED:
         return None
-    told = {outcome.cause, *(cause.sentence for cause in outcome.diagnosis)}
-    return next((e for e in scene_ends if e.traceback and e.sentence in told), None)
+    reasons = {outcome.cause, *(cause.sentence for cause in outcome.diagnosis)}
+    return next((e for e in scene_ends if e.traceback and e.sentence in reasons), None)
 
 
 _PLAIN = re.compile(r"[^\w ]|_", re.ASCII)
 
 
-def code(told: str) -> str:
-    """In a line, also in a cell of a table: every sign an entity, which Markdown reads as a sign and never as its own."""
-    return f"<code>{escaped(told)}</code>"
+def code(raw: str) -> str:
+    """Return the text as inline code for Markdown, on one line, safe in a table cell too. Every punctuation mark
+    becomes an entity.
+    """
+    return f"<code>{escaped(raw)}</code>"
 
 
-def escaped(told: str) -> str:
-    """The same without being code: for what is ours."""
-    return _PLAIN.sub(lambda sign: sign[0] if ord(sign[0]) > 127 else f"&#{ord(sign[0])};", one_line(told))
+def escaped(raw: str) -> str:
+    """Return the text on one line with every ASCII punctuation mark as an entity, so that Markdown renders it literally."""
+    return _PLAIN.sub(lambda sign: sign[0] if ord(sign[0]) > 127 else f"&#{ord(sign[0])};", one_line(raw))
 
 
-def block(told: str) -> str:
-    """Lines as they are, behind a fence longer than any in them."""
-    plain = sanitize(told).rstrip("\n")
+def block(raw: str) -> str:
+    """Return the text as a Markdown code block, with a fence longer than any fence in the text."""
+    plain = sanitize(raw).rstrip("\n")
     fence = "`" * max(3, 1 + max(map(len, re.findall("`+", plain)), default=0))
     return f"{fence}text\n{plain}\n{fence}"

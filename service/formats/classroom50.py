@@ -1,6 +1,8 @@
-"""Classroom 50's result.json, ``classroom50/result/v1``: points are whole numbers, and what does not count is no test.
+"""Classroom 50's result.json, schema ``classroom50/result/v1``: whole points, and no test for a check that does
+not count.
 
-Its runner stamps ``owner``, ``assignment_type``, ``datetime`` and ``graded_at`` over ours, and by them files the grade.
+Classroom 50's runner overwrites ``owner``, ``assignment_type``, ``datetime`` and ``graded_at`` and files the
+grade by them.
 """
 
 from collections.abc import Iterator
@@ -19,10 +21,11 @@ SCHEMA = "classroom50/result/v1"
 
 @dataclass(frozen=True, kw_only=True)
 class About:
-    """Whose submission it is, and where: ``classroom`` and ``assignment`` are the names that Classroom 50 has for them.
+    """The submission's identity in Classroom 50.
 
-    ``assignment_type`` is individual, group or team, ``submission`` the tag submit/TIME-COMMIT, ``commit``, ``release`` and
-    ``review`` are addresses. ``submitted_at`` is the same in every regrade, ``graded_at`` moves.
+    ``classroom`` and ``assignment`` are Classroom 50's names. ``assignment_type`` is individual, group or team.
+    ``submission`` is the tag submit/TIME-COMMIT. ``commit``, ``release`` and ``review`` are URLs.
+    ``submitted_at`` stays the same in every regrade, ``graded_at`` does not.
     """
 
     classroom: str
@@ -38,26 +41,26 @@ class About:
 
 
 def document(file: GradedFile, assignment: Assignment, about: About) -> dict[str, Any]:
-    """The document of one file; NoVerdict for a fault of ours."""
+    """Return the result document of one file. Raises NoVerdict after a system fault."""
     if file.fault is not None:
         raise NoVerdict(file.fault)
     if (report := file.report) is None:
         most, tests = assignment.max_points(), [_failed(SUBMITTED, assignment.max_points(), file.refused or "")]
     elif not report.max_score:
-        most, tests = 0, [_failed(NOTHING, 0, "nothing that counts was checked")]
+        most, tests = 0, [_failed(NOTHING, 0, "no counted check was made")]
     else:
         missed = not_attempted(report, assignment)
         most, tests = report.max_score + sum(missed.values()), [t for e in report.exercises for t in _tests(e, report)]
         tests += [_failed(name, points, name) for name, points in missed.items()]
-    return {"schema": SCHEMA, **_told(about), "score": file.points, "max-score": most, "tests": tests}
+    return {"schema": SCHEMA, **_identity(about), "score": file.points, "max-score": most, "tests": tests}
 
 
 def moment(at: datetime) -> str:
-    """A moment as the schema has it: UTC, to the second."""
+    """Return the time as the schema requires it: UTC, to the second."""
     return at.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def _told(about: About) -> dict[str, str]:
+def _identity(about: About) -> dict[str, str]:
     times = {"datetime": moment(about.submitted_at)} | ({"graded_at": moment(about.graded_at)} if about.graded_at else {})
     return {key: value for key, value in vars(about).items() if isinstance(value, str)} | times
 

@@ -1,8 +1,8 @@
-"""CSV that a spreadsheet may open: no text in it is taken for a formula, and every row is one line.
+"""CSV that is safe to open in a spreadsheet: no text is read as a formula, and every row is one line.
 
-A text is a formula to a spreadsheet if it begins with = + - or @, in any of their widths, perhaps after characters that do not
-show; and a part of a text can become a cell of its own where another separator than the comma is usual. So an apostrophe is put
-before these, as OWASP advises. Numbers are written as numbers.
+A spreadsheet reads a text as a formula if it starts with = + - or @ (in any width, perhaps after invisible
+characters). Where the separator is not a comma, a part of a text can become a cell. Both get an apostrophe in
+front, as OWASP recommends. Numbers are written as numbers.
 """
 
 import csv
@@ -17,11 +17,11 @@ UNSEEN = "\\s\u00ad\u061c\u180e\u200b-\u200f\u2060-\u2064\u206a-\u206f\ufeff\uff
 BYTE_ORDER_MARK = "\ufeff"
 _BEGINS = re.compile(f'(^|[,;|"])([{UNSEEN}]*)(?=[{FORMULA}])')
 _BREAKS = re.compile("[\t\n\v\f\r\x1c-\x1e\x85\u2028\u2029]+")
-_DROPPED = re.compile("[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")  # the marks among them turn whole lines around
+_DROPPED = re.compile("[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")  # controls; U+202A… reverse the text direction
 
 
 def cell(value: Value) -> str:
-    """The value as it stands in a CSV: a text made harmless, yes or no, a number, nothing for None and what is not finite."""
+    """Return the value as a CSV cell: escaped text, yes or no, a number; empty for None, NaN and infinities."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
     if isinstance(value, bool):
@@ -30,7 +30,7 @@ def cell(value: Value) -> str:
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[Value]], *, end: str = "\r\n") -> str:
-    """A CSV as RFC 4180 has it, with commas."""
+    """Return a CSV by RFC 4180, with commas and ``end`` as line ending."""
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator=end)
     writer.writerow([cell(name) for name in header])

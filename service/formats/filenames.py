@@ -1,4 +1,4 @@
-"""A zip that is sent while it is written: of what was sent nothing is kept but its table of contents."""
+"""Safe file names, and zip archives that are sent while they are written."""
 
 import io
 import re
@@ -7,39 +7,42 @@ import zipfile
 from collections.abc import Iterable
 from datetime import UTC, datetime
 
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # what a zip can tell
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # of the zip format
 
 
 class ZipStream:
-    """Add files, and between them ``take`` the bytes that can go; ``end`` gives the last."""
+    """A zip archive that is written and sent piece by piece; only its table of contents stays in memory.
+
+    Call ``add`` for each file, ``take`` between files for the bytes so far, and ``end`` for the rest.
+    """
 
     def __init__(self) -> None:
         self._sent = _Sent()
         self._zip = zipfile.ZipFile(self._sent, "w", zipfile.ZIP_DEFLATED)
 
     def add(self, path: str, content: str | bytes, at: datetime) -> None:
-        """Add a file under a path of safe names, last changed at that time."""
+        """Add a file with the modification time ``at``. The parts of ``path`` must be safe names."""
         when = at.astimezone(UTC).timetuple()[:6]
         about = zipfile.ZipInfo(path, max(EARLIEST, (when[0], when[1], when[2], when[3], when[4], when[5])))
         about.compress_type, about.external_attr = zipfile.ZIP_DEFLATED, 0o600 << 16
         self._zip.writestr(about, content)
 
     def take(self) -> bytes:
-        """What was written since the last time."""
+        """Return the bytes written since the last call."""
         return self._sent.take()
 
     def end(self) -> bytes:
-        """The same, with the table of contents; nothing can be added any more."""
+        """Finish the archive and return the remaining bytes."""
         self.close()
         return self.take()
 
     def close(self) -> None:
-        """Add no more, also where nobody takes the rest."""
+        """Finish the archive without returning its bytes."""
         self._zip.close()
 
 
 class _Sent(io.RawIOBase):
-    """A stream that cannot go back."""
+    """An unseekable output stream that collects the bytes."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
@@ -61,27 +64,31 @@ DEVICES = {"con", "prn", "aux", "nul", *(f"{device}{n}" for device in ("com", "l
 _UNSAFE = re.compile(r"[^\w.@+-]+|_{2,}")
 
 
-def safe_filename(text: str, otherwise: str = "file") -> str:
-    """One part of a path: letters, digits, ``. _ - + @``; no dot or dash in front, no device of Windows, not too long."""
+def safe_filename(text: str, default: str = "file") -> str:
+    """Return the text as a safe file name, or ``default`` if nothing is left of it.
+
+    The name has letters, digits and ``. _ - + @`` only, starts with a letter, digit or underscore, is not a
+    Windows device, and has at most MOST_BYTES bytes.
+    """
     name = _UNSAFE.sub("_", unicodedata.normalize("NFC", text)).lstrip(".-_@+ ").rstrip(".-_")
-    name = _cut(name) or otherwise
+    name = _cut(name) or default
     return f"_{name}" if name.partition(".")[0].casefold() in DEVICES else name
 
 
 class UniqueNames:
-    """The names given out in one folder, those ``taken`` among them."""
+    """The file names used in one folder, starting with ``taken``."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = {_folded(name) for name in taken}
 
-    def give(self, text: str, otherwise: str = "file") -> str:
-        """A safe name that is not given yet, also where a file system takes large for small letters."""
-        name = first = safe_filename(text, otherwise)
-        stem, dot, ending = first.rpartition(".")
+    def give(self, text: str, default: str = "file") -> str:
+        """Return a safe file name that is not yet used in the folder, and reserve it. Letter case is ignored."""
+        name = first = safe_filename(text, default)
+        stem, dot, suffix = first.rpartition(".")
         count = 1
         while _folded(name) in self._taken:
             count += 1
-            name = f"{stem}-{count}{dot}{ending}" if stem else f"{first}-{count}"
+            name = f"{stem}-{count}{dot}{suffix}" if stem else f"{first}-{count}"
         self._taken.add(_folded(name))
         return name
 
@@ -91,9 +98,9 @@ def _folded(name: str) -> str:
 
 
 def _cut(name: str) -> str:
-    """At most MOST_BYTES of it, with its ending."""
-    stem, dot, ending = name.rpartition(".")
-    if not stem or len(ending) > 10:
-        stem, dot, ending = name, "", ""
-    room = MOST_BYTES - len((dot + ending).encode())
-    return stem.encode()[:room].decode(errors="ignore").rstrip("._-") + dot + ending
+    """Return at most MOST_BYTES of the name, keeping its suffix."""
+    stem, dot, suffix = name.rpartition(".")
+    if not stem or len(suffix) > 10:
+        stem, dot, suffix = name, "", ""
+    left = MOST_BYTES - len((dot + suffix).encode())
+    return stem.encode()[:left].decode(errors="ignore").rstrip("._-") + dot + suffix

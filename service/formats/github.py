@@ -1,7 +1,7 @@
-"""Workflow commands of GitHub Actions: what a step prints and the runner takes for more than text.
+"""Annotations and job summaries for GitHub Actions.
 
-The rules are those of the runner's parser (actions/runner, ActionCommand) and of the toolkit that writes commands (actions/toolkit,
-core/command): a line is a command if after blanks it begins with ::, or holds ##[ anywhere.
+A line is a workflow command if it starts with :: after blanks, or contains ##[ anywhere. The escaping follows
+the runner's parser (actions/runner, ActionCommand) and the toolkit (actions/toolkit, core/command).
 """
 
 from collections import Counter
@@ -21,7 +21,7 @@ from service.grading.result import GradedFile
 
 @dataclass(frozen=True)
 class Annotation:
-    """An error at a line of a file, or at none of them."""
+    """An error annotation, attached to a line of a file or to none."""
 
     title: str
     message: str
@@ -29,14 +29,14 @@ class Annotation:
     line: int | None = None
 
     def __str__(self) -> str:
-        """As a workflow command, of one line."""
+        """Return the annotation as a one-line workflow command."""
         about = {"file": self.file, "line": self.line, "title": self.title}
-        told = ",".join(f"{key}={_property(str(value))}" for key, value in about.items() if value is not None)
-        return f"::error {told}::{_data(self.message)}"
+        properties = ",".join(f"{key}={_property(str(value))}" for key, value in about.items() if value is not None)
+        return f"::error {properties}::{_data(self.message)}"
 
 
 def escape_commands(text: str, token: str) -> str:
-    """The text for a workflow's log, in which the runner takes no line for a command; nobody may know the ``token`` before."""
+    """Return the text wrapped so that the runner reads no line of it as a command. ``token`` must be unpredictable."""
     return f"::stop-commands::{token}\n{text}\n::{token}::"
 
 
@@ -49,45 +49,52 @@ def _property(text: str) -> str:
 
 
 MOST = 10
-"""Errors of a step that GitHub shows."""
+"""GitHub shows at most this many errors of a step."""
 MOST_MESSAGE = 4000
 MOST_NAMED = 12
 MOST_BYTES = 1 << 20
-"""Of a summary: a larger one is not shown at all."""
+"""GitHub rejects a larger summary."""
 MOST_OF_ONE = 64 << 10
 ROOM = 1024
-HEADER = "| file | | points | likeliest cause |\n|---|---|---|---|\n"
+HEADER = "| file | | points | most likely cause |\n|---|---|---|---|\n"
 
 
 def annotations(files: Sequence[GradedFile], assignment: Assignment) -> Iterator[str]:
-    """At most MOST commands: what did not pass, checks of one function and one cause together, first each file's largest group."""
+    """Yield at most MOST workflow commands for what did not pass.
+
+    One annotation groups the checks of one function with the same cause. The largest group of each file comes
+    first.
+    """
     by_file = [_of(file, assignment) for file in files]
     found = [one for rank in zip_longest(*by_file) for one in rank if one is not None]
     first = found if len(found) <= MOST else found[: MOST - 1]
     yield from map(str, first)
     if left := len(found) - len(first):
-        yield str(Annotation("polhode", f"and {left} more: GitHub shows {MOST} for a step, the report has them all"))
+        yield str(Annotation("polhode", f"and {left} more: GitHub shows {MOST} per step, the report lists all of them"))
 
 
 def summary(files: Sequence[GradedFile], assignment: Assignment, most: int = MOST_BYTES) -> str:
-    """A table of the files, then the lines, causes and figures' captions of each, first of those that did not pass, while ``most``
-    bytes have room."""
+    """Return a Markdown summary: a table of the files, then each file's report and figure captions, failed files
+    first.
+
+    The summary has at most ``most`` bytes; files that do not fit are counted.
+    """
     head = f"## polhode: {escaped(assignment.title)}\n\n{escaped(graded.summary(files))}\n\n{HEADER}"
     table, left = _fitting(files, _row, most // 2 - len(head.encode()))
-    table += f"\n{left} more files have no row here.\n" * bool(left)
+    table += f"\n{left} more files are not listed.\n" * bool(left)
     room = most - len((head + table).encode()) - ROOM
     details, left = _fitting(sorted(files, key=lambda file: file.passed), _details, room)
-    return head + table + "\n" + details + f"\nThere is no room here for the lines of {left} more files.\n" * bool(left)
+    return head + table + "\n" + details + f"\nThe reports of {left} more files do not fit here.\n" * bool(left)
 
 
 def _of(file: GradedFile, assignment: Assignment) -> list[Annotation]:
     path = one_line(file.file.as_posix())
     if file.fault is not None:
-        return [Annotation("polhode failed: this is no verdict", sanitize(file.fault, MOST_MESSAGE), path, 1)]
+        return [Annotation("system fault: not graded", sanitize(file.fault, MOST_MESSAGE), path, 1)]
     if file.report is None:
         return [Annotation("no submission", sanitize(file.refused or "", MOST_MESSAGE), path, 1)]
     if not file.report.max_score:
-        return [Annotation(f"not so: {NOTHING}", sanitize(file.report.text(), MOST_MESSAGE), path, 1)]
+        return [Annotation(f"failed: {NOTHING}", sanitize(file.report.text(), MOST_MESSAGE), path, 1)]
     lines = Lines(file, assignment)
     groups: dict[tuple[int | None, str], list[tuple[str, Outcome]]] = {}
     for exercise in file.report.exercises:
@@ -103,23 +110,23 @@ def _cause(outcome: Outcome) -> str:
 
 
 def _annotation(file: GradedFile, path: str, line: int | None, outcomes: list[tuple[str, Outcome]], lines: Lines) -> Annotation:
-    """One for several checks: the first with all that is known of it, the others by their labels."""
+    """Return one annotation for several checks: the first in detail, the others by their lines."""
     assert file.report is not None
     (exercise, first), others = outcomes[0], [outcome.line for _, outcome in outcomes[1:]]
-    told = [detail(first, file.report, trace=False)]
+    lines_of = [detail(first, file.report, trace=False)]
     if others:
         left = [f"and {len(others) - MOST_NAMED} more"] if len(others) > MOST_NAMED else []
-        told += ["", f"also {len(others)} more check{'s' * (len(others) > 1)}:", *others[:MOST_NAMED], *left]
+        lines_of += ["", f"also {len(others)} more check{'s' * (len(others) > 1)}:", *others[:MOST_NAMED], *left]
     where = ": ".join(part for part in (f"exercise {exercise}", lines.function(first)) if part)
     many = f" ({len(outcomes)} checks)" if others else ""
-    return Annotation(one_line(where + many), sanitize("\n".join(told), MOST_MESSAGE), path, line)
+    return Annotation(one_line(where + many), sanitize("\n".join(lines_of), MOST_MESSAGE), path, line)
 
 
-def _fitting(files: Sequence[GradedFile], told: Callable[[GradedFile], str], room: int) -> tuple[str, int]:
-    """What is ``told`` of as many files in turn as have room (bytes of UTF-8), and how many are left."""
+def _fitting(files: Sequence[GradedFile], render: Callable[[GradedFile], str], room: int) -> tuple[str, int]:
+    """Render files in turn while they fit into ``room`` bytes of UTF-8. Return the text and the number of files left out."""
     parts: list[str] = []
     for file in files:
-        part = told(file)
+        part = render(file)
         if (room := room - len(part.encode())) < 0:
             break
         parts.append(part)
@@ -129,25 +136,25 @@ def _fitting(files: Sequence[GradedFile], told: Callable[[GradedFile], str], roo
 def _row(file: GradedFile) -> str:
     name, report = code(file.file.as_posix()[-200:]), file.report
     if report is None:
-        mark, told = ("!", "polhode failed") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
-        return f"| {name} | {mark} | {told} | |\n"
+        mark, why = ("!", "system fault") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
+        return f"| {name} | {mark} | {why} | |\n"
     mark = MARKS[Verdict.PASS if report.passed else Verdict.FAIL]
     return f"| {name} | {mark} | {report.score} of {report.most} | {_likeliest(report)} |\n"
 
 
 def _likeliest(report: Report) -> str:
-    """The cause of most checks that did not pass, by its code."""
+    """Return the diagnosis code of most checks that did not pass, as inline code, or ""."""
     wrong = [outcome for outcome in report.outcomes() if outcome.counted and outcome.verdict is not Verdict.PASS]
     found = Counter(cause.code for outcome in wrong for cause in outcome.diagnosis)
     return code(found.most_common(1)[0][0]) if found else ""
 
 
 def _details(file: GradedFile) -> str:
-    """What there is to say of one file, folded."""
+    """Return the report of one file, folded."""
     report = file.report
-    said = report.text() if report else (file.fault if file.fault is not None else file.refused) or ""
-    told = f"{block(said[:MOST_OF_ONE])}\n"
+    printed = report.text() if report else (file.fault if file.fault is not None else file.refused) or ""
+    body = f"{block(printed[:MOST_OF_ONE])}\n"
     if report and (pictures := [*report.figures, *report.animations]):
-        told += "\n" + "".join(f"- **{escaped(picture.title)}**: {escaped(picture.alt)}\n" for picture in pictures)
-    of = report.summary() if report else ("polhode failed" if file.fault is not None else "no submission")
-    return f"<details><summary>{code(file.file.as_posix()[-200:])}: {escaped(of)}</summary>\n\n{told}\n</details>\n\n"
+        body += "\n" + "".join(f"- **{escaped(picture.title)}**: {escaped(picture.alt)}\n" for picture in pictures)
+    of = report.summary() if report else ("system fault" if file.fault is not None else "no submission")
+    return f"<details><summary>{code(file.file.as_posix()[-200:])}: {escaped(of)}</summary>\n\n{body}\n</details>\n\n"

@@ -1,4 +1,4 @@
-"""A student's grade for an assignment: the one thing that every form of export is made of."""
+"""One student's grade for one assignment: the common input of all grade files."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -11,12 +11,13 @@ from service.grading.result import GradedFile, state
 
 @dataclass(frozen=True, kw_only=True)
 class GradeRow:
-    """One student and one assignment, with the best of their submissions: most points, of equals the newest.
+    """One student's counted submission for one assignment: the one with the most points, the newest among equals.
 
-    ``points`` are the ``score`` unless somebody gave others; None while nothing is graded. ``max_points`` is what the assignment
-    has, the same for everybody; ``counted`` is how many checks count in that submission's report, fewer if it left exercises out.
-    ``status`` is "none" for a student who sent nothing, else that of the submission. ``checks`` has states as measured and
-    ``given`` the points (1 or 0) given for a check instead.
+    ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded. ``max_points``
+    is the assignment's maximum, the same for every student. ``counted`` is the number of counted checks in the
+    report; it is smaller if the submission left out exercises. ``attempts`` is the number of the student's
+    submissions. ``status`` is the submission's, or "none" without one. ``checks`` holds each check's measured
+    state, ``given`` its overridden points (1 or 0).
     """
 
     assignment: str
@@ -43,34 +44,34 @@ class GradeRow:
 
     @property
     def name(self) -> str:
-        """What the student is called: the full name, or else the name they are known by here."""
+        """Return the full name, or the student's user name if it is unknown."""
         return self.full_name or self.student
 
     @property
     def percent(self) -> float | None:
-        """Of the assignment's points; above 100 with checks of functions that could have been left out."""
+        """Return the percentage of the assignment's points; optional functions can raise it above 100."""
         return None if self.points is None or not self.max_points else round(100 * self.points / self.max_points, 2)
 
     def state(self, check: str) -> str | None:
-        """The state of a check, with what was given for it instead; None where it is not in the report."""
+        """Return a check's state with its override applied, or None if the report lacks the check."""
         if check not in self.checks or check not in self.given:
             return self.checks.get(check)
         return "pass" if self.given[check] else "fail"
 
 
 def moment(at: datetime | None) -> str | None:
-    """A moment as ISO 8601 in UTC, to the second."""
+    """Return the time as ISO 8601 in UTC, to the second; None for None."""
     return None if at is None else at.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def rows(files: Sequence[GradedFile], assignment: Assignment) -> list[GradeRow]:
-    """A row for each file; files of one name in several folders, such as ann/mine.py and ben/mine.py, go by their path."""
+    """Return a row for each file. The student is the file's stem, or its path where several files share a stem."""
     stems = Counter(file.file.stem for file in files)
     return [row(file, assignment, "" if stems[file.file.stem] == 1 else file.file.with_suffix("").as_posix()) for file in files]
 
 
 def row(file: GradedFile, assignment: Assignment, student: str = "") -> GradeRow:
-    """The row of one file. What is no submission has no points; after a fault of ours, none are known."""
+    """Return the row of one file: 0 points for a refused file, None after a system fault."""
     about = GradeRow(
         assignment=assignment.slug,
         title=assignment.title,

@@ -1,7 +1,7 @@
 """Gradescope's results.json, by its autograder specification.
 
-Texts are of the format "text", which renders nothing. Its HTML is sanitised, by rules that are not told, so pictures are what
-graders before us have had shown: a figure with the PNG as data: and a caption, which stays where the picture would be dropped.
+Texts have the format "text", which Gradescope does not render. Gradescope sanitizes HTML by unpublished rules,
+so a picture is a figure with a PNG as a data: URL and a caption that remains if the image is removed.
 """
 
 import base64
@@ -18,27 +18,26 @@ from service.grading.result import GradedFile, state
 
 VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 MOST_PICTURES = 4 << 20
-"""Bytes of PNG in a document: Gradescope names no limit."""
+"""Bytes of PNG per document. Gradescope documents no limit."""
 
 
 def document(
     file: GradedFile, assignment: Assignment, *, max_score: float | None = None, hidden: str = "visible"
 ) -> dict[str, Any]:
-    """The document of one file: a check is a point, or its part of ``max_score``; hidden checks have the visibility ``hidden``.
+    """Return the results of one file: a counted check is worth one point, or its share of ``max_score``.
 
-    The points of exercises that were not attempted are in the total: each is one failed test.
-
-    Raises NoVerdict for a fault of ours, ValueError for another visibility.
+    Hidden checks have the visibility ``hidden``. Each exercise that was not attempted is one failed test with
+    all its points. Raises NoVerdict after a system fault and ValueError for an unknown visibility.
     """
     if hidden not in VISIBILITIES:
-        raise ValueError(f"the visibility {hidden!r} is none of {', '.join(VISIBILITIES)}")
+        raise ValueError(f"expected a visibility of {', '.join(VISIBILITIES)}, got {hidden!r}")
     if file.fault is not None:
         raise NoVerdict(file.fault)
     about = {"execution_time": round(file.seconds, 3), "output_format": "text", "stdout_visibility": "hidden"}
     if file.report is not None:
         return _graded(file, file.report, assignment, max_score, hidden) | about
-    said, most = sanitize(file.refused or ""), assignment.max_points() if max_score is None else max_score
-    return {"score": 0, "output": said, "tests": [_failed(SUBMITTED, said) | {"score": 0, "max_score": most}]} | about
+    reason, most = sanitize(file.refused or ""), assignment.max_points() if max_score is None else max_score
+    return {"score": 0, "output": reason, "tests": [_failed(SUBMITTED, reason) | {"score": 0, "max_score": most}]} | about
 
 
 def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score: float | None, hidden: str) -> dict[str, Any]:
@@ -48,7 +47,7 @@ def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score:
     tests = [test for exercise in report.exercises for test in _tests(exercise, report, point, hidden)]
     tests += [_failed(name, name) | {"score": 0, "max_score": point * most} for name, most in missed.items()]
     if not report.max_score:
-        tests.append(_failed(NOTHING, "nothing that counts was checked"))
+        tests.append(_failed(NOTHING, "no counted check was made"))
     made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance
     return {
         "score": report.score * point,
@@ -59,7 +58,7 @@ def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score:
 
 
 def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) -> Iterator[dict[str, Any]]:
-    """A test for each check; one that does not count has neither points nor a status."""
+    """Yield a test for each check; a check that does not count has no points and no status."""
     for number, outcome in enumerate(exercise.outcomes, start=1):
         test: dict[str, Any] = {"name": one_line(outcome.label), "number": f"{exercise.number}.{number}"}
         if outcome.counted:
@@ -82,18 +81,18 @@ def _failed(name: str, output: str) -> dict[str, Any]:
 
 
 def _figures(file: GradedFile, report: Report) -> Iterator[dict[str, Any]]:
-    """A test without points for the pictures, as long as there is room for them."""
-    room, told = MOST_PICTURES, []
+    """Yield one test without points that shows the pictures, as far as they fit into MOST_PICTURES."""
+    room, shown = MOST_PICTURES, []
     for picture in [*report.figures, *report.animations]:
         png = file.pictures.get(f"{picture.name}.png", b"")
-        told.append(_figure(picture, png if len(png) <= room else b""))
+        shown.append(_figure(picture, png if len(png) <= room else b""))
         room -= len(png) if len(png) <= room else 0
     if any(name.endswith(".png") for name in file.pictures):
-        yield {"name": "Figures", "output": "\n".join(told), "output_format": "html", "visibility": "visible"}
+        yield {"name": "Figures", "output": "\n".join(shown), "output_format": "html", "visibility": "visible"}
 
 
 def _figure(picture: Picture, png: bytes) -> str:
-    """The picture, or where it is too large what it shows."""
+    """Return the picture as HTML, or its description if ``png`` is empty."""
     title, alt = escape(one_line(picture.title)), escape(one_line(picture.alt))
     data = base64.b64encode(png).decode()
     image = f'<img src="data:image/png;base64,{data}" alt="{alt}">' if png else f"<p>{alt}</p>"

@@ -1,4 +1,4 @@
-"""A batch as pages to look at: a table of files by checks, and a page for each report, which need nothing from elsewhere."""
+"""A batch as self-contained HTML pages: a table of files by checks, and a page for each report."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -29,25 +29,25 @@ pre{overflow-x:auto}
 
 
 def index(files: Sequence[GradedFile], assignment: Assignment, pages: Mapping[Path, str]) -> str:
-    """The table, with links to ``pages`` by file."""
+    """Return the overview page: a table of files by checks, with a link to each file's page."""
     made = {outcome.id for file in files if file.report for outcome in file.report.outcomes()}
     checks = [check for check in assignment.checks() if check.id in made]
     heads = "".join(f'<th scope="col" title="{escape(check.label)}">{escape(check.id)}</th>' for check in checks)
     rows = "\n".join(_row(file, [check.id for check in checks], pages[file.file]) for file in files)
     head = f'<thead><tr><th scope="col">file</th><th scope="col">✓</th>{heads}</tr></thead>'
     table = f"<table>{head}\n<tbody>{rows}</tbody></table>"
-    legend = "✓ pass · ✗ fail · – not measured (the report tells why) · empty: not made"
+    legend = "✓ pass · ✗ fail · – unmeasured (the report gives the reason) · blank: not attempted"
     return _page(assignment.title, f'<p>{escape(summary(files))}</p><div class="wide">{table}</div><p><small>{legend}</small></p>')
 
 
 def page(file: GradedFile) -> str:
-    """One file's report with its pictures."""
+    """Return the page of one file's report with its pictures."""
     if file.report is None:
         return _page(str(file.file), f"<p>{escape(file.why)}</p>")
     report = replace(file.report, drawn=lambda name: file.pictures.get(f"{name}.svg") or file.pictures.get(f"{name}.png"))
-    printed = f"<details><summary>printed</summary><pre>{escape(report.stdout)}</pre></details>" if report.stdout else ""
-    told = f"<p><small>seed {report.provenance.seed}, walls {escape(report.provenance.walls)}</small></p>"
-    return _page(str(file.file), report_html.html(report) + printed + told + '<p><a href="../index.html">All files</a></p>')
+    printed = f"<details><summary>Printed output</summary><pre>{escape(report.stdout)}</pre></details>" if report.stdout else ""
+    provenance = f"<p><small>seed {report.provenance.seed}, isolation {escape(report.provenance.isolation)}</small></p>"
+    return _page(str(file.file), report_html.html(report) + printed + provenance + '<p><a href="../index.html">All files</a></p>')
 
 
 def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:

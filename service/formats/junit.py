@@ -1,9 +1,10 @@
-"""JUnit XML, as CI systems read it: a suite for each file and exercise, a case for each check.
+"""JUnit XML for CI systems: a suite for each file and exercise, a case for each check.
 
-There is no one standard. This is what Jenkins' schema junit-10 allows, with ``file`` and ``line`` on a case too, which GitLab and
-the actions for GitHub read there. ✗ is a ``failure``; – is an ``error``, as is a file that could not be graded, since all of these
-readers count an error as not passed, and those that tell the two apart mean by it that no answer came; what does not count is
-``skipped``. Everything is in the text, for GitLab does not read messages; nothing is in system-out, where it looks for paths.
+JUnit XML has no single standard. This module writes what Jenkins' schema junit-10 allows, plus ``file`` and
+``line`` on each case for GitLab and GitHub actions. A ✗ is a ``failure``. A – is an ``error``, like a file that
+was not graded: readers count an error as not passed, and those that distinguish the two use it for a missing
+result. A check that does not count is ``skipped``. All details are in the element's text, because GitLab
+ignores messages; system-out stays empty, because GitLab looks for paths in it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,7 +25,7 @@ KINDS = {Verdict.FAIL: "failure", Verdict.UNMEASURED: "error"}
 
 @dataclass(frozen=True)
 class Case:
-    """A test case: a passed one has no ``kind``, others are a failure, an error or skipped, of a ``type``."""
+    """A test case. ``kind`` is failure, error, skipped, or empty for a passed case; ``type`` refines it."""
 
     name: str
     kind: str = ""
@@ -35,11 +36,11 @@ class Case:
 
 
 def text(files: Sequence[GradedFile], assignment: Assignment) -> str:
-    """The document of all files."""
+    """Return the XML document of all files."""
     root = Element("testsuites", name="polhode")
     for file in files:
         suites = list(_suites(file, assignment))
-        share = file.seconds / sum(len(cases) for _, cases in suites)  # a check has no time of its own
+        share = file.seconds / sum(len(cases) for _, cases in suites)  # checks are not timed separately
         for name, cases in suites:
             _add(root, file, name, cases, share)
     for count in ("tests", "failures", "errors"):
@@ -50,7 +51,7 @@ def text(files: Sequence[GradedFile], assignment: Assignment) -> str:
 
 
 def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, list[Case]]]:
-    """Names of suites and their cases."""
+    """Yield each suite's name and cases."""
     name, report = one_line(file.file.as_posix()), file.report
     if report is None:
         yield name, [_ungraded(file)]
@@ -60,21 +61,21 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
         if exercise.outcomes:
             yield f"{name}: {_title(exercise)}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
     if not report.max_score:
-        yield name, [Case(NOTHING, "error", "unmeasured", "nothing that counts was checked", sanitize(report.text()))]
+        yield name, [Case(NOTHING, "error", "unmeasured", "no counted check was made", sanitize(report.text()))]
 
 
 def _ungraded(file: GradedFile) -> Case:
-    kind, said = ("fault", f"polhode failed: {file.fault}") if file.fault is not None else ("refused", file.refused or "")
-    return Case(SUBMITTED, "error", kind, one_line(said), sanitize(said), 1)
+    kind, reason = ("fault", f"system fault: {file.fault}") if file.fault is not None else ("refused", file.refused or "")
+    return Case(SUBMITTED, "error", kind, one_line(reason), sanitize(reason), 1)
 
 
 def _case(outcome: Outcome, report: Report, lines: Lines) -> Case:
-    name = f"{outcome.id}: {one_line(outcome.label)}"  # two of one name would be one to GitLab
+    name = f"{outcome.id}: {one_line(outcome.label)}"  # GitLab merges cases of the same name
     if outcome.verdict is Verdict.PASS:
         return Case(name, line=lines.of(outcome))
     kind = KINDS[outcome.verdict] if outcome.counted else "skipped"
-    told = detail(outcome, report)
-    return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), told, lines.of(outcome))
+    body = detail(outcome, report)
+    return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), body, lines.of(outcome))
 
 
 def _title(exercise: ExerciseReport) -> str:
@@ -82,7 +83,7 @@ def _title(exercise: ExerciseReport) -> str:
 
 
 def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seconds: float) -> None:
-    """A suite under the root; each of its cases took so many ``seconds``."""
+    """Add a suite to the root element; ``seconds`` is the time of each case."""
     kinds, path = [case.kind for case in cases], one_line(file.file.as_posix())
     counts = {"tests": len(cases), "failures": kinds.count("failure"), "errors": kinds.count("error")}
     counts["skipped"] = kinds.count("skipped")
@@ -102,6 +103,6 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
 
 
 def _facts(report: Report) -> dict[str, object]:
-    """What holds for the whole file."""
+    """Return the properties of the whole file."""
     made = {"assignment": report.assignment, "version": report.version, "seed": report.provenance.seed}
     return made | {"score": report.score, "max_score": report.max_score, "total": report.most}

@@ -1,6 +1,8 @@
-"""The line of a student's file that a check is about: where their code raised, else where the function it plays is defined.
+"""The line of a student's file that a check refers to: where the code raised, else where the tested function is
+defined.
 
-Nothing here parses Python: definitions are found by how they begin. A cell of a notebook is some lines of the JSON it is stored in.
+Definitions are found by their first line, without parsing Python. A notebook's cell is located in the JSON text
+that stores it.
 """
 
 import bisect
@@ -21,7 +23,7 @@ Numbered = list[tuple[int, str]]
 
 
 class Lines:
-    """Of one file of an assignment."""
+    """The source lines of one file of an assignment."""
 
     def __init__(self, file: GradedFile, assignment: Assignment) -> None:
         self._scene_ends = file.report.scene_ends if file.report else []
@@ -29,7 +31,7 @@ class Lines:
         self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else {"submission.py": _numbered(file.source)}
 
     def of(self, outcome: Outcome) -> int | None:
-        """The line in the file; None if there is none to name."""
+        """Return the line number (from 1) that the outcome refers to, or None if there is none."""
         scene_end = stopped_by(outcome, self._scene_ends)
         for place in reversed(source_locations(scene_end)) if scene_end else ():
             cell = self._cells.get(place.cell, [])
@@ -38,11 +40,11 @@ class Lines:
         return self._defined(self.function(outcome))
 
     def function(self, outcome: Outcome) -> str:
-        """The function that the check plays, or "" where the assignment has no such check any more."""
+        """Return the function that the check tests, or "" if the assignment no longer has the check."""
         return self._functions.get(outcome.id, "")
 
     def _defined(self, name: str) -> int | None:
-        """The last definition that is not indented, else the last."""
+        """Return the line of the last unindented definition of ``name``, else of the last definition."""
         begins = re.compile(rf"([ \t]*)(?:(?:async[ \t]+)?def[ \t]+{re.escape(name)}[ \t]*\(|{re.escape(name)}[ \t]*=(?!=))")
         lines = [line for cell in self._cells.values() for line in cell] if name else []
         found = [(not match[1], number) for number, line in lines if (match := begins.match(line))]
@@ -54,13 +56,13 @@ def _numbered(source: str) -> Numbered:
 
 
 class _Placed(str):
-    """A string of a JSON text that knows where it stands."""
+    """A string of a JSON text with its position ``at``."""
 
     at: int
 
 
 def _notebook(source: str) -> dict[str, Numbered]:
-    """The code cells by the names that tracebacks have for them; none of what is no notebook."""
+    """Return the lines of each code cell, keyed by its name in tracebacks; empty if the source is no notebook."""
     try:
         notebook = _Decoder().decode(source)
         code = [_pieces(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
@@ -78,7 +80,9 @@ def _pieces(source: Any) -> list[_Placed]:
 
 
 def _in_file(pieces: list[_Placed], ends: list[int]) -> Numbered:
-    """Lines of the cell, each with the line on which the string begins that it begins in; ``ends`` of the file's lines."""
+    """Return the lines of a cell, each numbered by the file line on which its JSON string begins. ``ends`` are the
+    file's line ends.
+    """
     begins, whole = [], ""
     for piece in pieces:
         begins.append(len(whole))
@@ -90,7 +94,7 @@ def _in_file(pieces: list[_Placed], ends: list[int]) -> Numbered:
 
 
 class _Decoder(json.JSONDecoder):
-    """Python's own, whose strings are placed."""
+    """Python's JSON decoder, returning strings with their positions."""
 
     def __init__(self) -> None:
         super().__init__()

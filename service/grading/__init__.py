@@ -1,1 +1,1 @@
-"""Grading itself: pure, without web, database or clock. A submission in, a report out."""
+"""Grading: a submission in, a report out, without web, database or clock."""

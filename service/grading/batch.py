@@ -1,4 +1,4 @@
-"""Grading files without a server: the same core and the same walls, in processes with a warm guest each."""
+"""Grading files without a server, in parallel processes with one sandbox each."""
 
 import logging
 import multiprocessing
@@ -26,12 +26,12 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
 
 log = logging.getLogger(__name__)
-Tell = Callable[[int], None]
+OnProgress = Callable[[int], None]
 
 
 @dataclass(frozen=True)
 class GradeRequest:
-    """A file to grade, and the exercises of it; None: those it attempts."""
+    """A file to grade and the numbers of its exercises (None: the exercises that it attempts)."""
 
     file: Path
     exercises: tuple[str, ...] | None = None
@@ -39,121 +39,131 @@ class GradeRequest:
 
 @dataclass(frozen=True)
 class GradeOptions:
-    """What is wanted of every file: scenes drawn from ``seed``, figures in the ``forms`` (svg, png), whether it is swept too."""
+    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), and whether to ``sweep``."""
 
     assignment: Assignment
     seed: int
-    forms: Collection[str] = ()
-    swept: bool = False
+    formats: Collection[str] = ()
+    sweep: bool = False
 
 
 def grade_files(
-    asks: Sequence[GradeRequest], wanted: GradeOptions, walls: Isolation, jobs: int | None = None, tell: Tell = lambda done: None
+    requests: Sequence[GradeRequest],
+    options: GradeOptions,
+    isolation: Isolation,
+    jobs: int | None = None,
+    on_progress: OnProgress = lambda done: None,
 ) -> Iterator[GradedFile]:
-    """Each file in turn, graded by a process for each processor (at most ``jobs``); ``tell`` hears how many files are done.
+    """Grade files in parallel and yield one result per file, in input order.
 
-    Raises before grading anything if an exercise is unknown or a file cannot be read, and Fault if the walls do not hold
-    or a package that the assignment declares is not installed. What
-    fails us with a single file is that file's fault, and the others are graded; a process that is lost takes along what was left.
+    Uses one process per CPU, at most ``jobs``, and calls ``on_progress`` with the number of files done. Before grading, raises
+    UnknownExercise, OSError if a file cannot be read, and SystemFault if a package of the assignment is not installed or the
+    sandbox fails. Later failures are system faults of single files; a lost process affects all files not yet graded.
     """
-    for ask in asks:
-        select(wanted.assignment, ask.exercises)
-    if absent := missing_packages(wanted.assignment):
+    for request in requests:
+        select(options.assignment, request.exercises)
+    if absent := missing_packages(options.assignment):
         raise SystemFault(absent)
-    walls = with_packages(walls, wanted.assignment.packages)
-    contents = [_read(ask.file) for ask in asks]
-    processes = min(len(asks), jobs or len(os.sched_getaffinity(0)))
+    isolation = with_packages(isolation, options.assignment.packages)
+    contents = [_read(request.file) for request in requests]
+    processes = min(len(requests), jobs or len(os.sched_getaffinity(0)))
     if processes <= 1:
-        yield from _here(asks, contents, wanted, walls, tell)
+        yield from _grade_in_process(requests, contents, options, isolation, on_progress)
         return
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _begin, (wanted, walls))
+    pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _initialize, (options, isolation))
     try:
-        asked = [pool.submit(_grade, ask, content) for ask, content in zip(asks, contents, strict=True)]
-        yield from _in_turn(asks, asked, tell)
+        futures = [pool.submit(_grade, request, content) for request, content in zip(requests, contents, strict=True)]
+        yield from _in_order(requests, futures, on_progress)
     finally:
         for child in set(multiprocessing.active_children()) - others:
-            child.kill()  # it has nothing left to do, or nobody wants it done; its guest ends with it
+            child.kill()  # it is idle or its work was cancelled; its guest ends with it
         pool.shutdown(cancel_futures=True)
 
 
-def _here(
-    asks: Sequence[GradeRequest], contents: Sequence[bytes], wanted: GradeOptions, walls: Isolation, tell: Tell
+def _grade_in_process(
+    requests: Sequence[GradeRequest],
+    contents: Sequence[bytes],
+    options: GradeOptions,
+    isolation: Isolation,
+    on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
-    hand = _FileGrader(wanted, walls)
+    grader = _FileGrader(options, isolation)
     try:
-        for number, (ask, content) in enumerate(zip(asks, contents, strict=True), start=1):
-            graded = hand.grade(ask, content)
-            tell(number)
+        for number, (request, content) in enumerate(zip(requests, contents, strict=True), start=1):
+            graded = grader.grade(request, content)
+            on_progress(number)
             yield graded
     finally:
-        hand.sandbox.close()
+        grader.sandbox.close()
 
 
-def _in_turn(asks: Sequence[GradeRequest], asked: Sequence["Future[GradedFile]"], tell: Tell) -> Iterator[GradedFile]:
+def _in_order(
+    requests: Sequence[GradeRequest], futures: Sequence["Future[GradedFile]"], on_progress: OnProgress
+) -> Iterator[GradedFile]:
     done: list[object] = []
 
-    def count(one: object) -> None:
-        done.append(one)
-        tell(len(done))
+    def count(future: object) -> None:
+        done.append(future)
+        on_progress(len(done))
 
-    for future in asked:
+    for future in futures:
         future.add_done_callback(count)
-    for ask, future in zip(asks, asked, strict=True):
+    for request, future in zip(requests, futures, strict=True):
         try:
             yield future.result()
         except BrokenProcessPool:
-            yield GradedFile(file=ask.file, fault="a process that grades was lost (killed, or out of memory)")
+            yield GradedFile(file=request.file, fault="a grading process was lost (killed, or out of memory)")
 
 
 class _FileGrader:
-    """A process's own: one sandbox, and what is wanted of each file."""
+    """The grader of one process, with its sandbox and options."""
 
-    def __init__(self, wanted: GradeOptions, walls: Isolation) -> None:
-        self.wanted, self.sandbox = wanted, Sandbox(walls)
+    def __init__(self, options: GradeOptions, isolation: Isolation) -> None:
+        self.options, self.sandbox = options, Sandbox(isolation)
         self.sandbox.start()
 
-    def grade(self, ask: GradeRequest, content: bytes) -> GradedFile:
-        """Raises Fault only where the walls do not hold: then no file can be graded."""
+    def grade(self, request: GradeRequest, content: bytes) -> GradedFile:
+        """Grade one file. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be graded."""
         if not self.sandbox.self_tested:
             self.sandbox.self_test()
         began = time.perf_counter()
         try:
-            submission = Submission.from_bytes(content, ask.file.name)
+            submission = Submission.from_bytes(content, request.file.name)
         except BadSubmission as reason:
-            return GradedFile(file=ask.file, refused=str(reason))
-        source, wanted = submission.source, self.wanted
+            return GradedFile(file=request.file, refused=str(reason))
+        source, options = submission.source, self.options
         try:
-            graded = grade(submission, wanted.assignment, self.sandbox, wanted.seed, ask.exercises)
-            if wanted.swept:
-                graded.report.sweep = _sweep(submission, wanted.assignment, self.sandbox)
-            drawn = _draw(graded, wanted)
+            graded = grade(submission, options.assignment, self.sandbox, options.seed, request.exercises)
+            if options.sweep:
+                graded.report.sweep = _sweep(submission, options.assignment, self.sandbox)
+            drawn = _draw(graded, options)
         except SystemFault as fault:
-            return GradedFile(file=ask.file, source=source, fault=str(fault))
-        except (Exception, SystemExit) as error:  # the assignment's code or ours: not foreseen, and no other file's
+            return GradedFile(file=request.file, source=source, fault=str(fault))
+        except (Exception, SystemExit) as error:  # a defect of the assignment or of polhode, which affects this file only
             log.exception("grading failed")
-            return GradedFile(file=ask.file, source=source, fault=validation.format_error(error, wanted.assignment.folder))
+            return GradedFile(file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder))
         seconds = time.perf_counter() - began
-        return GradedFile(file=ask.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
+        return GradedFile(file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
 
 
-_hand: _FileGrader | None = None
+_grader: _FileGrader | None = None
 
 
-def _begin(wanted: GradeOptions, walls: Isolation) -> None:
-    global _hand  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
+def _initialize(options: GradeOptions, isolation: Isolation) -> None:
+    global _grader  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a key pressed is for who started us
-    _hand = _FileGrader(wanted, walls)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
+    _grader = _FileGrader(options, isolation)
 
 
-def _grade(ask: GradeRequest, content: bytes) -> GradedFile:
-    assert _hand is not None
-    return _hand.grade(ask, content)
+def _grade(request: GradeRequest, content: bytes) -> GradedFile:
+    assert _grader is not None
+    return _grader.grade(request, content)
 
 
 def _read(file: Path) -> bytes:
-    """The bytes, and of what is too large just enough to be seen as such."""
+    """Return the file's bytes, or of a file that is too large just enough to detect that."""
     with file.open("rb") as stream:
         return stream.read(MOST_BYTES + 1)
 
@@ -165,18 +175,18 @@ def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> 
         return SweepResult(scene="", points=[], line=f"not swept: {reason}")
 
 
-def _draw(graded: Graded, wanted: GradeOptions) -> dict[str, bytes]:
-    """Figures, contact sheets and the chart of a sweep by file name, if any pictures are wanted."""
-    if not wanted.forms:
+def _draw(graded: Graded, options: GradeOptions) -> dict[str, bytes]:
+    """Return figures, contact sheets and the chart of a sweep by file name, if pictures are requested."""
+    if not options.formats:
         return {}
     drawn = {Path(name).name: sheet for name, sheet in rendering.pack(graded).items() if name.endswith(".png")}
     swept = graded.report.sweep
     if swept and swept.points:
         drawn["sweep.svg"] = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
     for picture in graded.report.figures:
-        figure = rendering.find(wanted.assignment, picture.name)
+        figure = rendering.find(options.assignment, picture.name)
         assert figure is not None
-        for form in wanted.forms:
+        for image_format in options.formats:
             seed = graded.report.provenance.seed
-            drawn[f"{picture.name}.{form}"] = rendering.draw(wanted.assignment, figure, graded.arrays, seed, form)
+            drawn[f"{picture.name}.{image_format}"] = rendering.draw(options.assignment, figure, graded.arrays, seed, image_format)
     return drawn

@@ -1,4 +1,4 @@
-"""Charts of the reference methods: measured, written as CSV, JSON and SVG, and drawn again for the page from what was written."""
+"""Charts of the reference methods: measurement, files in CSV, JSON and SVG, and drawing from such a file."""
 
 import csv
 import functools
@@ -35,17 +35,20 @@ AXES = {
 }
 SHOWN = {"error": "error of ω"}
 STYLES = ("-", "--", ":", "-.")
-EXACT_ERROR = 1.5e-15  # the largest in R over the 2100 bodies of tests/reference/truth.npz
-LEAST = 1e-17  # where a log axis shows an exact zero
+EXACT_ERROR = 1.5e-15  # largest error of R over the 2100 bodies of tests/reference/truth.npz
+LEAST = 1e-17  # where a log axis shows zero
 
 
 def write_work_precision(names: list[str] | None, out: Path) -> Path:
-    """Measure the scenes whose names hold one of ``names`` (None: all) and write work-precision.{csv,json} and an SVG per scene."""
+    """Measure the scenes whose names contain one of ``names`` (None: all). Write work-precision.{csv,json} and an SVG per scene.
+
+    Raises ValueError if no scene matches.
+    """
     from reference.work_precision import SCENES, measure, rows
 
     chosen = [s for s in SCENES if names is None or any(n in s.name for n in names)]
     if not chosen:
-        raise ValueError(f"no scene is called {names}; there are {', '.join(s.name for s in SCENES)}")
+        raise ValueError(f"no scene matches {', '.join(names or [])}; available: {', '.join(s.name for s in SCENES)}")
     found = []
     for scene in chosen:
         print(f"measuring {scene.name} …", flush=True)
@@ -59,18 +62,18 @@ def write_work_precision(names: list[str] | None, out: Path) -> Path:
 
 @functools.cache
 def load_work_precision() -> dict[str, Any]:
-    """The measurement that comes with this version."""
+    """Return the work-precision measurement of this version."""
     document: dict[str, Any] = json.loads((MEASURED / "work-precision.json").read_text())
     return document
 
 
 def scenes(document: dict[str, Any]) -> list[str]:
-    """Names of the scenes measured, in order."""
+    """Return the names of the measured scenes, in order."""
     return list(dict.fromkeys(p["scene"] for p in document["points"]))
 
 
 def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Points with an error of at most 1e-8 that cost less CPU time than the exact solution on their scene."""
+    """Return the points with an error of at most 1e-8 that cost less CPU time than the exact solution of their scene."""
     price = {p["scene"]: p["ratio"] for p in document["points"] if p["method"] == "exact"}
     return [
         p
@@ -80,12 +83,12 @@ def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[SweptPoint] = ()) -> bytes:
-    """Error against calls and against CPU time for one scene, log-log, as SVG; over them ``yours``, points of a submission."""
+    """Draw error against calls and against CPU time for one scene, log-log, as SVG. Add ``yours``, the points of a submission."""
     return draw_class(document, scene, [yours], "yours")
 
 
-def draw_class(document: dict[str, Any], scene: str, everybody: Sequence[Sequence[SweptPoint]], whose: str = "class") -> bytes:
-    """The same with the points of many submissions."""
+def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Sequence[SweptPoint]], whose: str = "class") -> bytes:
+    """Draw the same chart with the points of many submissions."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -93,23 +96,23 @@ def draw_class(document: dict[str, Any], scene: str, everybody: Sequence[Sequenc
     FigureCanvasAgg(canvas)
     by_calls, by_time = canvas.subplots(1, 2, sharey=True)
     points = [p for p in document["points"] if p["scene"] == scene]
-    seen: dict[str, int] = {}
+    used: dict[str, int] = {}
     for method in dict.fromkeys(p["method"] for p in points):
         drawn = [p for p in points if p["method"] == method and _error(p) is not None]
         if not drawn:
             continue
         line = drawn[0]["line"]
-        mark = MARKS[seen.setdefault(line, 0) % len(MARKS)]
-        seen[line] += 1
+        mark = MARKS[used.setdefault(line, 0) % len(MARKS)]
+        used[line] += 1
         style: dict[str, Any] = {"color": LINES[line], "marker": mark, "ms": 4, "lw": 1, "label": method}
         errors = [max(_error(p) or 0.0, LEAST) for p in drawn]
-        if line == "closed form":  # it judges the others; its own error is that against sixty digits
+        if line == "closed form":  # the reference for the others; its own error is against sixty digits
             style |= {"marker": "*" if method == "exact" else "P", "ms": 12, "ls": ""}
             errors = [EXACT_ERROR]
         by_calls.loglog([p["calls"] for p in drawn], errors, **style)
         by_time.loglog([p["ratio"] for p in drawn], errors, **style)
-    for number, own in enumerate(everybody):
-        _draw_own((by_calls, by_time), own, whose if number == 0 else "", small=len(everybody) > 1)
+    for number, own in enumerate(submissions):
+        _draw_own((by_calls, by_time), own, whose if number == 0 else "", small=len(submissions) > 1)
     by_calls.set(xlabel="evaluations of the right-hand side", ylabel="largest error over the run, ω relative or R", title=scene)
     by_time.set(xlabel="CPU time / that of DOP853 at rtol 1e-11", ylim=(3e-16, 1e2))
     by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
@@ -120,7 +123,7 @@ def draw_class(document: dict[str, Any], scene: str, everybody: Sequence[Sequenc
 
 
 def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *, small: bool) -> None:
-    """Open circles; CPU time in units of your own run of the notebook's setting."""
+    """Draw the points of a submission with open marks. CPU time is relative to its own run of the notebook's setting."""
     by_calls, by_time = axes
     unit = next((p.seconds for p in yours if (p.method, p.rtol) == ("DOP853", 1e-11)), None)
     for number, method in enumerate(dict.fromkeys(p.method for p in yours)):
@@ -136,15 +139,15 @@ def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *,
 
 
 def _error(point: dict[str, Any]) -> float | None:
-    """The larger of the two errors; None where the method blew up."""
+    """Return the larger of the two errors, or None if the method diverged."""
     both = [point["error_w"], point["error_R"]]
     return None if None in both else float(max(both))
 
 
-def _write_document(path: Path, **found: Any) -> dict[str, Any]:
-    """What was found, as JSON can hold it, with date and versions; written and returned."""
+def _write_document(path: Path, **measured: Any) -> dict[str, Any]:
+    """Write a measurement with date and versions as JSON, and return it."""
     document: dict[str, Any] = _finite(
-        {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), **found}
+        {"measured_at": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(), **measured}
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(document, ensure_ascii=False, indent=0))
@@ -152,7 +155,7 @@ def _write_document(path: Path, **found: Any) -> dict[str, Any]:
 
 
 def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
-    """One line a row; a column for every name that any row has."""
+    """Write one line per row, with a column for every name that any row has."""
     with path.open("w", newline="") as stream:
         writer = csv.DictWriter(stream, list(dict.fromkeys(k for row in rows for k in row)))
         writer.writeheader()
@@ -160,7 +163,7 @@ def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
 
 
 def _finite(value: Any) -> Any:
-    """What JSON can hold: infinities become null."""
+    """Return a value that JSON can represent: numbers that are not finite become None."""
     if isinstance(value, dict):
         return {k: _finite(v) for k, v in value.items()}
     if isinstance(value, Iterable) and not isinstance(value, str):
@@ -186,13 +189,13 @@ def write_stability(out: Path) -> Path:
 
 @functools.cache
 def load_stability() -> dict[str, Any]:
-    """The atlas that comes with this version."""
+    """Return the stability atlas of this version."""
     document: dict[str, Any] = json.loads((MEASURED / "stability.json").read_text())
     return document
 
 
 def draw_stability(document: dict[str, Any], number: int) -> bytes:
-    """One entry of the atlas as SVG: its numbers against what is varied, or the map of growth rates."""
+    """Draw one entry of the atlas as SVG: its numbers against the varied quantity, or the map of growth rates."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

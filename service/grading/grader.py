@@ -1,4 +1,4 @@
-"""Speed against accuracy of a submission's own function, when somebody asks: played behind the wall, judged by the exact motion."""
+"""The grader of a worker process: grading, speed against accuracy of a submission, figures and charts, with one sandbox."""
 
 import atexit
 import json
@@ -13,7 +13,7 @@ from ecp.report import Report
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from service.grading import charts, rendering
-from service.grading.grade import Tell, grade, job_of, truth
+from service.grading.grade import OnProgress, grade, job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.isolation import Isolation
@@ -23,61 +23,65 @@ from service.sandbox.select import with_packages
 
 
 class SweepFailed(Exception):
-    """The function could not be swept; the message says why, to the student."""
+    """Speed against accuracy could not be measured. The message is for the student."""
 
 
 def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> SweepResult:
-    """Play the assignment's sweep with this submission. NotSwept where there is none, or the function does not see it through."""
+    """Measure speed against accuracy of a submission's function. Raises SweepFailed if that is not possible."""
     if assignment.sweep is None:
-        raise SweepFailed(f"assignment {assignment.slug} has no sweep")
+        raise SweepFailed(f"assignment {assignment.slug} does not measure speed against accuracy")
     scene = assignment.sweep.scene
     assert not callable(scene.inputs)
-    seen = sandbox.play(job_of(submission, assignment, [scene], {scene.name: scene.inputs}))
-    if not seen.finished(scene.name):
-        scene_end = seen.scene_ends.get(scene.name)
-        raise SweepFailed(scene_end.sentence if scene_end else "your code stopped before this was played")
+    result = sandbox.play(job_of(submission, assignment, [scene], {scene.name: scene.inputs}))
+    if not result.finished(scene.name):
+        scene_end = result.scene_ends.get(scene.name)
+        raise SweepFailed(scene_end.sentence if scene_end else "your code stopped before the measurement")
     try:
-        return assignment.sweep.read(seen.arrays[scene.name], truth(scene, scene.inputs))
+        return assignment.sweep.read(result.arrays[scene.name], truth(scene, scene.inputs))
     except (ArithmeticError, ValueError) as error:
-        raise SweepFailed(f"the numbers that came back are beyond what can be judged ({error})") from error
+        raise SweepFailed(f"the results cannot be compared with the exact motion ({error})") from error
 
 
 _sandbox: Sandbox | None = None
 
 
-def start(walls: Isolation) -> None:
-    """Prepare this process: a sandbox behind those walls, and no life after the process that started it."""
-    global _sandbox  # noqa: PLW0603 -- a pool's initializer has no other place to leave it
+def start(isolation: Isolation) -> None:
+    """Start this process's sandbox, and let the process end together with its parent."""
+    global _sandbox  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
     if _sandbox is None:
         atexit.register(_close)
     _close()
-    _sandbox = Sandbox(with_packages(walls, sorted({name for known in assignments().values() for name in known.packages})))
+    _sandbox = Sandbox(with_packages(isolation, sorted({name for known in assignments().values() for name in known.packages})))
     _sandbox.start()
 
 
 def ready() -> None:
-    """Return once the probe has been played behind the walls and found no hole. Fault if it has not."""
-    _own()
+    """Return when the sandbox has passed its self-test. Raises SystemFault if it has not."""
+    _tested_sandbox()
 
 
 def zygotes() -> int:
-    """Warm guests that had to be replaced so far."""
+    """Return how many warm guests have been replaced so far."""
     return max(0, _sandbox.zygotes - 1) if _sandbox else 0
 
 
 def stop_playing(stop: bool = True) -> None:
-    """From another thread: end what is being played, and play nothing, until this is called with False."""
+    """End the current play, from another thread, and play nothing until this is called with ``stop=False``."""
     if _sandbox is not None:
-        (_sandbox.unwanted.set if stop else _sandbox.unwanted.clear)()
+        (_sandbox.cancelled.set if stop else _sandbox.cancelled.clear)()
 
 
 def grade_one(
-    submission: Submission, slug: str, exercises: list[str] | None, seed: int, tell: Tell = lambda phase, scene, scenes: None
+    submission: Submission,
+    slug: str,
+    exercises: list[str] | None,
+    seed: int,
+    on_progress: OnProgress = lambda phase, scene, scenes: None,
 ) -> tuple[Report, dict[str, bytes]]:
-    """The report and the artefacts to keep. Stopped where ``stop_playing`` was called meanwhile."""
+    """Grade a submission. Return the report and its artefacts by name. Raises Cancelled after ``stop_playing``, and SystemFault."""
     began = time.perf_counter()
-    graded = grade(submission, _assignment(slug), _own(), seed, exercises, tell=tell)
+    graded = grade(submission, _assignment(slug), _tested_sandbox(), seed, exercises, on_progress=on_progress)
     judged = time.perf_counter()
     packed = rendering.pack(graded)
     graded.report.provenance.phases_ms = {"grade": 1e3 * (judged - began), "pack": 1e3 * (time.perf_counter() - judged)}
@@ -85,13 +89,13 @@ def grade_one(
 
 
 def sweep_one(submission: Submission, slug: str) -> tuple[str, bytes]:
-    """Speed against accuracy of a submission, as JSON and as a chart over the reference methods. Raises NotSwept."""
-    swept = sweep(submission, _assignment(slug), _own())
+    """Measure speed against accuracy. Return JSON and an SVG chart with the reference methods. Raises SweepFailed."""
+    swept = sweep(submission, _assignment(slug), _tested_sandbox())
     return json.dumps(document(swept)), charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
 
 
 def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
-    """One figure of a graded submission."""
+    """Draw one figure of a graded submission, from its ``packed`` arrays. Raises KeyError if there is no such figure."""
     assignment = _assignment(slug)
     declared = rendering.find(assignment, figure)
     if declared is None:
@@ -100,7 +104,7 @@ def draw_one(slug: str, figure: str, packed: bytes, seed: int, form: str) -> byt
 
 
 def draw_chart(kind: str, number: int) -> bytes:
-    """A chart by its number, of kind "work-precision" or "stability", from the measurement that comes with this version."""
+    """Draw chart ``number`` of the kind "work-precision" or "stability" from the measurement of this version, as SVG."""
     if kind == "stability":
         return charts.draw_stability(charts.load_stability(), number)
     document = charts.load_work_precision()
@@ -108,18 +112,18 @@ def draw_chart(kind: str, number: int) -> bytes:
 
 
 def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
-    """The sweeps of a class, as ``sweep_one`` told them, over the reference methods; those on the scene that most are on."""
-    found = [read(SweepResult, told) for told in documents]
+    """Draw the sweeps of a class, as ``sweep_one`` returned them, with the reference methods. Uses the most frequent scene only."""
+    found = [read(SweepResult, one) for one in documents]
     scene = Counter(swept.scene for swept in found).most_common(1)[0][0]
     return charts.draw_class(charts.load_work_precision(), scene, [s.points for s in found if s.scene == scene])
 
 
 def _assignment(slug: str) -> Assignment:
-    """Fault where it is broken, or is not there any more."""
+    """Return the assignment. Raises SystemFault if it is invalid or does not exist."""
     try:
         return find(slug)
     except (InvalidAssignment, NoAssignment) as error:
-        raise SystemFault(f"the assignment {slug} cannot be used") from error
+        raise SystemFault(f"assignment {slug} is invalid or missing; run polhode verify {slug}") from error
 
 
 def _close() -> None:
@@ -127,10 +131,10 @@ def _close() -> None:
         _sandbox.close()
 
 
-def _own() -> Sandbox:
-    """This process's sandbox, probed before its first use."""
+def _tested_sandbox() -> Sandbox:
+    """Return this process's sandbox, which runs its self-test before its first use."""
     if _sandbox is None:
-        raise SystemFault("this worker was not started")
+        raise SystemFault("the sandbox of this process was not started")
     if not _sandbox.self_tested:
         _sandbox.self_test()
     return _sandbox

@@ -1,6 +1,6 @@
-"""A motion to play: a submission's attitude R(t) beside the exact one, in a few thousand bytes.
+"""Data of an animated motion: a submission's attitude R(t) and the exact one, in a few thousand bytes.
 
-What came back is a stranger's: not finite, not a rotation, or a rotation for a while. What can be shown is shown up to there.
+A submission's R may be no rotation, or not finite, from some sample on. Its motion is shown up to that sample.
 """
 
 import json
@@ -16,39 +16,39 @@ from service.grading.grade import draw_inputs, truth
 
 Array = NDArray[np.float64]
 FRAMES = 120
-SCALE = 9999  # components of unit quaternions as whole numbers: no more digits than with 1000, and a step of 0.01°
+SCALE = 9999  # unit quaternions as integers of at most four digits: steps of 0.01°
 NEAR = 0.1  # |RᵀR − 1| up to which the nearest rotation is shown
-SEEN = 1e-6  # what is told of it
-ALIKE = 1e-5  # degrees, below which two attitudes are called the same
+NOTICEABLE = 1e-6  # deviation from which it is mentioned
+ALIKE = 1e-5  # degrees, below which two attitudes count as equal
 
 
 class ValidPrefix(NamedTuple):
-    """Rotations R (m, 3, 3) for the first m samples of a motion that can be shown, and how far what came back is ``off`` them."""
+    """Rotations ``R`` (m, 3, 3) of the first m samples that can be shown, and ``off``, the student's largest |RᵀR − 1| there."""
 
     R: Array
     off: float
 
 
 def find(assignment: Assignment, name: str) -> Motion | None:
-    """The motion of that name, or None."""
+    """Return the motion of that name, or None."""
     return next((m for e in assignment.exercises for m in e.motions if m.name == name), None)
 
 
-def to_json(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> bytes:
-    """The motion as JSON, for the arrays that its scene brought back. ValueError where they are not those of the scene.
+def to_json(assignment: Assignment, motion: Motion, arrays: Arrays, seed: int) -> bytes:
+    """Return the motion as JSON for the arrays of its scene. Raises ValueError if they do not fit the scene.
 
     ``t`` (f,) in ms, ``half`` (3,), ``axis``, the direction ``L`` (3,) in space of the exact angular momentum, unit quaternions
-    (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4 f,), in 1/SCALE;
-    ``notes`` and ``told``: remarks to show.
+    (w, x, y, z) frame after frame for ``exact`` (4 f,) and ``yours`` (at most 4 f,), in 1/SCALE. ``notes``
+    are sentences about the motion; ``told`` is their former name.
     """
     scene = assignment.scene(motion.scene)
     exact = truth(scene, draw_inputs(scene, seed))
     t, R = exact["t"], exact["R"]
-    given = np.asarray(seen.get("R"))
+    given = np.asarray(arrays.get("R"))
     if given.shape != R.shape or given.dtype.kind != "f":
-        raise ValueError("no attitude came back for it")
+        raise ValueError("the submission returned no attitude")
     yours, at = valid_prefix(given), np.linspace(0, len(t) - 1, min(FRAMES, len(t))).astype(int)
-    notes = _told(yours, given, t, R)
+    notes = _notes(yours, given, t, R)
     document = {
         "t": np.round(1e3 * t[at]).astype(int).tolist(),
         "half": [round(x, 4) for x in motion.half],
@@ -58,13 +58,13 @@ def to_json(assignment: Assignment, motion: Motion, seen: Arrays, seed: int) -> 
         "exact": _whole(quaternions(R[at])),
         "yours": _whole(quaternions(yours.R[at[at < len(yours.R)]])),
         "notes": notes,
-        "told": notes,  # the name of API v1
+        "told": notes,
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
 def valid_prefix(R: Array) -> ValidPrefix:
-    """The rotations nearest to ``R`` (n, 3, 3), up to the first that is too far from any."""
+    """Return the rotations nearest to ``R`` (n, 3, 3), up to the first sample that is too far from any rotation."""
     with np.errstate(all="ignore"):
         off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
         good = np.isfinite(off) & (off <= NEAR) & (np.linalg.det(np.where(np.isfinite(R), R, 0.0)) > 0)
@@ -74,7 +74,7 @@ def valid_prefix(R: Array) -> ValidPrefix:
 
 
 def quaternions(R: Array) -> Array:
-    """Unit quaternions (m, 4) of rotations (m, 3, 3), each on the side of the one before."""
+    """Return unit quaternions (m, 4) of rotations (m, 3, 3), each with the sign nearer to the one before."""
     if not len(R):
         return np.zeros((0, 4))
     x, y, z = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]
@@ -99,28 +99,28 @@ def _whole(q: Array) -> list[int]:
 
 
 def _momentum(motion: Motion, exact: Arrays) -> Array:
-    """The direction (3,) of the exact L in space."""
+    """Return the direction (3,) of the exact L in space."""
     squares = np.square(motion.half)
     L = exact["R"][0] @ ((squares.sum() - squares) * exact["w"][:, 0])
     return np.asarray(L / np.linalg.norm(L))
 
 
-def _told(yours: ValidPrefix, given: Array, t: Array, R: Array) -> list[str]:
-    """How far the two are apart, and from when on nothing can be shown."""
-    many, told = len(yours.R), []
+def _notes(yours: ValidPrefix, given: Array, t: Array, R: Array) -> list[str]:
+    """Return sentences on the largest difference and on the samples that cannot be shown."""
+    many, notes = len(yours.R), []
     if many:
         halves = np.linalg.norm(yours.R - R[:many], axis=(1, 2)) / np.sqrt(8)
         apart = np.degrees(2 * np.arcsin(np.minimum(halves, 1.0)))
         most = int(apart.argmax())
         alike = apart[most] < ALIKE
-        told.append(
+        notes.append(
             f"Never more than {ALIKE:.5f}° apart." if alike else f"Farthest apart at t = {t[most]:.3g} s, by {apart[most]:.3g}°."
         )
-    if yours.off > SEEN:
-        told.append(f"Your R is not quite a rotation, max |RᵀR − 1| = {yours.off:.2g}: shown is the nearest one.")
+    if yours.off > NOTICEABLE:
+        notes.append(f"Your R is not quite a rotation, max |RᵀR − 1| = {yours.off:.2g}: the nearest rotation is shown.")
     if many < len(t):
-        told.append(f"{'From' if many else 'At'} t = {t[many]:.3g} s {'on ' if many else ''}{_why(given[many])}.")
-    return told
+        notes.append(f"{'From' if many else 'At'} t = {t[many]:.3g} s {'on ' if many else ''}{_why(given[many])}.")
+    return notes
 
 
 def _why(R: Array) -> str:

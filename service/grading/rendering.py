@@ -1,4 +1,4 @@
-"""Pictures of a graded submission: figures drawn from its arrays, and contact sheets of its animations."""
+"""Images of a graded submission: figures drawn from its arrays, and contact sheets of its animations."""
 
 import io
 from collections.abc import Mapping
@@ -16,13 +16,13 @@ FORMATS = {"png": "image/png", "svg": "image/svg+xml"}
 
 
 def pack(graded: Graded) -> dict[str, bytes]:
-    """What to keep of a graded submission, by artefact name: its arrays, and a contact sheet for each animation."""
+    """Return the artefacts to store, by name: the arrays, and a contact sheet for each animation."""
     sheets = {a.scene: a.name for e in graded.exercises for a in e.animations if a.scene in graded.arrays}
-    kept = {
+    arrays_by_key = {
         f"{scene}/{name}": array for scene, arrays in graded.arrays.items() if scene not in sheets for name, array in arrays.items()
     }
     stream = io.BytesIO()
-    np.savez(stream, **kept)  # type: ignore[arg-type]
+    np.savez(stream, **arrays_by_key)  # type: ignore[arg-type]
     packed = {"arrays.npz": stream.getvalue()}
     for scene, name in sheets.items():
         packed[f"animations/{name}.png"] = drawing.contact_sheet(graded.arrays[scene]["frames"])
@@ -30,7 +30,7 @@ def pack(graded: Graded) -> dict[str, bytes]:
 
 
 def unpack(data: bytes) -> dict[str, dict[str, NDArray[np.float64]]]:
-    """The arrays by scene and name, from what ``pack`` wrote."""
+    """Return the arrays that ``pack`` wrote, by scene and name."""
     scenes: dict[str, dict[str, NDArray[np.float64]]] = {}
     with np.load(io.BytesIO(data), allow_pickle=False) as archive:
         for key in archive.files:
@@ -40,12 +40,12 @@ def unpack(data: bytes) -> dict[str, dict[str, NDArray[np.float64]]]:
 
 
 def find(assignment: Assignment, name: str) -> Figure | None:
-    """The figure of that name, or None."""
+    """Return the figure of that name, or None."""
     return next((f for e in assignment.exercises for f in e.figures if f.name == name), None)
 
 
 def draw(assignment: Assignment, figure: Figure, arrays: Mapping[str, Arrays], seed: int, form: str) -> bytes:
-    """The figure as ``form`` ("png" or "svg") from the arrays a submission brought back and the exact motion beside them."""
+    """Draw a figure from a submission's arrays and the exact motion, as ``form`` ("png" or "svg")."""
     scenes = [assignment.scene(name) for name in figure.scenes]
     exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
     return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form)

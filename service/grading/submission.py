@@ -1,4 +1,4 @@
-"""What a student sent, as cells of source text. Nothing here parses Python: that is left to the far side of the wall."""
+"""A submission as cells of source text. Python is parsed only in the sandbox."""
 
 import hashlib
 import json
@@ -15,19 +15,19 @@ MOST_NAME = 120
 
 
 class BadSubmission(ValueError):
-    """Not something that can be graded; the message tells the student what is wrong with it."""
+    """The file is no valid submission. The message is for the student."""
 
 
 @dataclass(frozen=True)
 class Submission:
-    """Source text under the file name it came with; a name scene_end in .ipynb means a notebook."""
+    """Source text and its file name. A name that ends in .ipynb means a notebook."""
 
     source: str
     filename: str = "submission.py"
 
     @classmethod
     def from_bytes(cls, data: bytes, filename: str) -> "Submission":
-        """A submission from an uploaded file; BadSubmission if it is too large, not text, or not a notebook although named so."""
+        """Read an uploaded file. Raises BadSubmission if it is too large, not text, empty, or named like a notebook but not one."""
         if len(data) > MOST_BYTES:
             raise BadSubmission(f"the submission is too large: at most {MOST_BYTES} bytes are accepted")
         try:
@@ -35,28 +35,28 @@ class Submission:
         except UnicodeDecodeError:
             raise BadSubmission(f"{filename} is not a text file (UTF-8)") from None
         if "\x00" in source:
-            raise BadSubmission(f"{filename} is not a text file (it holds zero bytes)")
+            raise BadSubmission(f"{filename} is not a text file (it contains zero bytes)")
         submission = cls(source, _name(filename))
         if len(submission.cells()) > MOST_CELLS:
             raise BadSubmission(f"{filename} has more than {MOST_CELLS} code cells")
         if not any(cell.source.strip() for cell in submission.cells()):
-            raise BadSubmission(f"{filename} holds no code")
+            raise BadSubmission(f"{filename} contains no code")
         return submission
 
     @property
     def sha256(self) -> str:
-        """Of the source as UTF-8, in hexadecimal digits."""
+        """The SHA-256 of the source as UTF-8, in hexadecimal digits."""
         return hashlib.sha256(self.source.encode()).hexdigest()
 
     def cells(self) -> tuple[Cell, ...]:
-        """The code cells of a notebook, or the whole file as one cell."""
+        """Return the code cells of a notebook, or the whole file as one cell."""
         if not self.filename.lower().endswith(".ipynb"):
             return (Cell("submission.py", self.source),)
         return _notebook_cells(self.source)
 
 
 def _name(filename: str) -> str:
-    """The last part of a file name, printable and bounded."""
+    """Return the last part of a file name, printable and at most MOST_NAME characters."""
     name = "".join(c for c in PurePath(filename).name if c.isprintable())
     return name[-MOST_NAME:] or "submission.py"
 
@@ -66,7 +66,7 @@ def _notebook_cells(source: str) -> tuple[Cell, ...]:
         notebook = json.loads(source)
         code = [_text(c["source"]) for c in notebook["cells"] if c["cell_type"] == "code"]
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise BadSubmission("this is not a Jupyter notebook (format 4) although its name says so") from None
+        raise BadSubmission("this file is named .ipynb but is not a Jupyter notebook (format 4)") from None
     return tuple(Cell(f"cell {number}", text) for number, text in enumerate(code, start=1))
 
 
@@ -74,20 +74,20 @@ def _text(source: str | list[str]) -> str:
     return source if isinstance(source, str) else "".join(source)
 
 
-BREAK = re.compile(r"\r\n|\r|\n")  # where Python begins a line; other breaks, such as a form feed, begin none
+BREAK = re.compile(r"\r\n|\r|\n")  # Python's line breaks; a form feed, for example, is none
 _FRAME = re.compile(r'^\s*File "([^"]+)", line (\d+)')
 
 
 @dataclass(frozen=True)
 class SourceLocation:
-    """A line, from 1, of a cell by the name that a traceback has for it."""
+    """A line number, from 1, of a cell named as in a traceback."""
 
     cell: str
     line: int
 
 
 def source_locations(scene_end: SceneEnd) -> list[SourceLocation]:
-    """The submission's own lines in a traceback, outermost first; what an exception says of itself is not read."""
+    """Return the submission's lines in a traceback, outermost first. The exception's own text is not read."""
     found = []
     for line in (scene_end.traceback or "").split("\n"):
         if line and not line[0].isspace():

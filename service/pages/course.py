@@ -66,7 +66,7 @@ async def import_roster(request: Request, person: Instructor, form: forms.Form) 
     names = [entry.name for entry in entries] if forms.field(form, "tokens") else []
     async with request.app.state.database.begin() as connection:
         await people.enroll(connection, entries)
-        options: dict[str, Any] = {"label": "given by roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
+        options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
         created = await tokens.create_all(connection, names, **options) if names else []
         await people.record_audit(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(created)})
     return _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(entries)}", 303)

@@ -1,1 +1,1 @@
-"""The wall and both of its sides. ``guest`` is everything that crosses; the rest stays with the host."""
+"""The sandbox. ``guest`` is the code that runs inside it; the other modules run on the host."""

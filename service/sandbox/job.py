@@ -1,4 +1,4 @@
-"""The question that crosses the wall: code to load and scenes to play, never an answer."""
+"""A job for a guest: code to load and scenes to play. It holds no answers."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -15,7 +15,7 @@ LOAD_BUDGET_S = 10.0
 
 @dataclass(frozen=True)
 class Cell:
-    """A piece of the submission under the name a traceback shows."""
+    """One cell of a submission. ``name`` is its file name in tracebacks."""
 
     name: str
     source: str
@@ -23,9 +23,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class SceneRequest:
-    """A scene with its inputs drawn, and the blanks that may come back for it.
+    """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
-    With ``drive`` there is no play: the host calls the function as often as it likes, and keeps what ``drive(ask)`` returns.
+    A scene with ``drive`` is not played. Instead the host calls ``drive(ask)`` and keeps its result; each ``ask(t, w, I)`` is one
+    call of the student's function.
     """
 
     name: str
@@ -42,7 +43,7 @@ class SceneRequest:
 class Job:
     """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
 
-    ``load_budget_s`` is the time for all cells together, before the first scene.
+    ``load_budget_s`` is the CPU time in seconds for all cells together.
     """
 
     setup: str
@@ -53,11 +54,11 @@ class Job:
     load_budget_s: float = LOAD_BUDGET_S
 
     def without(self, done: set[str]) -> "Job":
-        """The same job with only the scenes that are not in ``done``."""
+        """Return this job without the scenes in ``done``."""
         return replace(self, scenes=tuple(s for s in self.scenes if s.name not in done))
 
     def encode(self) -> bytes:
-        """The job as the guest reads it: a length and JSON. What may come back (``returns``) is the host's business and stays."""
+        """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
             | {"asked": s.drive is not None}

@@ -1,4 +1,4 @@
-"""What came back through the wall: arrays checked by the host, and how each scene ended."""
+"""The result of playing a job: arrays that the host has validated, and scene ends."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ecp.claims import NotebookCheck
 from ecp.outcome import Ended, SceneEnd
 
-KEPT_OUTPUT = 64 << 10  # bytes of what a submission printed
+KEPT_OUTPUT = 64 << 10  # bytes of printed output
 
 
 SENTENCES = {
@@ -22,12 +22,12 @@ SENTENCES = {
     Ended.EXITED: "your code ended the Python process",
     Ended.KILLED: "the Python process crashed",
     Ended.OUTPUT: "your code printed or returned far too much",
-    Ended.PROTOCOL: "what came back was not a result",
+    Ended.PROTOCOL: "the process of your code sent an invalid result",
     Ended.NOT_PLAYED: "not played, because an earlier step did not finish",
 }
 
 
-# What a guest may name as the cause of an ending; everything else is found out on the host.
+# Diagnosis codes that a guest may report; the host determines all others.
 GUEST_CODES = frozenset(
     ["missing-function", "timeout", "memory", "syntax-error", "raises", "returns-nothing", "wrong-shape", "mutates-input"]
     + ["not-finite", "unbounded", "no-animation", "too-many-frames", "signature", "swapped-arguments"]
@@ -36,9 +36,12 @@ GUEST_CODES = frozenset(
 
 @dataclass
 class PlayResult:
-    """Everything one play brought back: ``arrays`` by scene and name, the ``scene_ends`` of scenes, those of failed ``cells``, and
-    what came of scenes that the host drove (``driven``); the notebook's own
-    checks (``claims``), and how many more there were."""
+    """The result of one play.
+
+    ``defined`` are the requested functions that the submission defines, ``arrays`` the results by scene and name, ``scene_ends``
+    those of scenes, ``cells`` those of failed cells, and ``driven`` the results of scenes that the host drove. ``claims`` are the
+    notebook's own checks; ``claims_left_out`` counts those beyond the limit.
+    """
 
     defined: set[str] = field(default_factory=set)
     arrays: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
@@ -50,7 +53,7 @@ class PlayResult:
     stdout: str = ""
 
     def add(self, other: "PlayResult") -> None:
-        """Take over what another child of the same submission brought back."""
+        """Add the result of another child that ran the same submission."""
         self.defined |= other.defined
         self.arrays |= other.arrays
         self.scene_ends |= other.scene_ends
@@ -61,13 +64,13 @@ class PlayResult:
         self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
 
     def finished(self, scene: str) -> bool:
-        """Whether that scene was played to its end."""
+        """Return whether ``scene`` was played to its end."""
         return scene in self.scene_ends and self.scene_ends[scene].ended is Ended.FINISHED
 
 
 class Cancelled(Exception):
-    """Whoever began to play wants it no more."""
+    """The play was cancelled."""
 
 
 class SystemFault(Exception):
-    """Our own failure: the submission could not be graded. Never a verdict."""
+    """The submission could not be graded because polhode or a course author failed. Never a verdict."""

@@ -1,4 +1,4 @@
-"""Playing jobs: one warm guest behind some walls, replaced after many plays, after an odd one and when it is lost."""
+"""A sandbox: one warm guest that plays jobs, replaced after many plays, after an abnormal one, and when it is lost."""
 
 import threading
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from ecp.outcome import Ended, SceneEnd
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
 from service.sandbox.result import Cancelled, PlayResult, SystemFault
-from service.sandbox.self_test import probe
+from service.sandbox.self_test import self_test_job
 from service.sandbox.zygote import Zygote, ZygoteLost
 
 MOST_PLAYS = 1000  # of one zygote
@@ -15,64 +15,65 @@ TRIES = 2
 
 
 class Sandbox:
-    """Plays jobs behind ``walls`` with one warm guest, started at once and replaced from time to time."""
+    """A sandbox with one warm guest at the given ``isolation``."""
 
-    def __init__(self, walls: Isolation) -> None:
-        self.walls = walls.name
-        self._walls = walls
+    def __init__(self, isolation: Isolation) -> None:
+        self.isolation = isolation
         self._zygote: Zygote | None = None
         self._plays = 0
         self.zygotes = 0  # started so far
         self.self_tested = False
-        self.unwanted = threading.Event()  # set by another thread, it ends what is being played; the guest stays warm
+        self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
 
     def start(self) -> None:
-        """Begin warming a guest; returns before it is warm."""
+        """Start a guest unless there is one. Return before it is warm."""
         if self._zygote is None:
             self._plays = 0
             self.zygotes += 1
-            self._zygote = Zygote(self._walls.command, self._walls.environment, self.unwanted)
+            self._zygote = Zygote(self.isolation.command, self.isolation.environment, self.cancelled)
 
     def wait_ready(self) -> None:
-        """Return when a guest is warm; Fault if it cannot start."""
+        """Return when a guest is warm. Raises SystemFault if it cannot start."""
         self.start()
         assert self._zygote is not None
         self._zygote.wait_ready()
 
     def self_test(self) -> None:
-        """Play the probe, so that walls that cannot be put up or have a hole are known before a student comes. Fault if so."""
-        seen = self.play(probe())
-        if seen.stdout:
-            raise SystemFault(f"the walls have a hole: a submission could {', '.join(seen.stdout.splitlines())}")
-        if seen.scene_ends["probe"].ended is not Ended.MISSING:
-            raise SystemFault(f"the probe ended as {seen.scene_ends['probe'].ended}")
+        """Run the self-test. Raises SystemFault if the sandbox cannot start or lets a forbidden operation succeed."""
+        result = self.play(self_test_job())
+        if result.stdout:
+            raise SystemFault(f"the sandbox is not secure: a submission could {', '.join(result.stdout.splitlines())}")
+        (scene_end,) = result.scene_ends.values()
+        if scene_end.ended is not Ended.MISSING:
+            raise SystemFault(f"the sandbox self-test did not finish: it ended as {scene_end.ended}")
         self.self_tested = True
 
-    def play(self, job: Job, tell: Callable[[str], None] = lambda scene: None) -> PlayResult:
-        """Play every scene; one that kills its process or stalls costs only itself. Fault if the walls fail us.
+    def play(self, job: Job, on_scene: Callable[[str], None] = lambda scene: None) -> PlayResult:
+        """Play every scene of ``job``. Calls ``on_scene`` with the name of each scene that begins.
 
-        Stopped as soon as it is ``unwanted``. ``tell`` is called with the name of each scene that begins.
+        A scene that crashes or stalls its process does not affect the others. Raises SystemFault if the sandbox fails, and
+        Cancelled if ``cancelled`` is set.
         """
-        seen = PlayResult()
-        while (left := job.without(set(seen.scene_ends))).scenes:
-            before = len(seen.scene_ends)
-            self._play_once(left, seen, tell)
-            if len(seen.scene_ends) == before:
+        result = PlayResult()
+        while (left := job.without(set(result.scene_ends))).scenes:
+            before = len(result.scene_ends)
+            self._play_once(left, result, on_scene)
+            if len(result.scene_ends) == before:
                 break
-            self._skip_followers(job, seen)
-        return seen
+            self._skip_followers(job, result)
+        return result
 
-    def _play_once(self, job: Job, seen: PlayResult, tell: Callable[[str], None]) -> None:
-        """One child's worth, with a second zygote if the first one is lost."""
-        for attempt in range(TRIES):
+    def _play_once(self, job: Job, result: PlayResult, on_scene: Callable[[str], None]) -> None:
+        """Play the job in one child. If the zygote is lost, try again with a second one."""
+        for number in range(TRIES):
             self.start()
             assert self._zygote is not None
-            played = PlayResult()  # of this try alone: what a lost zygote had sent is forgotten
+            played = PlayResult()  # of this try alone: what a lost zygote sent is discarded
             try:
-                sound = self._zygote.play(job, played, tell)
+                reusable = self._zygote.play(job, played, on_scene)
             except ZygoteLost as lost:
                 self.close()
-                if attempt == TRIES - 1:
+                if number == TRIES - 1:
                     raise SystemFault(str(lost)) from lost
                 continue
             except Cancelled:
@@ -80,9 +81,9 @@ class Sandbox:
             except BaseException:
                 self.close()
                 raise
-            seen.add(played)
+            result.add(played)
             self._plays += 1
-            if not sound or self._plays >= MOST_PLAYS:
+            if not reusable or self._plays >= MOST_PLAYS:
                 self.close()
                 self.start()  # warms up while the report is written
             return
@@ -93,8 +94,8 @@ class Sandbox:
             self._zygote.kill()
             self._zygote = None
 
-    def _skip_followers(self, job: Job, seen: PlayResult) -> None:
+    def _skip_followers(self, job: Job, result: PlayResult) -> None:
         for scene in job.scenes:
-            if scene.name not in seen.scene_ends and scene.after in seen.scene_ends and not seen.finished(scene.after):
+            if scene.name not in result.scene_ends and scene.after in result.scene_ends and not result.finished(scene.after):
                 sentence = f"it comes after {scene.after}"
-                seen.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)
+                result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)

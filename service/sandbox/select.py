@@ -1,4 +1,4 @@
-"""Which walls: the strongest tier that can be put up here, found by doing it, and never less than was asked for."""
+"""Selection of the isolation level: the strongest one that this machine supports, and never a weaker one than required."""
 
 import platform
 import subprocess
@@ -7,49 +7,56 @@ from collections.abc import Collection
 from service.sandbox.bubblewrap import find_bubblewrap, namespace_isolation
 from service.sandbox.guest import landlock
 from service.sandbox.guest.syscalls import MACHINES
-from service.sandbox.isolation import Isolation, process_isolation
+from service.sandbox.isolation import Isolation, Level, process_isolation
 
 TRY_S = 20.0
 
 
 class IsolationUnavailable(Exception):
-    """No walls of the least tier asked for can be put up here; the message says what to do."""
+    """This machine does not support the required isolation level. The message says what is missing."""
 
 
-def choose(least: str = "B") -> Isolation:
-    """Tier A if its namespaces can be had, else tier B if that is enough; WallsMissing where neither is to be had."""
+def choose(least: Level = "process") -> Isolation:
+    """Return the strongest isolation that this machine supports.
+
+    Raises IsolationUnavailable if its level is below ``least``.
+    """
     if platform.machine() not in MACHINES:
         raise IsolationUnavailable(
-            f"no filter of system calls for this processor ({platform.machine()}); known: {', '.join(MACHINES)}"
+            f"polhode has no system call filter for this processor ({platform.machine()}); supported: {', '.join(MACHINES)}"
         )
     if landlock.version() < 1:
-        raise IsolationUnavailable("this kernel has no Landlock (it is in Linux 5.13 and later, if the boot option lsm= names it)")
-    walls, reason = try_namespaces()
-    if walls is not None:
-        return walls
-    if least == "A":
-        raise IsolationUnavailable(f"POLHODE_MIN_TIER is A, and there are no namespaces here: {reason}")
+        raise IsolationUnavailable("this kernel has no Landlock; use Linux 5.13 or later and name landlock in the boot option lsm=")
+    isolation, reason = try_namespaces()
+    if isolation is not None:
+        return isolation
+    if least == "namespaces":
+        raise IsolationUnavailable(f"POLHODE_MIN_ISOLATION is namespaces, but namespaces are not available: {reason}")
     return process_isolation()
 
 
-def with_packages(walls: Isolation, more: Collection[str]) -> Isolation:
-    """The same walls around a guest that can also import ``more`` distributions, as far as they are installed."""
+def with_packages(isolation: Isolation, more: Collection[str]) -> Isolation:
+    """Return ``isolation`` for a guest that can also import those of the distributions ``more`` that are installed."""
     if not more:
-        return walls
-    return namespace_isolation(walls.around[0], walls.layers, more) if walls.tier == "A" else process_isolation(walls.layers, more)
+        return isolation
+    if isolation.level == "process":
+        return process_isolation(isolation.layers, more)
+    return namespace_isolation(isolation.around[0], isolation.layers, more)
 
 
 def try_namespaces() -> tuple[Isolation | None, str]:
-    """Tier A if a first process could be started in it, else None and why."""
+    """Start a process in namespaces. Return their isolation and "", or None and the reason for the failure."""
     program = find_bubblewrap()
     if program is None:
         return None, "bubblewrap is not installed (apt install bubblewrap)"
-    walls = namespace_isolation(program)
+    isolation = namespace_isolation(program)
     try:
-        told = subprocess.run(
-            [*walls.around, walls.inside[0], "-I", "-S", "-c", "pass"],
-            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(walls.environment),
+        tried = subprocess.run(
+            [*isolation.around, isolation.inside[0], "-I", "-S", "-c", "pass"],
+            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(isolation.environment),
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         return None, str(error)
-    return (walls, "") if told.returncode == 0 else (None, told.stderr.strip() or f"bwrap ended with {told.returncode}")
+    return (
+        (isolation, "") if tried.returncode == 0 else (None, tried.stderr.strip() or f"bwrap exited with code {tried.returncode}")
+    )

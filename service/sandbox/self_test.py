@@ -1,11 +1,11 @@
-"""The probe: a submission that tries to get out. Nobody's work is taken until it has failed at everything.
+"""The self-test: a submission that tries forbidden operations. A worker grades nothing until all of them have failed.
 
-Where the walls have a hole the attempts succeed, on the server's own machine: none of them does harm.
+In a defective sandbox the operations succeed on the server's machine, so none of them does harm.
 """
 
 from service.sandbox.job import Cell, Job, SceneRequest
 
-ATTEMPTS = {
+FORBIDDEN = {
     "read a file": "open('/etc/passwd').read()",
     "write a file": "os.open('/', os.O_WRONLY | os.O_TMPFILE)",
     "write to a temporary folder": "os.open('/tmp', os.O_WRONLY | os.O_TMPFILE)",
@@ -17,27 +17,27 @@ ATTEMPTS = {
     "signal its parent": "os.kill(os.getppid() or 1, 0)",
     "change a file's mode": "os.chmod('/dev/null', 0o666)",
     "make a file in memory": "os.memfd_create('x')",
-    "trace a process": "traced()",
+    "trace a process": "trace()",
     "import the answers": "__import__('reference')",
     "take 1 GiB of memory": "bytearray(1 << 30)",
 }
 SOURCE = f"""
 import ctypes, os, socket, threading
 
-def traced():
+def trace():
     if ctypes.CDLL(None).ptrace(16, os.getppid() or 1, 0, 0) != 0:  # PTRACE_ATTACH
         raise OSError
 
-for label, attempt in {ATTEMPTS!r}.items():
+for label, operation in {FORBIDDEN!r}.items():
     try:
-        eval(attempt)
+        eval(operation)
     except (OSError, RuntimeError, MemoryError, ImportError):
         continue
     print(label)
 """
 
 
-def probe() -> Job:
-    """Prints a line for each attempt that worked; its only scene asks for a function that is not there."""
-    scene = SceneRequest("probe", "nothing", "nothing", {}, {}, 5.0, None)
-    return Job("", "", (Cell("probe", SOURCE),), ("nothing",), (scene,))
+def self_test_job() -> Job:
+    """Return a job that prints a line for each operation that succeeded. Its only scene calls a function that is not defined."""
+    scene = SceneRequest("self-test", "nothing", "nothing", {}, {}, 5.0, None)
+    return Job("", "", (Cell("self-test", SOURCE),), ("nothing",), (scene,))

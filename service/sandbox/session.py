@@ -1,4 +1,4 @@
-"""One play as the host sees it: write the job, read results and output, and stop listening when patience or room runs out."""
+"""The host's side of one play: write the job, read results and output, and stop when a time or size limit is exceeded."""
 
 import contextlib
 import math
@@ -15,25 +15,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.outcome import Ended, SceneEnd
-from service.sandbox.guest.run_scenes import WALL
+from service.sandbox.guest.run_scenes import CLOCK_FACTOR
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, SENTENCES, PlayResult, SystemFault
 from service.sandbox.wire import ProtocolError, Reader, text
 
-GRACE_S = 1.5  # on top of a scene's budget, before the host stops trusting the guest's own alarm
-LOADING = 2  # the host waits for twice the time that the guest has for loading
+GRACE_S = 1.5  # beyond a scene's budget, before the host ends a guest whose own alarm has not
+LOAD_FACTOR = 2  # the host waits this many times as long as the guest has for loading
 MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
-LOOK_S = 0.2  # so often it is seen whether the play is wanted any more
+POLL_S = 0.2  # interval at which a cancellation is noticed
 CODES = {Ended.TIMED_OUT: "timeout", Ended.MEMORY: "memory"}
 
 
 @dataclass
 class Pipes:
-    """The host's ends: the job goes out, results and printed output come in, ``control`` tells when the child was reaped."""
+    """The host's ends of a child's pipes. ``control`` is the zygote's socket, which reports the child's exit status."""
 
     control: socket.socket
     job: int
@@ -42,38 +42,39 @@ class Pipes:
 
 
 class ExitStatus(NamedTuple):
-    """How the child ended: a wait status."""
+    """The wait ``status`` of a child."""
 
     status: int
 
     @classmethod
     def unpack(cls, data: bytes) -> "ExitStatus":
-        """From the zygote's message; OSError if it is none: the zygote is gone."""
+        """Read the zygote's message. Raises OSError if the zygote has ended."""
         if len(data) != REAPED.size:
-            raise OSError("the guest ended")
+            raise OSError("the zygote ended")
         return cls(*REAPED.unpack(data))
 
     @property
     def signal(self) -> int:
-        """The signal that ended it, or 0."""
+        """The signal that ended the child, or 0."""
         return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
 
 
 class NoAnswer(Exception):
-    """A question the child will not answer any more: the scene has ended."""
+    """The child will not answer a question because the scene has ended."""
 
 
 @dataclass
 class PlaySession:
-    """``stopped`` says why the host ended it, if it did; ``ended`` how the child did, once it is known.
+    """One play of ``job`` in a child.
 
-    Another thread may set ``unwanted``: then it ends at once.
+    ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit status once it is known.
+    Another thread may set ``cancelled`` to end the play.
     """
 
     job: Job
     reader: Reader
     pipes: Pipes
-    unwanted: threading.Event = field(default_factory=threading.Event)
+    cancelled: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
     stopped: Ended | None = None
     ended: ExitStatus | None = None
@@ -82,17 +83,20 @@ class PlaySession:
     _job_open: bool = True
 
     def run(self) -> None:
-        """Talk until the child is reaped and both pipes are empty, or patience ends; closes the pipes. OSError: no guest."""
+        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded. Close the pipes.
+
+        Raises OSError if the zygote has ended.
+        """
         self._unsent = memoryview(self.job.encode())
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
-        self._patience = _Deadline(self.job)
+        self._deadline = _Deadline(self.job)
         os.set_blocking(self.pipes.job, False)
         with selectors.DefaultSelector() as self._selector:
             self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
             for end in (self.pipes.result, self.pipes.output, self.pipes.control):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
-                while self._goes_on():
+                while self._is_running():
                     self._step()
                     if self.reader.started in self._undriven:
                         self._drive(self.reader.started)
@@ -103,13 +107,13 @@ class PlaySession:
                 if self._job_open:
                     os.close(self.pipes.job)
 
-    def _goes_on(self) -> bool:
-        return self.stopped is None and not self.unwanted.is_set() and bool(self._selector.get_map())
+    def _is_running(self) -> bool:
+        return self.stopped is None and not self.cancelled.is_set() and bool(self._selector.get_map())
 
     def _step(self) -> None:
-        """Wait for the next that is ready, and take it."""
-        ready = self._selector.select(min(LOOK_S, self._patience.left(self.reader.started)))
-        if not ready and self._patience.left(self.reader.started) == 0:
+        """Wait until an end is ready, and read from it or write to it."""
+        ready = self._selector.select(min(POLL_S, self._deadline.left(self.reader.started)))
+        if not ready and self._deadline.left(self.reader.started) == 0:
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
             if key.fd == self.pipes.job:
@@ -117,16 +121,16 @@ class PlaySession:
                 if not self._unsent:
                     self._selector.unregister(key.fd)
                     self._close_job_unless_needed()
-            elif not self._listen(key.fd):
+            elif not self._read_from(key.fd):
                 self._selector.unregister(key.fileobj)
                 if key.fd != self.pipes.control.fileno():
                     os.close(key.fd)
 
     def _drive(self, scene: str) -> None:
-        """Let the scene's driver ask; what it returns is kept, unless the scene ends before it does."""
+        """Run the scene's driver and keep its result, unless the scene ends first."""
         driver = self._undriven.pop(scene)
         with contextlib.suppress(NoAnswer):
-            self.reader.seen.driven[scene] = driver(self._ask)
+            self.reader.result.driven[scene] = driver(self._ask)
             self._send(QUESTION.pack(*[math.nan] * 7))
         self._close_job_unless_needed()
 
@@ -135,7 +139,7 @@ class PlaySession:
         self.reader.open_questions += 1
         self._send(QUESTION.pack(t, *w, *I))
         while not self.reader.answers:
-            if not self._goes_on() or self.reader.started != scene:
+            if not self._is_running() or self.reader.started != scene:
                 raise NoAnswer
             self._step()
         return self.reader.answers.popleft()
@@ -147,7 +151,7 @@ class PlaySession:
             raise NoAnswer from None
         except BlockingIOError:
             sent = 0
-        if sent != len(data):  # it answers without reading the questions
+        if sent != len(data):  # the child answers without reading the questions
             self.stopped = Ended.PROTOCOL
             raise NoAnswer
 
@@ -156,32 +160,33 @@ class PlaySession:
             os.close(self.pipes.job)
             self._job_open = False
 
-    def record_end(self, seen: PlayResult) -> None:
-        """Give the scene in progress the ending that follows from how the child stopped; between scenes, all that are left."""
+    def record_end(self, result: PlayResult) -> None:
+        """Record the scene end that follows from the child's exit, for the scene in progress or else for all scenes that are left.
+
+        Raises SystemFault if the child ended before it ran any code of the submission.
+        """
         assert self.ended is not None
-        if not self.reader.inside:  # nothing of the submission had run yet
+        if not self.reader.prepared:
             words = text(self.output.decode(errors="replace")[-500:])
-            raise SystemFault(
-                f"a child ended before it read the submission, its walls or our own code failed: {words or self.ended}"
-            )
+            raise SystemFault(f"the sandbox or the assignment's own code failed before the submission ran: {words or self.ended}")
         scene_end = self.stopped or self._by_status()
         if scene_end is None:
             return
-        if scene_end is Ended.PROTOCOL:  # nothing that this child sent is believed
+        if scene_end is Ended.PROTOCOL:  # discard everything that this child sent
             lost = [s.name for s in self.job.scenes]
-            seen.claims.clear()
+            result.claims.clear()
         elif self.reader.started:
             lost = [self.reader.started]
         else:
-            lost = [s.name for s in self.job.scenes if s.name not in seen.scene_ends]
+            lost = [s.name for s in self.job.scenes if s.name not in result.scene_ends]
         for scene in lost:
-            seen.arrays.pop(scene, None)
-            seen.scene_ends[scene] = SceneEnd(
+            result.arrays.pop(scene, None)
+            result.scene_ends[scene] = SceneEnd(
                 scene=scene, ended=scene_end, sentence=SENTENCES[scene_end], code=CODES.get(scene_end)
             )
 
-    def _listen(self, fd: int) -> bool:
-        """Take what one end has to say; False when it has said its last."""
+    def _read_from(self, fd: int) -> bool:
+        """Read from one end. Return False at its end of file."""
         if fd == self.pipes.control.fileno():
             self.ended = ExitStatus.unpack(self.pipes.control.recv(REAPED.size))
             return False
@@ -200,8 +205,8 @@ class PlaySession:
         return bool(data)
 
     @property
-    def odd(self) -> bool:
-        """Whether it ended in a way no ordinary mistake does."""
+    def abnormal(self) -> bool:
+        """Whether the child crashed or violated the protocol, which no ordinary mistake does."""
         crashed = self.stopped is None and self.ended is not None and self.ended.signal not in (0, signal.SIGXCPU)
         return crashed or self.stopped is Ended.PROTOCOL
 
@@ -215,17 +220,17 @@ class PlaySession:
 
 
 class _Deadline:
-    """How long to wait for the next word: as long as the guest's own limits by the clock, and never past the sum of them all."""
+    """How long the host waits for a guest: the guest's wall-clock limits plus a grace period, and at most their sum."""
 
     def __init__(self, job: Job) -> None:
-        self._budgets = {s.name: WALL * s.budget_s for s in job.scenes}
-        self._load_s = LOADING * WALL * job.load_budget_s
+        self._budgets = {s.name: CLOCK_FACTOR * s.budget_s for s in job.scenes}
+        self._load_s = LOAD_FACTOR * CLOCK_FACTOR * job.load_budget_s
         self._since = time.monotonic()
         self._last = self._since + sum(self._budgets.values()) + GRACE_S * (1 + len(self._budgets)) + self._load_s
         self._scene: str | None = None
 
     def left(self, scene: str | None) -> float:
-        """Seconds left for ``scene`` (None: loading, or between scenes)."""
+        """Return the seconds left for ``scene`` (None: loading, or between scenes)."""
         if scene != self._scene:
             self._scene, self._since = scene, time.monotonic()
         until = self._since + GRACE_S + self._budgets.get(scene or "", self._load_s)
@@ -233,7 +238,7 @@ class _Deadline:
 
 
 def _write_some(fd: int, data: memoryview) -> memoryview:
-    """What is left to write; nothing, if nobody reads any more."""
+    """Write what fits and return the rest, which is empty if the reader has closed the pipe."""
     try:
         return data[os.write(fd, data[:CHUNK]) :]
     except BrokenPipeError:

@@ -1,9 +1,9 @@
-"""Reading the guest's frames. Until this module has checked them they are bytes from a stranger.
+"""Reading and validating the frames of a guest, which are untrusted bytes.
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` is an
 array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. Kind ``R`` is three
-numbers in answer to a question. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host knows which arrays a
-scene may bring, their element type and their largest shape, and what it has asked; anything else breaks the protocol.
+numbers in answer to a question. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host knows which arrays
+a scene returns, their element type and largest shape, and its own questions; anything else violates the protocol.
 """
 
 import json
@@ -26,40 +26,38 @@ from service.sandbox.result import GUEST_CODES, PlayResult
 
 MOST_JSON = 64 * 1024
 MOST_TEXT = 8 * 1024
-MOST_CELLS_TOLD = 20
+MOST_CELL_ENDS = 20
 DTYPES: Mapping[str, np.dtype[Any]] = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
 HEAD = struct.Struct("<cI")
 
 
 class ProtocolError(Exception):
-    """The bytes that came back are not what this job may answer."""
+    """The guest sent bytes that are no valid answer to the job."""
 
 
 class Reader:
-    """Turns the byte stream of one play into ``seen``; ``started`` is the scene in progress.
+    """Reader of one play's byte stream, which it turns into ``result``. Calls ``on_scene`` with the name of each scene that begins.
 
-    ``tell`` is called with the name of each scene that begins.
-
-    ``inside`` tells that the child stood behind its walls and our own code was loaded before anything of the submission ran,
-    ``done`` that it said its last word.
+    ``started`` is the scene in progress. ``prepared`` is True once the child has applied its layers and loaded the assignment's
+    code; only then does it run the submission. ``done`` is True after its last frame.
     """
 
-    def __init__(self, job: Job, seen: PlayResult, tell: Callable[[str], None] = lambda scene: None) -> None:
-        self._tell = tell
-        self.seen, self.inside, self.done, self.started = seen, False, False, None
+    def __init__(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> None:
+        self._on_scene = on_scene
+        self.result, self.prepared, self.done, self.started = result, False, False, None
         self._scenes = {s.name: s for s in job.scenes}
         self._functions = set(job.functions)
         self._cells = {c.name for c in job.cells}
         self._longest = max([MOST_JSON, *(_size(b) + 1024 for s in job.scenes for b in s.returns.values())])
         self._buffer = bytearray()
-        self._asked = {s.name for s in job.scenes if s.drive}
-        self._told_names = False
+        self._driven = {s.name for s in job.scenes if s.drive}
+        self._names_known = False
         self.open_questions, self.answers = 0, deque[NDArray[np.float64]]()
 
     started: str | None
 
     def feed(self, data: bytes) -> None:
-        """Take more bytes; ProtocolError as soon as they cannot be an answer."""
+        """Read more bytes. Raises ProtocolError as soon as they are invalid."""
         self._buffer += data
         for kind, payload in self._frames():
             if self.done:
@@ -86,44 +84,44 @@ class Reader:
 
     def _event(self, event: Mapping[str, Any]) -> None:
         match event.get("event"):
-            case "inside" if not self.inside:
-                self.inside = True
-            case "defined" if isinstance(event.get("names"), list) and not self._told_names:
-                self._told_names = True
-                self.seen.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
-                self.seen.claims_left_out = _count(event.get("claims_left_out", 0))
+            case "prepared" if not self.prepared:
+                self.prepared = True
+            case "defined" if isinstance(event.get("names"), list) and not self._names_known:
+                self._names_known = True
+                self.result.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
+                self.result.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
                 self.started = self._next(event)
-                self._tell(self.started)
+                self._on_scene(self.started)
             case "scene":
-                begun = self.started
-                name = begun or self._known(event, self._scenes)
-                if event.get("scene") != name or name in self.seen.scene_ends:
+                running = self.started
+                name = running or self._known(event, self._scenes)
+                if event.get("scene") != name or name in self.result.scene_ends:
                     raise ProtocolError("another scene ended than was started")
-                scene_end = _ending(name, event)
-                if scene_end.ended is Ended.FINISHED and begun is None:
+                scene_end = _scene_end(name, event)
+                if scene_end.ended is Ended.FINISHED and running is None:
                     raise ProtocolError("a scene that was not started is finished")
-                whole = set(self.seen.arrays.get(name, {})) == set(self._scenes[name].returns)
+                whole = set(self.result.arrays.get(name, {})) == set(self._scenes[name].returns)
                 if scene_end.ended is Ended.FINISHED and not whole:
                     raise ProtocolError("a scene ended without its arrays")
                 if scene_end.ended is not Ended.FINISHED:
-                    self.seen.arrays.pop(name, None)
-                self.seen.scene_ends[name], self.started = scene_end, None
+                    self.result.arrays.pop(name, None)
+                self.result.scene_ends[name], self.started = scene_end, None
             case "cell":
                 name = self._known(event, self._cells)
-                if len(self.seen.cells) < MOST_CELLS_TOLD:
-                    self.seen.cells.setdefault(name, _ending(name, event))
+                if len(self.result.cells) < MOST_CELL_ENDS:
+                    self.result.cells.setdefault(name, _scene_end(name, event))
             case "done":
                 self.done = True
             case _:
                 raise ProtocolError("unknown event")
 
     def _next(self, event: Mapping[str, Any]) -> str:
-        """The scene of an event that begins it: none is in progress, this one has not ended, the one it comes after is finished."""
+        """Return the scene that a "start" event names. Raises ProtocolError if it may not start now."""
         name = self._known(event, self._scenes)
         after = self._scenes[name].after
-        early = after in self._scenes and not self.seen.finished(str(after))
-        if self.started is not None or name in self.seen.scene_ends or early:
+        early = after in self._scenes and not self.result.finished(str(after))
+        if self.started is not None or name in self.result.scene_ends or early:
             raise ProtocolError("a scene out of turn")
         return name
 
@@ -134,34 +132,34 @@ class Reader:
         return name
 
     def _answer(self, payload: bytes) -> None:
-        if self.started not in self._asked or self.open_questions < 1 or len(payload) != ANSWER.size:
-            raise ProtocolError("an answer nobody asked for")
+        if self.started not in self._driven or self.open_questions < 1 or len(payload) != ANSWER.size:
+            raise ProtocolError("an answer without a question")
         self.open_questions -= 1
         self.answers.append(np.array(ANSWER.unpack(payload)))
 
     def _claim(self, payload: bytes) -> None:
-        if self._told_names or len(self.seen.claims) >= MOST_CLAIMS:
+        if self._names_known or len(self.result.claims) >= MOST_CLAIMS:
             raise ProtocolError("a claim after the cells, or one too many")
         try:
-            self.seen.claims.append(claims.read(*_headed(payload), self._cells, text))
+            self.result.claims.append(claims.read(*_headed(payload), self._cells, text))
         except ValueError:
             raise ProtocolError("not a claim") from None
 
     def _array(self, payload: bytes) -> None:
         header, raw = _headed(payload)
         scene = self._known(header, self._scenes)
-        blank = self._scenes[scene].returns.get(str(header.get("name")))
-        if blank is None or scene != self.started or header["name"] in self.seen.arrays.get(scene, {}):
-            raise ProtocolError("an array nobody asked for")
-        shape = _shape(header.get("shape"), blank)
-        if len(raw) != math.prod(shape) * DTYPES[blank.dtype].itemsize:
+        spec = self._scenes[scene].returns.get(str(header.get("name")))
+        if spec is None or scene != self.started or header["name"] in self.result.arrays.get(scene, {}):
+            raise ProtocolError("an unexpected array")
+        shape = _shape(header.get("shape"), spec)
+        if len(raw) != math.prod(shape) * DTYPES[spec.dtype].itemsize:
             raise ProtocolError("an array of another length than its shape")
-        array: NDArray[Any] = np.frombuffer(raw, DTYPES[blank.dtype]).reshape(shape)
-        self.seen.arrays.setdefault(scene, {})[str(header["name"])] = array
+        array: NDArray[Any] = np.frombuffer(raw, DTYPES[spec.dtype]).reshape(shape)
+        self.result.arrays.setdefault(scene, {})[str(header["name"])] = array
 
 
 def _headed(payload: bytes) -> tuple[Mapping[str, Any], bytes]:
-    """The JSON header of a payload, and the bytes behind it."""
+    """Return the JSON header of a payload and the bytes after it."""
     (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
     return _json(payload[2 : 2 + length]), payload[2 + length :]
 
@@ -173,15 +171,15 @@ def _count(value: Any) -> int:
 
 
 def text(value: Any, most: int = MOST_TEXT) -> str:
-    """A stranger's text made harmless to show: bounded, no control characters but newline and tab, no bidi controls."""
-    shown = str(value)[:most]
-    return "".join(c if c in "\n\t" or (c.isprintable() and c not in _BIDI) else "\ufffd" for c in shown)
+    """Return untrusted text made safe to display: bounded, without bidi controls and control characters (but newline, tab)."""
+    bounded = str(value)[:most]
+    return "".join(c if c in "\n\t" or (c.isprintable() and c not in _BIDI) else "\ufffd" for c in bounded)
 
 
 _BIDI = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
-def _ending(name: str, event: Mapping[str, Any]) -> SceneEnd:
+def _scene_end(name: str, event: Mapping[str, Any]) -> SceneEnd:
     try:
         scene_end = Ended(str(event.get("ended")))
     except ValueError:
@@ -196,19 +194,17 @@ def _ending(name: str, event: Mapping[str, Any]) -> SceneEnd:
     )
 
 
-def _shape(shape: Any, blank: ArraySpec) -> tuple[int, ...]:
-    if not isinstance(shape, list) or len(shape) != len(blank.shape) or not all(type(n) is int and n >= 0 for n in shape):
+def _shape(shape: Any, spec: ArraySpec) -> tuple[int, ...]:
+    if not isinstance(shape, list) or len(shape) != len(spec.shape) or not all(type(n) is int and n >= 0 for n in shape):
         raise ProtocolError("not a shape")
-    within = (
-        blank.up_to and shape[-1] == blank.shape[-1] and all(1 <= n <= most for n, most in zip(shape, blank.shape, strict=True))
-    )
-    if not within and tuple(shape) != blank.shape:
+    within = spec.up_to and shape[-1] == spec.shape[-1] and all(1 <= n <= most for n, most in zip(shape, spec.shape, strict=True))
+    if not within and tuple(shape) != spec.shape:
         raise ProtocolError("an array of another shape than asked for")
     return tuple(shape)
 
 
-def _size(blank: ArraySpec) -> int:
-    return math.prod(blank.shape) * DTYPES[blank.dtype].itemsize
+def _size(spec: ArraySpec) -> int:
+    return math.prod(spec.shape) * DTYPES[spec.dtype].itemsize
 
 
 def _json(data: bytes) -> Mapping[str, Any]:

@@ -1,4 +1,4 @@
-"""The host's end of a warm guest: start it, hand it one job at a time, kill it when it misbehaves."""
+"""The host's side of a zygote: start it, send it one job at a time, kill it when it misbehaves."""
 
 import contextlib
 import os
@@ -16,23 +16,23 @@ from service.sandbox.session import ExitStatus, Pipes, PlaySession
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0
-ANSWER_S = 4.0  # a zygote that does not start or bury a child within this time is frozen
+ANSWER_S = 4.0  # a zygote that does not start or reap a child within this time is frozen
 
 
 class ZygoteLost(Exception):
-    """The guest died or froze under a play that had nothing to do with it, or seemed to."""
+    """The zygote ended or froze during a play. The play may be tried again with another zygote."""
 
 
 class Zygote:
-    """A guest process behind ``command``; the command gets the number of its control socket as last argument.
+    """A zygote process started by ``command``, which gets the number of its control socket as last argument.
 
-    ``unwanted`` may be set by another thread: it ends a play, not the guest.
+    Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
 
-    def __init__(self, command: Sequence[str], environment: Mapping[str, str], unwanted: threading.Event) -> None:
-        self._unwanted = unwanted
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str], cancelled: threading.Event) -> None:
+        self._cancelled = cancelled
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- it lives as long as the guest
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
         self._ready = False
         self._process = subprocess.Popen(
             [*command, str(theirs.fileno())],
@@ -46,7 +46,7 @@ class Zygote:
         theirs.close()
 
     def wait_ready(self) -> None:
-        """Return when it has imported everything; Fault with its own words if it cannot start."""
+        """Return when the zygote has imported everything. Raises SystemFault with its output if it cannot start."""
         if self._ready:
             return
         self._control.settimeout(START_S)
@@ -56,65 +56,63 @@ class Zygote:
             self._log.seek(0)
             words = self._log.read(2000).decode(errors="replace").strip()
             self.kill()
-            raise SystemFault(f"the guest did not start: {words or 'it said nothing'}")
+            raise SystemFault(f"the sandbox did not start: {words or 'no output'}")
 
-    def play(self, job: Job, seen: PlayResult, tell: Callable[[str], None] = lambda scene: None) -> bool:
-        """Play the job once into ``seen`` and ``tell`` which scene begins.
+    def play(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> bool:
+        """Play ``job`` in one child and add to ``result``. Calls ``on_scene`` with the name of each scene that begins.
 
-        False when the play ended so oddly that this zygote should be replaced.
-
-        Stopped when nobody wants it any more. ZygoteLost when the zygote does not answer: it must be killed, and the play may be
-        tried again with another.
+        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, or ZygoteLost if the zygote
+        does not answer: kill it, and try again with another.
         """
         self.wait_ready()
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        ours, theirs = (job_w, result_r, output_r), (job_r, result_w, output_w)
+        own, theirs = (job_w, result_r, output_r), (job_r, result_w, output_w)
         try:
             try:
                 child = self._fork(theirs)
             finally:
                 _close(*theirs)
         except BaseException:
-            _close(*ours)
+            _close(*own)
             raise
-        talk = PlaySession(job, Reader(job, seen, tell), Pipes(self._control, *ours), self._unwanted)
+        session = PlaySession(job, Reader(job, result, on_scene), Pipes(self._control, *own), self._cancelled)
         try:
-            talk.run()
+            session.run()
         except OSError as error:
-            raise ZygoteLost(f"the guest went away: {error}") from error
+            raise ZygoteLost(f"the sandbox process was lost: {error}") from error
         finally:
             with contextlib.suppress(ProcessLookupError):
-                signal.pidfd_send_signal(child, signal.SIGKILL)  # whatever happened, no child of this job is alive after it
+                signal.pidfd_send_signal(child, signal.SIGKILL)  # no child of this job survives it
             os.close(child)
-        if talk.ended is None:
-            talk.ended = self._wait_for_exit()
-        if self._unwanted.is_set():
+        if session.ended is None:
+            session.ended = self._wait_for_exit()
+        if self._cancelled.is_set():
             raise Cancelled
-        seen.stdout = text(talk.output.decode(errors="replace"), KEPT_OUTPUT)
-        talk.record_end(seen)
-        return not talk.odd
+        result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
+        session.record_end(result)
+        return not session.abnormal
 
     def _fork(self, fds: tuple[int, int, int]) -> int:
-        """A pidfd of the child that has got these descriptors."""
+        """Start a child with these descriptors and return its pidfd."""
         self._control.settimeout(ANSWER_S)
         try:
             socket.send_fds(self._control, [b"play"], fds)
             word, handles, _, _ = socket.recv_fds(self._control, 16, 1)
         except OSError as error:
-            raise ZygoteLost(f"the guest does not answer: {error}") from error
+            raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
         if word != b"child" or len(handles) != 1:
-            raise ZygoteLost("the guest ended")
+            raise ZygoteLost("the sandbox process ended")
         return handles[0]
 
     def _wait_for_exit(self) -> ExitStatus:
-        """How the child ended, from a zygote that was told by its death."""
+        """Return the exit status of a killed child, which the zygote reports."""
         try:
             return ExitStatus.unpack(self._control.recv(REAPED.size))
         except OSError as error:
-            raise ZygoteLost(f"a child was killed and the guest does not say so: {error}") from error
+            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
 
     def kill(self) -> None:
-        """End the guest and everything in it, and wait until it is gone."""
+        """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s."""
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._control.close()
@@ -122,7 +120,7 @@ class Zygote:
         try:
             self._process.wait(timeout=10)
         except subprocess.TimeoutExpired as error:
-            raise SystemFault("a guest could not be killed") from error
+            raise SystemFault("the sandbox process could not be killed") from error
 
 
 def _close(*fds: int) -> None:

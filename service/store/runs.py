@@ -95,7 +95,7 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         "score": report.score,
         "max_score": report.max_score,
         "version": report.version,
-        "isolation": report.provenance.walls,
+        "isolation": report.provenance.isolation,
         "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
     }
     async with database.begin() as connection:

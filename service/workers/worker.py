@@ -31,7 +31,7 @@ from service.store.records import store_artefacts
 
 log = logging.getLogger(__name__)
 BEATS, LOOKS, LONGEST_LOOK_S = 4, 2, 1.0  # in a lease
-ENROL_S, SWEEP_S, RETRY_WALLS_S = 3.0, 30.0, 5.0
+ENROL_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
 GIVE_BACK_S = 3.0
 PATIENCE_S = 3600.0  # a result in hand outlives an hour without database
 MOST_S = 900.0  # far beyond every budget of a submission: a worker that has not come back by then ends itself
@@ -54,7 +54,7 @@ class Worker:
         """Work until told to stop by SIGTERM or SIGINT; then finish within the time to drain, or give back."""
         for how in (signal.SIGTERM, signal.SIGINT):
             asyncio.get_running_loop().add_signal_handler(how, self._stopping.set)
-        if not (await self._find_tables() and await self._put_up_walls()):
+        if not (await self._find_tables() and await self._start_sandbox()):
             return
         caring, taking = asyncio.create_task(self._look_after()), asyncio.create_task(self._take_jobs())
         told = asyncio.create_task(self._stopping.wait())
@@ -81,19 +81,19 @@ class Worker:
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self._stopping.wait(), seconds)
 
-    async def _put_up_walls(self) -> bool:
-        """Warm a guest and let it play the probe; where walls are missing, say so and try again. False if told to stop."""
+    async def _start_sandbox(self) -> bool:
+        """Warm a guest and let it play the probe; report a failure and try again. Return False if the worker is stopped first."""
         while not self._stopping.is_set():
             try:
-                walls = await asyncio.to_thread(choose, self._settings.min_tier)
-                await self._call(grader.start, walls)
+                isolation = await asyncio.to_thread(choose, self._settings.min_isolation)
+                await self._call(grader.start, isolation)
                 await self._call(grader.ready)
-                self._walls = walls.name
+                self._isolation = isolation.name
                 return True
             except (IsolationUnavailable, SystemFault) as reason:
                 log.error("nothing is graded here: %s", reason)
                 await self._enrol(None, str(reason))
-                await self._pause(RETRY_WALLS_S)
+                await self._pause(RETRY_SANDBOX_S)
         return False
 
     async def _take_jobs(self) -> None:
@@ -172,16 +172,16 @@ class Worker:
         for look in range(1 << 62):
             with _suppress_outages():
                 if look % enrol_every == 0:
-                    await self._enrol(self._walls, None)
+                    await self._enrol(self._isolation, None)
                 if again := await workers.recover(self._database, lease):
                     log.warning("queued again: %s", ", ".join(map(str, again)))
                 if look % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
                     log.warning("without a job: %s", ", ".join(map(str, found)))
             await asyncio.sleep(self._look_s)
 
-    async def _enrol(self, walls: str | None, refusal: str | None) -> None:
+    async def _enrol(self, isolation: str | None, refusal: str | None) -> None:
         with _suppress_outages():
-            await workers.register_worker(self._database, self.name, walls, refusal, grader.zygotes())
+            await workers.register_worker(self._database, self.name, isolation, refusal, grader.zygotes())
 
     async def _drain(self, taking: "asyncio.Task[None]") -> None:
         """Take no more, wait a little for the work in hand, then queue it again: it is not lost and costs nothing."""

@@ -48,7 +48,7 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):
         "setup.py is missing",
         "plays.py is missing",
         "no scene nowhere",
-        "gives no reason",
+        "has no reason",
         "finite number",
         "three spaces",
         "comes after unknown",

@@ -48,7 +48,7 @@ BROKEN = [
         [
             "check id 1-energy is used twice",
             "no scene dampened",
-            "a tolerance is a finite number",
+            "a tolerance must be a finite number",
             "scene probes: plays.py has no function ratse",
         ],
     ),
@@ -57,10 +57,10 @@ BROKEN = [
     (lambda folder: change(folder / "causes.py", "import numpy as np", "import nunpy as np"), ["causes.py line 5", "nunpy"]),
     (
         lambda folder: change(folder / "__init__.py", "damped-oscillator", "other"),
-        ["its slug is other", "makes it damped-oscillator"],
+        ["its slug is other", "requires damped-oscillator"],
     ),
     (lambda folder: change(folder / "__init__.py", "ASSIGNMENT =", "assignment ="), ["defines no ASSIGNMENT"]),
-    (lambda folder: (folder / "__init__.py").write_text("ASSIGNMENT = 'x'"), ["ASSIGNMENT is str, no Assignment"]),
+    (lambda folder: (folder / "__init__.py").write_text("ASSIGNMENT = 'x'"), ["ASSIGNMENT is a str, not an Assignment"]),
     (lambda folder: (folder / "__init__.py").write_text("raise SystemExit(0)"), ["SystemExit"]),
 ]
 
@@ -82,7 +82,7 @@ def test_a_name_that_is_taken(tmp_path):
         copied(tmp_path, name)
     with known(tmp_path) as found:
         assert list(found.valid) == ["rigid-body"] and find("rigid-body").folder != tmp_path / "rigid_body"
-        assert "the name rigid_body is taken" in str(found.invalid["rigid-body"])
+        assert "the name rigid_body is already used" in str(found.invalid["rigid-body"])
         assert "the name wheel is taken" in str(found.invalid["wheel"])
 
 
@@ -90,6 +90,6 @@ def test_a_folder_that_is_not_there_or_no_package(tmp_path):
     copied(tmp_path, "Two-Words")
     with known(tmp_path / "nowhere", tmp_path) as found:
         assert "there is no folder" in str(found.invalid["nowhere"])
-        assert "Two-Words is no name of a package" in str(found.invalid["Two-Words"])
+        assert "Two-Words is not a package name" in str(found.invalid["Two-Words"])
     with known(), pytest.raises(NoAssignment, match="there is no assignment knitting; known: rigid-body"):
         find("knitting")

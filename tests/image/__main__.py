@@ -1,4 +1,4 @@
-"""The image as its users have it: built, looked into, run without privileges and with those for tier A, and as a whole course.
+"""The image as its users have it: built, looked into, run without privileges and with those for namespaces, and as a whole course.
 
 ``make image-test`` runs it, in about five minutes, as root on Debian; BASE and POSTGRES_IMAGE name public images to use
 instead of stand-ins made of Debian's packages. Exit code 0 if all was as docs/docker.md says, else 1.
@@ -23,7 +23,7 @@ from tests.image.engine import Failed, Podman
 ROOT = Path(__file__).parents[2]
 IMAGE, MOST_BYTES = "localhost/polhode", 700e6
 HARDENED = ["--read-only", "--tmpfs", "/tmp", "--cap-drop", "ALL", "--security-opt", "no-new-privileges"]
-TIER_A = ["--cap-drop", "ALL", "--security-opt", "seccomp=unconfined", "--security-opt", "apparmor=unconfined"]
+NAMESPACES = ["--cap-drop", "ALL", "--security-opt", "seccomp=unconfined", "--security-opt", "apparmor=unconfined"]
 KNOWN = {one.file.stem: one for one in samples(assignments()["rigid-body"])}
 RIGHT, WRONG = KNOWN["right_all"], KNOWN["wrong_sign_flipped"]
 SOME = [RIGHT, WRONG, KNOWN["right_animation_box"], KNOWN["wrong_zeros"]]
@@ -44,7 +44,7 @@ def main() -> int:
         _build(podman)
         _look_into(podman)
         _run_plainly(podman)
-        _run_in_tier_a(podman)
+        _run_with_namespaces(podman)
         _run_course(podman)
     except (Failed, KeyboardInterrupt) as error:
         _say(f"✗ {error or 'interrupted'}")
@@ -84,10 +84,13 @@ def _look_into(podman: Podman) -> None:
 
 def _run_plainly(podman: Podman) -> None:
     """As a container of Docker's or podman's default, with nothing more allowed and much less."""
-    walls = ["--security-opt", f"seccomp={podman.profile()}"]
-    address, took = _serve(podman, "plain", *HARDENED, *walls)
-    _expect("tier B" in calls.readyz(address)["checks"]["walls"], f"HEALTHCHECK succeeds after {took:.1f} s, behind tier B")
-    _expect("tier          B" in podman("exec", "plain", "polhode", "doctor"), "polhode doctor says so")
+    profile = ["--security-opt", f"seccomp={podman.profile()}"]
+    address, took = _serve(podman, "plain", *HARDENED, *profile)
+    _expect(
+        calls.readyz(address)["checks"]["isolation"].startswith("process:"),
+        f"HEALTHCHECK succeeds after {took:.1f} s, at isolation level process",
+    )
+    _expect("isolation     process:" in podman("exec", "plain", "polhode", "doctor"), "polhode doctor says so")
     able = podman("exec", "plain", "grep", "-E", "^(Uid|CapEff|NoNewPrivs)", "/proc/1/status").split()
     _expect(able[1] != "0" and able[6] == "0" * 16 and able[8] == "1", f"no root, and no more rights than {' '.join(able[5:])}")
     ids = _grade(address)
@@ -100,16 +103,19 @@ def _run_plainly(podman: Podman) -> None:
     podman("rm", "--force", "--volumes", "plain")
 
 
-def _run_in_tier_a(podman: Podman) -> None:
-    """With what docs/docker.md says tier A needs."""
-    address, _ = _serve(podman, "walled", *TIER_A)
-    told = podman("exec", "walled", "polhode", "doctor")
+def _run_with_namespaces(podman: Podman) -> None:
+    """With what docs/docker.md says isolation level namespaces needs."""
+    address, _ = _serve(podman, "namespaces", *NAMESPACES)
+    told = podman("exec", "namespaces", "polhode", "doctor")
     if "namespaces    yes" not in told:
-        _say(f"– this machine gives no namespaces, so tier A was not tried:\n{told}")
+        _say(f"– this machine gives no namespaces, so isolation level namespaces was not tried:\n{told}")
     else:
-        _expect("tier A" in calls.readyz(address)["checks"]["walls"], "tier A by its documented flags, without a capability")
+        _expect(
+            calls.readyz(address)["checks"]["isolation"].startswith("namespaces:"),
+            "namespaces by their documented flags, without a capability",
+        )
         _grade(address)
-    podman("rm", "--force", "--volumes", "walled")
+    podman("rm", "--force", "--volumes", "namespaces")
 
 
 def _run_course(podman: Podman) -> None:

@@ -85,6 +85,21 @@ def test_links_and_folders_of_the_readme_exist():
         assert (ROOT / folder).is_dir(), folder
 
 
+def anchors(page):
+    """The anchors that GitHub gives the headings of a page."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name)
+def test_links_between_pages_lead_to_a_heading(page):
+    for target in re.findall(r"\]\((?!http)([^)\s]+)\)", page.read_text()):
+        name, _, anchor = target.partition("#")
+        other = page.parent / name if name else page
+        assert other.exists(), target
+        assert not anchor or anchor in anchors(other), target
+
+
 def test_nothing_names_a_package_registry_and_no_page_names_another_host():
     for name in ("requirements.lock", "requirements-test.lock"):
         assert "://" not in doc(name)

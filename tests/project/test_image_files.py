@@ -15,7 +15,7 @@ import yaml
 
 from service.cli.demo import free_port
 from service.settings import Settings
-from tests.image.__main__ import HARDENED, TIER_A
+from tests.image.__main__ import HARDENED, NAMESPACES
 from tests.support.fake_server import Scripted, says
 
 ROOT = Path(__file__).parents[2]
@@ -143,7 +143,7 @@ def test_compose_starts_a_server_and_two_workers_on_one_database_with_no_passwor
 def test_the_flags_that_are_tried_are_those_that_are_documented():
     told = re.sub(r"\\\n\s+", "", (ROOT / "docs/docker.md").read_text())
     assert " ".join(HARDENED) in told
-    assert " ".join(TIER_A) in told
+    assert " ".join(NAMESPACES) in told
 
 
 def test_chart_without_numba_says_so_as_in_the_image():
@@ -151,4 +151,4 @@ def test_chart_without_numba_says_so_as_in_the_image():
         "import sys; sys.modules['numba'] = None; from service.cli.__main__ import main\nsys.exit(main(['chart', 'stability']))"
     )
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert told.returncode == 2 and told.stderr.endswith("are compiled with numba, which is not installed here\n")
+    assert told.returncode == 2 and told.stderr.endswith("need numba, which is not installed: pip install numba\n")

@@ -18,3 +18,31 @@ def test_times_out_of_range_are_refused(name, value, monkeypatch):
     monkeypatch.setenv(f"POLHODE_{name}", value)
     with pytest.raises(ValidationError):
         Settings()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "level"),
+    [
+        ("POLHODE_MIN_ISOLATION", "namespaces", "namespaces"),
+        ("POLHODE_MIN_ISOLATION", "process", "process"),
+        ("POLHODE_MIN_TIER", "A", "namespaces"),
+        ("POLHODE_MIN_TIER", "B", "process"),
+    ],
+)
+def test_the_isolation_level_under_its_name_and_its_former_one(name, value, level, monkeypatch):
+    assert Settings().min_isolation == "process"
+    monkeypatch.setenv(name, value)
+    assert Settings().min_isolation == level
+
+
+def test_the_new_name_of_the_isolation_level_wins(monkeypatch):
+    monkeypatch.setenv("POLHODE_MIN_TIER", "A")
+    monkeypatch.setenv("POLHODE_MIN_ISOLATION", "process")
+    assert Settings().min_isolation == "process"
+
+
+@pytest.mark.parametrize("name", ["POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"])
+def test_an_unknown_isolation_level_is_refused(name, monkeypatch):
+    monkeypatch.setenv(name, "C")
+    with pytest.raises(ValidationError):
+        Settings()

@@ -60,7 +60,7 @@ async def _fill(database, url, sandbox, source, texts):
 
 
 async def _played(database, name, source, filename, sandbox):
-    """A submission that was played behind walls, with figures, motions and whatever its code says."""
+    """A submission that was run in a sandbox, with figures, motions and whatever its code says."""
     new = NewSubmission(uuid.uuid4(), ASSIGNMENT.slug, name, Submission(source, filename), ["2", "4"], 7)
     await accept(database, new)
     await submissions.grade_really(database, new.id, sandbox, {"grade": 1000.0, "pack": 10.0})
@@ -82,6 +82,6 @@ async def _queue(database, url, name):
     )
     sql(url, "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(%s)", [str(grading_ids[k]) for k in (0, 1, 2)])
     for worker, refusal in (("test worker", None), ("another worker", "no user namespaces")):
-        await workers.register_worker(database, worker, None if refusal else "tier A: namespaces", refusal)
+        await workers.register_worker(database, worker, None if refusal else "namespaces: bubblewrap", refusal)
     sql(url, "UPDATE worker SET seen_at = now() + interval '1 h'")
     return ids[3]

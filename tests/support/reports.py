@@ -10,12 +10,12 @@ from exercises.catalogue import assignments
 from service.grading.result import GradedFile
 
 ASSIGNMENT = assignments()["rigid-body"]
-PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"}, walls="tier B", phases_ms={"grade": 1000.0})
+PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"}, isolation="process", phases_ms={"grade": 1000.0})
 TOLERANCE = Tolerance(rtol=1e-6, atol=1e-9, reason="the notebook's own tolerance")
 TRACEBACK = '  File "submission.py", line 3, in euler_eqs\n    return w / 0\nZeroDivisionError: division by zero\n'
 SLIP = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign: check (I₃ − I₁)", 1.0)
 SLOW = SceneEnd("motion", Ended.TIMED_OUT, "your code did not finish within 2 s", "timeout")
-UNMEASURED = {"⏱": SLOW.sentence, "!": "ValueError: no", "–": "your code stopped before this was played"}
+UNMEASURED = {"⏱": SLOW.sentence, "!": "ValueError: no", "–": "your code stopped before this scene was played"}
 VERDICTS = {"+": Verdict.PASS, "-": Verdict.FAIL, "?": Verdict.UNMEASURED, ".": Verdict.UNMEASURED}
 
 

@@ -59,6 +59,7 @@ VERDICTS = (
     "return",
     "text",
 )  # tried without the sandbox by tests of their own
+LEVELS = ("namespaces", "process")
 CANARY = "CANARY-7f3a-swordfish"
 RIGHT = "\nimport numpy as np\n\n\ndef euler_eqs(t, w, I):\n    return -np.cross(w, np.asarray(I) * w) / np.asarray(I)\n"
 PRELUDE = """
@@ -127,7 +128,7 @@ def sandboxes(traps):
 
     def at(level):
         if level not in started:
-            started[level] = Sandbox(choose("A") if level == "A" else process_isolation())
+            started[level] = Sandbox(choose("namespaces") if level == "namespaces" else process_isolation())
             started[level].self_test()
         return started[level]
 
@@ -179,8 +180,8 @@ def attacks():
     """Every attack at both levels; ``make test`` has each short one at one of them, of those against verdicts every second one."""
     for _, files in groupby(ATTACKS, family):
         for k, file in enumerate(files):
-            first = "B" if family(file) in ISOLATION else "AB"[k % 2]
-            for level in "AB":
+            first = "process" if family(file) in ISOLATION else LEVELS[k % 2]
+            for level in LEVELS:
                 spared = (k % 2 and family(file) in VERDICTS) or file.stem in LONG
                 marks = [] if level == first and not spared else [pytest.mark.slow]
                 yield pytest.param(level, file, id=f"{level}-{file.stem}", marks=marks)
@@ -201,7 +202,7 @@ def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, t
         graded = grade(Submission(code), impatient if slow else rigid_body, sandbox, 3, ["6" if film else "2"])
         report = graded.report
         assert unharmed() and _plays(sandbox) and _plays(sandbox)
-    if not (file.stem == "read_metadata" and level == "B" and not _other_user(sandbox)):  # hidden from other users only
+    if not (file.stem == "read_metadata" and level == "process" and not _other_user(sandbox)):  # hidden from other users only
         assert "ESCAPED" not in report.stdout, report.stdout
     assert CANARY not in json.dumps(document(report)) and CANARY not in report.text()
     if verdict == "pass":
@@ -216,7 +217,7 @@ def test_attack(level, file, sandboxes, traps, rigid_body, impatient, request, t
 @pytest.mark.parametrize("of", ISOLATION)
 def test_what_a_family_tries_in_vain_at_the_weaker_level_is_in_vain_at_the_other(of, sandboxes, traps, rigid_body, traces_shared):
     """All attacks of the family that fail without an end to the submission, one after the other in a single one."""
-    sandbox, (prelude, listeners) = sandboxes[0]("A"), traps
+    sandbox, (prelude, listeners) = sandboxes[0]("namespaces"), traps
     files = [file for file in ATTACKS if family(file) == of and declared(file)[0] == "pass"]
     tried = [file.read_text() + f'\nprint("tried {file.stem}")\n' for file in files]
     before = _traces()
@@ -233,24 +234,30 @@ SLOW = pytest.mark.slow  # the family's test at that level is red without the la
 
 
 @pytest.mark.parametrize(
-    ("tier", "missing", "attack"),
+    ("level", "missing", "attack"),
     [
-        ("A", "namespaces", "read_metadata"),
-        pytest.param("A", "landlock", "read_system", marks=SLOW),
-        pytest.param("A", "seccomp", "net_unix", marks=SLOW),
-        pytest.param("A", "limits", "memory_shared_map", marks=SLOW),
-        ("B", "landlock", "read_system"),
-        ("B", "seccomp", "net_tcp"),
-        ("B", "limits", "memory_shared_map"),
+        ("namespaces", "namespaces", "read_metadata"),
+        pytest.param("namespaces", "landlock", "read_system", marks=SLOW),
+        pytest.param("namespaces", "seccomp", "net_unix", marks=SLOW),
+        pytest.param("namespaces", "limits", "memory_shared_map", marks=SLOW),
+        ("process", "landlock", "read_system"),
+        ("process", "seccomp", "net_tcp"),
+        ("process", "limits", "memory_shared_map"),
     ],
 )
-def test_no_layer_is_decoration(tier, missing, attack, traps, rigid_body, traces_alone):
+def test_no_layer_is_decoration(level, missing, attack, traps, rigid_body, traces_alone):
     """Without it, an attack that the others let through succeeds."""
     layers = [x for x in LAYERS if x != missing]
-    walls = namespace_isolation(find_bubblewrap(), layers) if tier == "A" and missing != "namespaces" else process_isolation(layers)
+    isolation = (
+        namespace_isolation(find_bubblewrap(), layers)
+        if level == "namespaces" and missing != "namespaces"
+        else process_isolation(layers)
+    )
     if missing == "namespaces":  # the guest as the server's own user, as an ordinary user's server has it
-        walls = replace(walls, inside=(*walls.inside[:-1], walls.inside[-1].replace('"user": 64001', '"user": null')))
-    holed = Sandbox(walls)
+        isolation = replace(
+            isolation, inside=(*isolation.inside[:-1], isolation.inside[-1].replace('"user": 64001', '"user": null'))
+        )
+    holed = Sandbox(isolation)
     try:
         source = traps[0] + (HERE / f"{attack}.py").read_text()
         assert "ESCAPED" in grade(Submission(source), rigid_body, holed, 3, ["2"]).report.stdout
@@ -304,11 +311,11 @@ def _beside(sandbox):
 
 
 def _other_user(sandbox):
-    return '"user": 64001' in sandbox._walls.command[-1]
+    return '"user": 64001' in sandbox.isolation.command[-1]
 
 
 def _drain(listeners):
-    """Forget what a test without walls sent on purpose."""
+    """Forget what a test without a layer sent on purpose."""
     for listener in listeners:
         with suppress(OSError):
             listener.recv(1) if listener.type == socket.SOCK_DGRAM else listener.accept()[0].close()

@@ -80,7 +80,7 @@ def test_local_and_remote_tell_the_same_lines(server, play):
     assert shown(local).split("\n") == lines[:3] and all(line.startswith("✓") for line in lines)
     assert line(remote) == "submitted and graded: 5 of 5 points (public checks: 3 of 3)"
     html = shown(remote, "text/html")
-    assert html.count("data:image/png;base64,") == 2 and "This is what was graded (SHA-256 " in html
+    assert html.count("data:image/png;base64,") == 2 and "Graded source (SHA-256 " in html
     assert "def euler_eqs(t, w, I):" in html and f'href="{server.url}/submissions/' in html
     assert "The server makes 2 more checks" in shown(local, "text/html")
 
@@ -151,9 +151,9 @@ def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, p
     wrong = ["ecp.submit(np.cross)", "ecp.submit(euler_eqs, file='mine.py')"]
     calls = ["ecp.submit(box_moments)", *wrong, "ecp.submit(euler_eqs, box_moments)"]
     *_, nothing, other, both, remote = play(connect(server), *cells, *calls, allow_errors=True)
-    assert "cross has none of them written: nothing was submitted" in said(other) and "euler_eqs" in said(other)
-    assert said(both) == "Hand in either functions or a file: nothing was submitted."
-    assert said(nothing) == "Nothing is submitted: box_moments is still empty.\n"
+    assert "cross defines none of them: nothing was submitted" in said(other) and "euler_eqs" in said(other)
+    assert said(both) == "Submit either functions or a file, not both: nothing was submitted."
+    assert said(nothing) == "Nothing was submitted: box_moments is still empty.\n"
     html = shown(remote, "text/html")
     assert "Not sent, still empty: box_moments." in html and re.search(r"<p>data: ", html)
 
@@ -163,11 +163,11 @@ def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     server = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, POLHODE_WORKERS="1")
     submit = 'ecp.submit(euler_eqs, exercises=["2"])'
     *_, found, _ = play(
-        connect(server), EULER.replace("- I[2]", "+ I[2]"), submit, EULER, submit, "ecp.attempts()", "len(ecp.attempts())"
+        connect(server), EULER.replace("- I[2]", "+ I[2]"), submit, EULER, submit, "ecp.submissions()", "len(ecp.attempts())"
     )
     newest, first = shown(found).split("\n")
     flips = r"(5 checks ✗ → ✓|4 checks ✗ → ✓; 1 check – → ✓)"  # a wrong equation may keep the solver busy beyond its time
-    assert re.search(rf"  5 of 5  best, last  lines \+1 −1; {flips}$", newest) and "0 of 5" in first
+    assert re.search(rf"  5 of 5  best, latest  lines \+1 −1; {flips}$", newest) and "0 of 5" in first
     page = fetch(server, "/assignments/rigid-body")
     assert page.count('scope="row"') == 2 and re.search(flips, page) and "(best)" in page
     server.stop()
@@ -239,9 +239,9 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
     outputs = play(connect(asking), *cells, allow_errors=True)
     student.join()
     _, _, unknown, login, graded, again, _, after, _, offline, local = outputs
-    assert "does not know who you are" in said(unknown) and "run ecp.login()" in said(unknown)
+    assert "You are not logged in at" in said(unknown) and "run ecp.login()" in said(unknown)
     assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5 and said(again) == "Logged in as ann.\n"
-    assert "does not know who you are" in said(after) and "Traceback" not in said(after)
+    assert "You are not logged in at" in said(after) and "Traceback" not in said(after)
     assert "polhode.invalid" in said(offline) and "Traceback" not in said(offline) and shown(local).count("✓") == 3
     kept = tmp_path / "xdg_config_home" / "polhode" / "tokens.json"
     assert kept.stat().st_mode & 0o077 == 0 and json.loads(kept.read_text()) == {}
@@ -288,7 +288,7 @@ def test_the_course_notebook_as_the_server_gives_it(which, server, play, tmp_pat
     outputs = dict(zip([c["id"] for c in cells], play(*sources), strict=True))
     assert server.url in sources[0] and server.url in sources[1]
     if which == "as downloaded":
-        assert "Nothing is submitted: " in said(outputs["submit"])
+        assert "Nothing was submitted: " in said(outputs["submit"])
         assert "[not measured: euler_eqs returned None: is a return statement missing?]" in shown(outputs["ex2-check"])
         return
     remote = shown(outputs["submit"]).split("\n")

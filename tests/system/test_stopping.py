@@ -21,7 +21,7 @@ LOOPS = {
 @pytest.mark.parametrize("where", ["in a scene", *(pytest.param(w, marks=pytest.mark.slow) for w in LOOPS if w != "in a scene")])
 def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_guest(sandbox, rigid_body, where):
     sandbox.wait_ready()
-    before, timer = sandbox.zygotes, threading.Timer(0.6, sandbox.unwanted.set)
+    before, timer = sandbox.zygotes, threading.Timer(0.6, sandbox.cancelled.set)
     timer.start()
     began = time.monotonic()
     try:
@@ -31,6 +31,6 @@ def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_
         with pytest.raises(Cancelled):
             grade(Submission(GOOD), rigid_body, sandbox, 7, ["2"])
     finally:
-        sandbox.unwanted.clear()
+        sandbox.cancelled.clear()
     assert grade(Submission(GOOD), assignments()["rigid-body"], sandbox, 7, ["2"]).report.passed
     assert sandbox.zygotes == before

@@ -115,7 +115,7 @@ def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_
     assert post(front.url, SLOW.format(0), Prefer="wait=30")["report"]["passed"]
     assert time.monotonic() - began < TAKEOVER_S
     monkeypatch.setenv("POLHODE_DATABASE_URL", url)
-    assert main(["regrade", id]) == 0 and capsys.readouterr().out == "queued again: 1\n"
+    assert main(["regrade", id]) == 0 and capsys.readouterr().out == "queued for regrading: 1\n"
     assert wait_for(lambda: (d := get(front.url, id))["status"] == "graded" and d)["report"]["passed"]
 
 

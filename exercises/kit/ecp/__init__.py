@@ -1,7 +1,7 @@
-"""ecp: the kit of the course notebook: ✓/✗ lines, drawing, local checks, and submitting to the course's server.
+"""The course notebook's kit: ✓/✗ lines, drawing, local checks, and submitting to the course server.
 
-It is distributed by the course server as ``polhode-kit`` and imported as ``ecp``. (The package called ``ecp`` on the public
-index is somebody else's.) Needs numpy and scipy; matplotlib is imported only when something is drawn.
+The course server distributes it as ``polhode-kit``; it is imported as ``ecp``. The package named ``ecp`` on
+the public index is unrelated. It needs numpy and scipy, and imports matplotlib only to draw.
 """
 
 import importlib
@@ -10,12 +10,13 @@ from typing import Any
 from ecp import animate, draw, validate
 
 KIT = "1"
-"""The generation of the kit: it stays while a notebook of old works with a server of today."""
+"""The kit's generation. It changes only when a notebook written for an older kit no longer works with the current server."""
 
 _HOME = {
     "check": "local",
     "connect": "course",
     "submit": "remote",
+    "submissions": "past_submissions",
     "attempts": "past_submissions",
     "login": "identity",
     "logout": "identity",
@@ -25,12 +26,12 @@ _HOME = {
     "use_style": "style",
 }
 
-__all__ = ["Report", "animate", "attempts", "check", "connect", "draw", "footer", "header", "login", "logout", "submit"]
-__all__ += ["use_style", "validate"]
+__all__ = ["Report", "animate", "attempts", "check", "connect", "draw", "footer", "header", "login", "logout", "submissions"]
+__all__ += ["submit", "use_style", "validate"]
 
 
 def __getattr__(name: str) -> Any:
-    """What only a notebook needs is imported when it is first used."""
+    """Import a name of ``_HOME`` when it is first used: only a notebook needs these modules."""
     if name not in _HOME:
         raise AttributeError(f"module 'ecp' has no attribute {name!r}: is this the course's kit, installed from its server?")
     return getattr(importlib.import_module(f"ecp.{_HOME[name]}"), name)

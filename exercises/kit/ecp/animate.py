@@ -1,22 +1,23 @@
-"""Showing an animation: in a notebook as a player, elsewhere kept for whoever asks for the last one shown."""
+"""Display an animation as a player; outside a notebook, record the last one shown."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 shown: list[Any] = []
-"""The last animation handed to :func:`show`; a grader reads it, a notebook never needs it."""
+"""The last animation passed to :func:`show`; a grader reads it, a notebook does not need it."""
 made: list[Any] = []
-"""The animations made since a check began to watch."""
+"""The animations created inside :func:`watched`."""
 RENDERING = {"save": None, "to_jshtml": '<div class="animation"><img src=""></div>', "to_html5_video": "<video></video>"}
-"""What rendering returns while a check watches: the same kind of text, without frames."""
+"""What rendering returns inside :func:`watched`: the same kind of text, without frames."""
 _watchers: list[None] = []
 
 
 def show(anim: Any) -> Any:
-    """Display a matplotlib ``Animation`` as a JavaScript player: end a cell with it, or return it from your function.
+    """Display a matplotlib ``Animation`` as a JavaScript player. End a cell with it, or return it from your
+    function.
 
-    Outside IPython, and while a check watches, it returns ``anim`` itself.
+    Returns ``anim`` itself outside IPython and inside :func:`watched`.
     """
     shown[:] = [anim]
     if _watchers or not _in_ipython():
@@ -28,10 +29,11 @@ def show(anim: Any) -> Any:
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Within, what is shown, saved or made into a player is kept in :data:`shown` and not rendered: that takes too long.
+    """Record animations that are shown, saved or made into a player in :data:`shown`, without the slow
+    rendering.
 
-    ``Animation.save``, ``to_jshtml`` and ``to_html5_video`` write nothing and return what RENDERING says. Animations are kept in
-    :data:`made`.
+    ``Animation.save``, ``to_jshtml`` and ``to_html5_video`` write nothing and return what RENDERING has.
+    Animations that are created are recorded in :data:`made`.
     """
     from matplotlib.animation import Animation
 

@@ -1,4 +1,6 @@
-"""A matplotlib animation watched: stills, the paths of what is drawn, and what the drawing costs. Endless ones are stopped."""
+"""Recording a matplotlib animation: stills, the paths of what is drawn, and what drawing costs. Endless
+animations are stopped.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,23 +15,25 @@ from ecp.artists import Drawn, drawn, labelled, painted, unordered
 from ecp.return_value import WrongAnswer
 
 FRAME_CAP = 600
-STILLS, POINTS = 24, 256  # pictures kept, points kept of every frame
+STILLS, POINTS = 24, 256  # pictures recorded, points recorded per frame
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
 
 
 def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
-    """Draw every frame once, in order, because drawing may depend on earlier ones. Returns
+    """Draw every frame once, in order, because drawing may depend on earlier frames. Return
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
-    - ``tracks`` (f, p, 3): where the artists put their points in each of f ≤ FRAME_CAP frames, in data coordinates
+    - ``tracks`` (f, p, 3): the points of the artists in each of f ≤ FRAME_CAP frames, in data coordinates
     - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
       for points without order) and their number
-    - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see ``tracks.labelled``
-    - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and how many there are
-    - ``cost`` (5,): frames drawn, seconds drawing them, of which in clearing axes, 1 if it stays open, pictures without points
+    - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see ``artists.labelled``
+    - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and the number of frames
+    - ``cost`` (5,): frames drawn, seconds drawing them, of these clearing axes, 1 if the figure stays open, and the number
+      of images without points
 
-    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past ``seconds`` of CPU time.
+    Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past
+    ``seconds`` of CPU time.
     """
     from matplotlib import pyplot as plt
     from matplotlib.animation import Animation
@@ -58,7 +62,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
             paths.append(drawn(figure))
             if number % stride == 0:
                 pictures[number] = _picture(figure, canvas)
-                if len(pictures) == 2 * STILLS:  # how many there will be is not known before the last
+                if len(pictures) == 2 * STILLS:  # the number of frames is not known before the last one
                     stride *= 2
                     pictures = {k: picture for k, picture in pictures.items() if k % stride == 0}
     if not values:
@@ -74,7 +78,9 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
 
 
 def moving_share(frames: NDArray[np.uint8]) -> float:
-    """Largest share of pixels that differ visibly between the first still and another; ``frames`` (n, h, w, 3)."""
+    """Return the largest share of pixels that differ visibly between the first still and another; ``frames``
+    (n, h, w, 3).
+    """
     if len(frames) < 2:
         return 0.0
     difference = np.abs(frames[1:].astype(np.int16) - frames[0].astype(np.int16)).max(axis=3)
@@ -83,22 +89,24 @@ def moving_share(frames: NDArray[np.uint8]) -> float:
 
 def _picture(figure: Any, canvas: Any) -> NDArray[np.uint8]:
     for artist in figure.findobj(lambda artist: artist.get_animated()):
-        artist.set_animated(False)  # blitting had marked it, and an ordinary draw leaves marked artists out
+        artist.set_animated(False)  # blitting marks artists, and an ordinary draw skips marked ones
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
     return np.array(pixels[:HEIGHT, :WIDTH, :3])
 
 
 def _stack(pictures: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """One array; of a figure that changes its size the part that all pictures have."""
+    """Return one array of the part that all pictures have: a figure may change its size."""
     high, wide = (min(p.shape[k] for p in pictures) for k in (0, 1))
     return np.stack([p[:high, :wide] for p in pictures])
 
 
 def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The points of the artists that are there in every frame; of those whose number of points changes the first and the last.
+    """Return the points of the artists that are in every frame; if an artist's number of points changes, its
+    first and last.
 
-    Artists are told apart by their order from the newest on, and where their number changes also from the oldest on.
+    Artists are identified by their order from the newest on, and where their number changes also from the
+    oldest on.
     """
     newest = [{d.key: d for d in frame} for frame in paths]
     oldest = [{(*d.key[:2], -d.oldest): d for d in frame} for frame in paths]
@@ -123,13 +131,13 @@ def _tracks(paths: list[list[Drawn]]) -> tuple[NDArray[np.float64], NDArray[np.f
     owned = np.array([[0, 0, 0], *owners], dtype=float)
     tracks[:, ~np.all(np.isfinite(tracks) & (np.abs(tracks) < 1e100), axis=(0, 2))] = 0.0
     ends, moved = np.array(ranks) < 2, np.ptp(tracks, axis=0).max(axis=1)
-    chosen = np.sort(np.lexsort((-moved, ~ends))[:POINTS])  # the ends of every artist first, then what moves before what stands
+    chosen = np.sort(np.lexsort((-moved, ~ends))[:POINTS])  # the ends of every artist first, then moving before fixed points
     return tracks[:, chosen], owned[chosen]
 
 
 @contextmanager
 def _borrowed(figure: Any) -> Iterator[Any]:
-    """A canvas of our own for the figure, small enough; afterwards the figure has again what it had."""
+    """Give the figure a canvas of limited size, and restore its own afterwards."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     own, dpi = figure.canvas, figure.dpi
@@ -145,7 +153,7 @@ def _borrowed(figure: Any) -> Iterator[Any]:
 
 @contextmanager
 def _clearing() -> Iterator[list[float]]:
-    """Seconds spent in each clearing of axes within."""
+    """Record the seconds spent in each clearing of axes."""
     from matplotlib.axes import Axes
 
     spent: list[float] = []
@@ -167,7 +175,7 @@ def _clearing() -> Iterator[list[float]]:
 
 
 def _spread(n: int, most: int) -> list[int]:
-    """At most ``most`` of n numbers, evenly spread."""
+    """Return at most ``most`` of n numbers, evenly spread."""
     return np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(int)).tolist()
 
 

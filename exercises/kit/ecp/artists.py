@@ -1,4 +1,4 @@
-"""Where a figure's artists put their points: lines, arrows, polygons and markers of 2-D and 3-D axes, as data coordinates."""
+"""The points of a figure's artists: lines, arrows, polygons and markers of 2-D and 3-D axes, in data coordinates."""
 
 import re
 from collections import Counter
@@ -14,9 +14,10 @@ MOST_AXES = 64  # whose labels are read
 
 
 class Drawn(NamedTuple):
-    """An artist's points (n, 3), first and last one first, n ≥ 0, in 2 or 3 ``dimensions``.
+    """An artist's points (n, 3), the first and last one first, n ≥ 0, in 2 or 3 ``dimensions``.
 
-    ``key`` finds it in the next frame: its axes, kind, and number among these from the newest on; ``oldest`` counts the other way.
+    ``key`` identifies it in the next frame: its axes, kind, and number among these from the newest on;
+    ``oldest`` counts from the oldest.
     """
 
     key: tuple[int, str, int]
@@ -26,9 +27,9 @@ class Drawn(NamedTuple):
 
 
 def drawn(figure: Any) -> list[Drawn]:
-    """What stands in the figure's axes; of polar ones as x and y.
+    """Return the artists in the figure's axes; those of polar axes as x and y.
 
-    Artists are counted from the newest of their kind: old ones may stay behind.
+    Artists are counted from the newest of their kind: old ones may remain.
     """
     from matplotlib.spines import Spine
 
@@ -43,7 +44,7 @@ def drawn(figure: Any) -> list[Drawn]:
                 continue
             try:
                 points = _points(artist)
-            except Exception:  # noqa: S112 -- a reader of ours that does not understand an artist is no mistake of the student's
+            except Exception:  # noqa: S112 -- an artist that polhode cannot read is not the student's mistake
                 continue
             if points is None or points.ndim != 2 or not 2 <= points.shape[1] <= 3:
                 continue
@@ -62,7 +63,7 @@ def drawn(figure: Any) -> list[Drawn]:
 
 
 def _transformed(artist: Any, axes: Any, points: Array) -> Array:
-    """The points (n, 2) after the artist's own transform, as of a patch that is rotated, in data coordinates."""
+    """Return the points (n, 2) after the artist's own transform, such as a patch's rotation, in data coordinates."""
     from matplotlib.artist import Artist
 
     own = Artist.get_transform(artist)
@@ -72,10 +73,11 @@ def _transformed(artist: Any, axes: Any, points: Array) -> Array:
 
 
 def labelled(figure: Any) -> Array:
-    """The coordinates that the labels of 2-D axes name, in rows (number of the axes, horizontal, vertical): 0, 1, 2 for x, y, z.
+    """Return the coordinates that the labels of 2-D axes name, as rows (number of the axes, horizontal,
+    vertical): 0, 1, 2 for x, y, z.
 
-    A label names a coordinate if its first word is that letter; −1 where it does not, −2 for polar axes. One row of −1 where there
-    are no 2-D axes.
+    A label names a coordinate if its first word is that letter; −1 if not, −2 for polar axes. One row of −1
+    if there are no 2-D axes.
     """
     rows = [
         [number, *((-2, -2) if axes.name == "polar" else map(_coordinate, (axes.get_xlabel(), axes.get_ylabel())))]
@@ -91,20 +93,22 @@ def _coordinate(label: str) -> int:
 
 
 def unordered(frames: list[list[Drawn]]) -> dict[tuple[int, str], list[Drawn]]:
-    """For artists of a kind whose points may change their order or number, the distinct points of all of them in each frame.
+    """Return, for artists of a kind whose points may change order or number, the distinct points of all of
+    them in each frame.
 
-    They are as many in each frame, the first one repeated; by axes and kind, where that are 3 to MOST_POINTS.
+    They are equally many in each frame, the first one repeated; by axes and kind, for 3 to MOST_POINTS
+    points.
     """
     found: dict[tuple[int, str], list[Drawn]] = {}
     for key in dict.fromkeys(d.key[:2] for d in frames[0]):
-        there = [[d for d in frame if d.key[:2] == key] for frame in frames]
-        points = [_distinct(np.concatenate([np.zeros((0, 3)), *(d.points for d in artists)])) for artists in there]
-        counts = [[len(d.points) for d in artists] for artists in there]
+        alike = [[d for d in frame if d.key[:2] == key] for frame in frames]
+        points = [_distinct(np.concatenate([np.zeros((0, 3)), *(d.points for d in artists)])) for artists in alike]
+        counts = [[len(d.points) for d in artists] for artists in alike]
         changes = "Poly" in key[1] or any(count != counts[0] for count in counts)
         most, least = max(map(len, points)), min(map(len, points))
         if changes and least >= 3 and most < MOST_POINTS:
             same = [np.concatenate([p, np.repeat(p[:1], most - len(p), axis=0)]) for p in points]
-            found[key] = [there[0][0]._replace(points=p) for p in same]
+            found[key] = [alike[0][0]._replace(points=p) for p in same]
     return found
 
 
@@ -115,7 +119,7 @@ def _distinct(points: Array) -> Array:
 
 
 def painted(figure: Any) -> int:
-    """How many pictures without points stand in the figure, and axes whose coordinates are not even."""
+    """Return the number of images without points in the figure, plus axes with uneven coordinates."""
     from matplotlib.collections import QuadMesh
     from matplotlib.image import _ImageBase
 
@@ -129,7 +133,7 @@ def _shows(artist: Any) -> bool:
 
 
 def _few(points: Array) -> Array:
-    """At most MOST_POINTS of them: the first, the last (of one point the same), then evenly between."""
+    """Return at most MOST_POINTS of the points: the first, the last (of one point the same), then evenly between."""
     between = np.arange(1, len(points) - 1)
     if len(between) > MOST_POINTS - 2:
         between = np.linspace(1, len(points) - 2, MOST_POINTS - 2).round().astype(int)
@@ -183,7 +187,7 @@ def _has_own(artist: Any) -> bool:
 
 
 def _arrows(artist: Any) -> Any:
-    """A 2-D quiver: tails and tips."""
+    """Return a 2-D quiver's tails and tips."""
     if not hasattr(artist, "U"):
         return None
     tails = np.asarray(artist.get_offsets(), dtype=float)
@@ -205,7 +209,9 @@ def _patch(artist: Any) -> Any:
 
 
 def _remembered(artist: Any) -> Any:
-    """The ends of an arrow somebody made for 3-D axes: matplotlib has none, so each keeps them under a name of its own."""
+    """Return the ends of a 3-D arrow defined by the student: matplotlib has none, so each stores them under
+    its own name.
+    """
     from matplotlib.patches import FancyArrowPatch
 
     own = set(vars(artist)) - set(vars(FancyArrowPatch((0, 0), (1, 1))))

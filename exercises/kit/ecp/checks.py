@@ -1,7 +1,8 @@
-"""The check words as declarations: label, scenes, what is measured, an explicit tolerance and its reason.
+"""Check words: each returns a ``Check`` with a label, scenes, a measured quantity, an explicit tolerance and
+its reason.
 
-A check reads the arrays its scenes brought back (``seen``) and the same arrays of the exact motion (``truth``), one mapping
-per scene, in the order the scenes are named. It never sees the student's code.
+A check compares the arrays a student's function returned (``seen``) with the exact arrays (``truth``): one
+mapping per scene, in the order of the scenes. It never sees the student's code.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,10 +23,12 @@ Locate = Callable[..., str]
 
 @dataclass(frozen=True)
 class Check:
-    """One labelled claim. ``word(seen, truth)`` judges; ``locate(index, *seen)`` names the place of the worst value.
+    """One labelled claim about scenes. ``word(seen, truth)`` judges it; ``locate(index, *seen)`` names the
+    place of the worst value.
 
-    ``allow(*truth)`` is the tolerance of this attempt, where it follows from the scene; ``tolerance`` then says how. A word that
-    answers UNMEASURED does not apply to what it sees: the outcome is not counted. ``hint(*seen)`` are remarks that cost nothing.
+    If ``allow`` is given, ``allow(*truth)`` is the tolerance of one grading, and ``tolerance`` describes how
+    it is computed. A word that returns UNMEASURED does not apply to what it sees, and the outcome is not
+    counted. ``hint(*seen)`` returns remarks that do not affect the verdict.
     """
 
     id: str
@@ -38,7 +41,11 @@ class Check:
     hint: Callable[..., list[str]] | None = None
 
     def judge(self, seen: list[Arrays], truth: list[Arrays]) -> Outcome:
-        """The outcome for arrays that came back; anything not finite fails before any number is compared."""
+        """Return the outcome for the arrays of the check's scenes.
+
+        A value that is not finite fails before any comparison. Numbers too large or small for arithmetic are
+        unmeasured.
+        """
         for arrays in seen:
             for name, array in arrays.items():
                 if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
@@ -46,8 +53,8 @@ class Check:
         try:
             judgement = self.word(seen, truth)
         except (ArithmeticError, LookupError, TypeError, ValueError, np.linalg.LinAlgError) as error:
-            # The arrays have the right shape and are finite, but their size is beyond arithmetic: that says nothing either way.
-            return self.unmeasured(f"the numbers that came back are beyond what can be judged ({error})")
+            # Shapes are right and values finite, but arithmetic on them overflows: that is neither right nor wrong.
+            return self.unmeasured(f"the returned numbers are too large or too small to compare ({error})")
         if judgement.verdict is Verdict.UNMEASURED:
             return replace(self.unmeasured(judgement.detail), counted=False)
         outcome = self._outcome(judgement, seen)
@@ -55,23 +62,23 @@ class Check:
         return replace(outcome, tolerance=self.allow(*truth)) if self.allow else outcome
 
     def failed(self, detail: str) -> Outcome:
-        """The outcome when the answers themselves cannot be believed."""
+        """Return a failed outcome, for answers that cannot be trusted."""
         return self._outcome(Judgement(Verdict.FAIL, detail), [])
 
     def unmeasured(self, cause: str) -> Outcome:
-        """The outcome when a scene it needs brought nothing back."""
+        """Return an unmeasured outcome, for a scene that returned no data."""
         return replace(self._outcome(Judgement(Verdict.UNMEASURED, f"not measured: {cause}"), []), cause=cause)
 
     def errors(self) -> list[str]:
-        """What is wrong with the declaration; empty if nothing is."""
+        """Return the errors of the declaration as sentences, empty if there are none."""
         numbers = [n for n in (self.tolerance.rtol, self.tolerance.atol, self.tolerance.limit) if n is not None]
         found = []
         if not self.tolerance.reason.strip():
-            found.append(f"check {self.id}: its tolerance gives no reason")
+            found.append(f"check {self.id}: its tolerance has no reason")
         if any(not (n >= 0 and np.isfinite(n)) for n in numbers):
-            found.append(f"check {self.id}: a tolerance is a finite number ≥ 0")
+            found.append(f"check {self.id}: a tolerance must be a finite number ≥ 0")
         if not self.label.strip() or "   " in self.label or "\n" in self.label:
-            found.append(f"check {self.id}: a label is one line without three spaces in a row")
+            found.append(f"check {self.id}: a label must be one line without three spaces in a row")
         return found
 
     def _outcome(self, judgement: Judgement, seen: list[Arrays]) -> Outcome:
@@ -100,7 +107,18 @@ def close(
     reason: str,
     locate: Locate | None = None,
 ) -> Check:
-    """``measured(*seen)`` equals ``expected`` (a value, or a function of the truth) to ``atol + rtol·|expected|``."""
+    """Check that ``measured(*seen)`` equals ``expected`` to ``atol + rtol·|expected|``.
+
+    ``expected`` is a value or a function of the truth. It has the shape of the measured array; nothing is
+    broadcast. All are in the same unit. A shape that differs fails.
+
+    >>> check = close(
+    ...     "1-trace", "the trace is 3 kg m²", "tensor",
+    ...     measured=lambda seen: seen["moments"].sum(), expected=3.0, rtol=1e-9, atol=0.0, reason="rounding",
+    ... )
+    >>> print(check.judge([{"moments": np.array([1.0, 1.0, 1.0])}], [{}]).line)
+    ✓  the trace is 3 kg m²   [got 3 vs expected 3 (rtol=1e-09, atol=0)]
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         want = expected(*truth) if callable(expected) else expected
@@ -121,8 +139,19 @@ def within(
     reason: str,
     locate: Locate | None = None,
 ) -> Check:
-    """``measured(seen)`` equals ``expected(truth)`` to ``limit · scale(truth)``; a ``limit`` that follows from the truth gives its
-    product and the reason for this attempt."""
+    """Check that ``measured(seen)`` equals ``expected(truth)`` to ``limit · scale(truth)``.
+
+    ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
+    A function ``limit(truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
+    shape that differs fails.
+
+    >>> check = within(
+    ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
+    ...     measured=lambda seen: seen["w"], expected=lambda truth: truth["w"], scale=lambda truth: truth["w"].max(),
+    ... )
+    >>> print(check.judge([{"w": np.array([2.0, 4.0])}], [{"w": np.array([2.0, 5.0])}]).line)
+    ✗  ω(t) follows the exact motion   [max|Δ|/scale = 0.2 (limit 1e-09)]
+    """
     allow = limit if callable(limit) else None
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
@@ -134,7 +163,16 @@ def within(
 
 
 def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
-    """``series(*seen)`` (n,) stays at its first value to the relative ``limit``."""
+    """Check that ``series(*seen)`` (n,) stays at its first value to the relative ``limit``.
+
+    A series that starts at zero must stay zero. Fewer than two values fail.
+
+    >>> check = conserved(
+    ...     "2-energy", "T is conserved", "run", series=lambda seen: seen["w"][0] ** 2, limit=1e-6, reason="the course's limit"
+    ... )
+    >>> print(check.judge([{"w": np.array([[1.0, 1.0, 1.0]])}], [{}]).line)
+    ✓  T is conserved   [max relative drift = 0 (limit 1e-06)]
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         return judge.conserved(series(*seen), limit)
@@ -143,7 +181,17 @@ def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, 
 
 
 def below(id: str, label: str, *scenes: str, measured: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
-    """``measured(*seen)`` is at most ``limit``."""
+    """Check that ``measured(*seen)``, a number or an array of any shape, is at most ``limit`` everywhere, in
+    its unit.
+
+    An empty array fails.
+
+    >>> check = below(
+    ...     "6-momentum", "L stays fixed", "run", measured=lambda seen: np.ptp(seen["L"]), limit=1e-8, reason="integration error"
+    ... )
+    >>> print(check.judge([{"L": np.array([4.0, 4.5])}], [{}]).line)
+    ✗  L stays fixed   [got 0.5 (limit 1e-08)]
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         return judge.below(measured(*seen), limit)
@@ -159,7 +207,18 @@ def holds(
     reason: str,
     hint: Callable[..., list[str]] | None = None,
 ) -> Check:
-    """``claim(*seen)`` answers (true or false, the text for the brackets)."""
+    """Check a claim that has no single number: ``claim(*seen)`` returns (true or false, the text for the
+    brackets).
+
+    Only a true bool passes; an array does not.
+
+    >>> check = holds(
+    ...     "5-growth", "only the second spin grows", "first", "second", reason="five times the nudge",
+    ...     claim=lambda *runs: (bool(runs[0]["w"].max() < 0.1 < runs[1]["w"].max()), "two runs"),
+    ... )
+    >>> print(check.judge([{"w": np.array([0.02])}, {"w": np.array([1.1])}], [{}, {}]).line)
+    ✓  only the second spin grows   [two runs]
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         ok, detail = claim(*seen)
@@ -169,7 +228,18 @@ def holds(
 
 
 def shows(id: str, label: str, scene: str, *, claim: Callable[[Arrays, Arrays], tuple[bool | None, str]], reason: str) -> Check:
-    """``claim(seen, truth)`` answers (true, false, or None where there is nothing to judge by; the text for the brackets)."""
+    """Check a claim against the truth: ``claim(seen, truth)`` returns (true, false or None, the text for the
+    brackets).
+
+    None means that the claim does not apply: the outcome is unmeasured and not counted.
+
+    >>> check = shows(
+    ...     "6-follows", "the drawing follows ê₃", "film", reason="to 3 % of the path",
+    ...     claim=lambda seen, truth: (None, "nothing is drawn"),
+    ... )
+    >>> print(check.judge([{"tracks": np.zeros((1, 1, 3))}], [{}]).line)
+    –  the drawing follows ê₃   [not measured: nothing is drawn]
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         ok, detail = claim(seen[0], truth[0])

@@ -1,4 +1,6 @@
-"""A call of ``ecp.validate`` as data, and its judgement: the notebook prints it, and a server can judge the same numbers again."""
+"""A call of ``ecp.validate`` as data, and its judgement: the notebook prints it, and a server can judge the
+same numbers again.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +17,9 @@ MOST_LABEL, MOST_DETAIL = 200, 500  # characters
 
 
 class Kind(NamedTuple):
-    """The arrays and the numbers that a kind of claim needs, by name, and its judgement of them in that order."""
+    """The names of the arrays and numbers that a kind of claim needs, and the judgement that takes them in
+    this order.
+    """
 
     arrays: tuple[str, ...]
     numbers: tuple[str, ...]
@@ -24,10 +28,11 @@ class Kind(NamedTuple):
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of a notebook. ``unfit`` says why an argument is no array of real numbers; then ``arrays`` lacks it.
+    """A claim of a notebook. ``unfit`` says why an argument is not an array of real numbers; ``arrays`` then
+    lacks it.
 
-    ``left_out`` says why the arrays of a claim that came from elsewhere are not there; then it is not measured.
-    ``detail`` is the text of a claim of kind "check"; the others make their own from the numbers.
+    ``left_out`` says why the arrays of a claim received from elsewhere are missing; the claim is then
+    unmeasured. ``detail`` is the text of a claim of kind "check"; other kinds derive theirs from the numbers.
     """
 
     kind: str
@@ -39,7 +44,9 @@ class Claim:
     left_out: str = ""
 
     def judged(self) -> Judgement:
-        """Judge the claim; an argument that is not an array of finite real numbers makes it ✗ and is named."""
+        """Return the judgement. An argument that is not an array of finite real numbers fails, and the detail
+        names it.
+        """
         kind = KINDS[self.kind]
         if self.left_out:
             return Judgement(Verdict.UNMEASURED, f"not captured: {self.left_out}")
@@ -53,7 +60,7 @@ class Claim:
         return Judgement(found.verdict, self.detail or found.detail, found.measured, found.expected, found.margin)
 
     def outcome(self, cell: str) -> "NotebookCheck":
-        """Judge the claim, made in ``cell``, for a report."""
+        """Return the judged claim, made in ``cell``, as a report's NotebookCheck."""
         found = self.judged()
         return NotebookCheck(cell=cell, kind=self.kind, label=self.label, verdict=found.verdict, detail=found.detail)
 
@@ -75,12 +82,12 @@ class NotebookCheck:
 
     @property
     def line(self) -> str:
-        """The ✓/✗ line as the notebook prints it."""
+        """Return the ✓/✗ line as the notebook prints it."""
         return judge.line(self.verdict, self.label, self.detail)
 
 
 def claim(kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str, float], detail: Any = "") -> Claim:
-    """Make a claim of whatever a student passed as ``given``: never raises for an answer of a wrong kind."""
+    """Return a claim for whatever a student passed as ``given``. Never raises for an argument of the wrong kind."""
     arrays, unfit = {}, ""
     for name, value in given.items():
         try:
@@ -99,7 +106,7 @@ def one_line(value: Any, most: int) -> str:
 
 
 class _Unfit(Exception):
-    """An argument is no array of real numbers."""
+    """An argument is not an array of real numbers."""
 
 
 def _numbers(name: str, value: Any) -> Array:
@@ -117,7 +124,7 @@ def _numbers(name: str, value: Any) -> Array:
 
 
 def _truth(value: Any) -> Array:
-    """A condition as 1 or 0: Python's or numpy's True or False, or an array that holds one of them."""
+    """Return a condition as 1 or 0: True or False of Python or numpy, or an array that holds one of them."""
     if not isinstance(value, bool | np.bool_ | np.ndarray) or np.asarray(value).dtype != bool or np.size(value) != 1:
         shape = f" of shape {value.shape}" if isinstance(value, np.ndarray) else ""
         raise _Unfit(f"condition is {type(value).__name__}{shape}, not one True or False")
@@ -125,7 +132,7 @@ def _truth(value: Any) -> Array:
 
 
 def _close(got: Array, expected: Array, rtol: float, atol: float) -> Judgement:
-    """One number stands for every element of the other array."""
+    """Judge two arrays, of which one may be a single number for every element of the other."""
     if 0 in (got.ndim, expected.ndim):
         got, expected = np.broadcast_arrays(got, expected)
     return judge.close(got, expected, rtol, atol)

@@ -1,4 +1,4 @@
-"""Which server and which assignment a notebook talks about, and the assignments whose public checks the kit carries."""
+"""The server and assignment of a notebook, and the assignments whose public checks the kit contains."""
 
 import importlib
 import json
@@ -22,12 +22,12 @@ FOLDER = Path(__file__).parent / "assignments"
 
 
 class UnknownCourse(NotebookError):
-    """The kit has no such assignment or exercise, or does not know the server; the message says what to do."""
+    """The server, assignment or exercise is not known; the message says what to do."""
 
 
 @dataclass(frozen=True)
 class Course:
-    """Where a notebook submits to. ``server`` has no slash at its end."""
+    """The server and assignment a notebook submits to. ``server`` has no trailing slash."""
 
     server: str | None = None
     assignment: str | None = None
@@ -35,9 +35,11 @@ class Course:
 
 @dataclass(frozen=True)
 class PublicScene:
-    """A scene everybody knows: ``play`` calls ``function`` with ``inputs``; of the exact arrays in ``truth`` some are ``known``.
+    """A scene with fixed inputs: ``play`` calls ``function`` with ``inputs``. ``truth`` holds the exact
+    arrays.
 
-    It is played if the one it comes ``after`` was finished; the server gives it ``budget_s`` seconds.
+    The arrays named in ``known`` are added to those the function returned. The scene runs only if the scene
+    it comes ``after`` has finished. The server gives it ``budget_s`` seconds.
     """
 
     name: str
@@ -56,7 +58,7 @@ def _no_diagnosis(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Ar
 
 @dataclass(frozen=True)
 class PublicAssignment:
-    """The public side of an assignment, as it was when the kit was made."""
+    """The public side of an assignment, as of the kit's build. ``hidden`` counts each exercise's hidden checks."""
 
     slug: str
     version: str
@@ -71,54 +73,63 @@ _connected: list[Course] = [Course()]
 
 
 def connect(server: str | None = None, assignment: str | None = None) -> None:
-    """Say once where this notebook submits to; ``check``, ``submit``, ``login`` and ``attempts`` then need not be told."""
+    """Set the server and assignment that ``check``, ``submit``, ``login`` and ``submissions`` use by default.
+
+    Raises UnknownCourse if ``server`` is not an http or https address.
+    """
     _connected[0] = Course(_address(server) if server else None, assignment)
 
 
 def server(given: str | None = None) -> str:
-    """The server meant, without a slash at its end: given, connected, in POLHODE_SERVER, or the one the kit came from."""
+    """Return the server's address without a trailing slash: given, connected, from POLHODE_SERVER, or the
+    kit's origin.
+
+    Raises UnknownCourse if none of them is set.
+    """
     found = given or _connected[0].server or os.environ.get("POLHODE_SERVER") or _made().get("server")
     if not found:
-        raise UnknownCourse('Say which server: ecp.connect("http://…").')
+        raise UnknownCourse('No server is set: call ecp.connect("https://…") first.')
     return _address(found)
 
 
 def assignment(given: str | None = None) -> str:
-    """The assignment meant: given, connected, or the only one this kit knows."""
+    """Return the assignment's slug: given, connected, or the only one this kit contains. Raises UnknownCourse
+    otherwise.
+    """
     if found := given or _connected[0].assignment:
         return found
     if len(known := slugs()) == 1:
         return known[0]
-    raise UnknownCourse('Say which assignment this is: ecp.connect("http://…", assignment="…").')
+    raise UnknownCourse('No assignment is set: call ecp.connect("https://…", assignment="…") first.')
 
 
 def public(slug: str) -> PublicAssignment:
-    """The public side of an assignment; NotKnown if this kit was made without it."""
+    """Return the public side of an assignment. Raises UnknownCourse if this kit does not contain it."""
     if slug not in slugs():
-        known = f"it knows {', '.join(slugs())}" if slugs() else "it carries none: was it installed from the course's server?"
-        raise UnknownCourse(f"this kit cannot check {slug} here, {known}")
+        known = f"it has {', '.join(slugs())}" if slugs() else "it has no assignment: install it from the course server"
+        raise UnknownCourse(f"this kit has no local checks for {slug}; {known}")
     return _load(slug)
 
 
 def functions(slug: str) -> set[str]:
-    """Names of the functions that an assignment asks for; none where this kit does not know it."""
-    return {f for e in public(slug).exercises for f in e.asks_for()} if slug in slugs() else set()
+    """Return the names of the functions that an assignment asks for; empty if this kit does not contain it."""
+    return {f for e in public(slug).exercises for f in e.function_names()} if slug in slugs() else set()
 
 
 def slugs() -> list[str]:
-    """Assignments this kit can check here."""
+    """Return the slugs of the assignments whose public checks this kit contains."""
     return sorted(path.parent.name.replace("_", "-") for path in FOLDER.glob("*/public.json"))
 
 
 def build() -> str | None:
-    """What this kit was made of, as a hash; None where it runs from its source."""
+    """Return the kit's build hash, or None if it runs from its source."""
     return _made().get("build")
 
 
-def _address(told: str) -> str:
-    address = told.strip().rstrip("/")
+def _address(given: str) -> str:
+    address = given.strip().rstrip("/")
     if not address.startswith(("http://", "https://")):
-        raise UnknownCourse(f"{address} is no address of a server: it begins with http:// or https://")
+        raise UnknownCourse(f"{address} is not a server address: it must begin with http:// or https://")
     return address
 
 

@@ -15,15 +15,17 @@ class NotADocument(ValueError):
 
 
 def document(value: Any) -> Any:
-    """Return ``value`` as JSON values: a dataclass becomes an object with its fields and the properties in ``COMPUTED_FIELDS``.
+    """Return ``value`` as JSON values: a dataclass becomes an object with its fields and the properties in
+    ``COMPUTED_FIELDS``.
 
-    A number that is not finite becomes null. A field with ``metadata={"here": True}`` is left out. A renamed field has
-    ``metadata={"formerly": OLD_NAME}``: it is written under both names, so that older readers still find it.
+    A number that is not finite becomes null. A field with ``metadata={"local_only": True}`` is left out. A
+    renamed field has ``metadata={"formerly": OLD_NAME}``: it is written under both names, so that older
+    readers still find it.
     """
     if is_dataclass(value):
         written: dict[str, Any] = {}
         for field in fields(value):
-            if not field.metadata.get("here"):
+            if not field.metadata.get("local_only"):
                 names = [name for name in (field.name, field.metadata.get("formerly")) if name is not None]
                 written |= dict.fromkeys(names, document(getattr(value, field.name)))
         return written | {name: document(getattr(value, name)) for name in getattr(value, "COMPUTED_FIELDS", ())}
@@ -68,7 +70,7 @@ def _object(kind: Any, written: Any, where: str) -> Any:
     given = {}
     for field in fields(kind):
         name = next((n for n in (field.name, field.metadata.get("formerly")) if n in members), None)
-        if name is not None and not field.metadata.get("here"):
+        if name is not None and not field.metadata.get("local_only"):
             given[field.name] = _read(hints[field.name], members[name], f"{where}.{name}")
     if missing := [f.name for f in fields(kind) if f.name not in given and _needed(f)]:
         raise NotADocument(f"{where} lacks {', '.join(missing)}")

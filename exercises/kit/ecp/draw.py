@@ -1,6 +1,7 @@
-"""Drawing helpers of the notebook: three-dimensional axes that do not distort, arrows, a box in an attitude.
+"""The notebook's drawing helpers: undistorted 3-D axes, arrows, and a box in any attitude.
 
-Lengths are in the units of the axes, ``R`` (3, 3) is an attitude body → space, ``half`` (3,) are the box's half edges.
+Lengths are in the units of the axes. ``R`` (3, 3) is an attitude body → space, ``half`` (3,) are the box's
+half edges.
 """
 
 from typing import Any
@@ -13,14 +14,14 @@ FACE_COLORS = ["#c0851a", "#e3b667", "#46506b", "#7b86a6", "#16213e", "#3a4a6a"]
 
 
 def cube_axes(ax: Any, reach: float) -> Any:
-    """Equal scales on all three axes of a 3-D ``ax``, from −reach to reach; returns ``ax``."""
+    """Set equal scales from −reach to reach on all three axes of a 3-D ``ax`` and return ``ax``."""
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
     ax.set_box_aspect((1, 1, 1))
     return ax
 
 
 def arrow(ax: Any, tip: ArrayLike, **style: Any) -> Any:
-    """An arrow from the origin to ``tip`` (3,) on a 3-D ``ax``; returns the line."""
+    """Draw a line from the origin to ``tip`` (3,) on a 3-D ``ax`` and return it."""
     x, y, z = np.asarray(tip, dtype=float)
     return ax.plot([0, x], [0, y], [0, z], **style)[0]
 

@@ -1,4 +1,4 @@
-"""Figures and contact sheets as files, drawn alike on the server and in a notebook."""
+"""Figures and contact sheets as files, drawn the same way on the server and in a notebook."""
 
 import io
 import math
@@ -13,7 +13,7 @@ COLUMNS = 6
 
 
 def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "png") -> bytes:
-    """The figure as ``form`` ("png" or "svg"), from the arrays of each scene and the exact ones beside them."""
+    """Return the figure as ``form`` ("png" or "svg"). ``seen`` and ``truth`` hold one mapping of arrays per scene."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Canvas
@@ -21,7 +21,7 @@ def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "p
     canvas = Canvas(figsize=(9, 4.5), dpi=100)
     FigureCanvasAgg(canvas)
     canvas.subplots_adjust(left=0.08, right=0.98, bottom=0.11, top=0.94)
-    with np.errstate(all="ignore"):  # numbers beyond arithmetic are not drawn
+    with np.errstate(all="ignore"):  # values that overflow are not drawn
         figure.draw(canvas, seen, truth)
     stream = io.BytesIO()
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "polhode"}):
@@ -31,7 +31,7 @@ def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "p
 
 
 def contact_sheet(frames: NDArray[np.uint8]) -> bytes:
-    """RGB stills (n, h, w, 3) as one PNG, in reading order, half size, white between them."""
+    """Return RGB stills (n, h, w, 3) as one PNG: in reading order, half size, with white gaps."""
     from PIL import Image
 
     small = frames[:, ::2, ::2]

@@ -1,4 +1,4 @@
-"""Errors for whoever sits at the notebook."""
+"""Exceptions whose message is shown to the person at the notebook."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 
 class NotebookError(Exception):
-    """Its text says what happened and what to do; IPython shows that sentence and no traceback."""
+    """An error whose message says what happened and what to do. IPython shows the message without a traceback."""
 
     def _render_traceback_(self) -> list[str]:
         return [str(self)]
@@ -20,14 +20,16 @@ DEFAULT_PORTS = {"http": 80, "https": 443}
 
 
 class RequestError(NotebookError):
-    """``passing``: the same request may succeed later; ``wait_s``: how long the server asks to wait before that."""
+    """A request failed. ``passing``: a later attempt may succeed. ``wait_s``: seconds the server asks to wait
+    before it.
+    """
 
     passing: bool
     wait_s: float | None = None
 
 
 class Unreachable(RequestError):
-    """No answer: no network, refused, timed out, not trusted."""
+    """There is no answer: no network, connection refused, timeout, or an untrusted certificate."""
 
     def __init__(self, sentence: str, *, passing: bool = True) -> None:
         super().__init__(sentence)
@@ -35,7 +37,7 @@ class Unreachable(RequestError):
 
 
 class HTTPError(RequestError):
-    """An answer that is an error. ``kind`` is the last part of the problem's type, "" where the server told none."""
+    """The answer is an error. ``kind`` is the last part of the problem's type, "" if the server gave none."""
 
     def __init__(self, status: int, kind: str, sentence: str, *, passing: bool = False) -> None:
         super().__init__(sentence)
@@ -43,14 +45,14 @@ class HTTPError(RequestError):
 
 
 class Answer(NamedTuple):
-    """One HTTP answer; the names of its headers are lower-case."""
+    """One HTTP answer. Header names are lower case."""
 
     status: int
     headers: Mapping[str, str]
     body: bytes
 
     def json(self) -> Any:
-        """The body as JSON; HTTPError (not-polhode) if it is not."""
+        """Return the body as JSON. Raises HTTPError (not-polhode) if it is not JSON."""
         try:
             return json.loads(self.body)
         except ValueError:
@@ -59,19 +61,22 @@ class Answer(NamedTuple):
 
 
 class Backend(Protocol):
-    """Who carries requests. Header names are lower-case; a redirect is either returned or, within one origin, followed."""
+    """Sends requests. Header names are lower case. A redirect is returned, or followed within the same origin."""
 
     def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-        """Any answer; Unreachable if there is none."""
+        """Return the answer, whatever its status. Raises Unreachable if there is none."""
         ...
 
     def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
-        """An event stream as it comes, Unreachable after ``silence`` seconds without a byte; None if there is no stream."""
+        """Return the chunks of an event stream as they arrive, or None if there is no stream.
+
+        Raises Unreachable after ``silence`` seconds without a byte.
+        """
         ...
 
 
 def checked(url: str) -> str:
-    """The address without its fragment, if it is one of http or https that can be sent; else Unreachable."""
+    """Return an http or https address without its fragment. Raises Unreachable if it is no such address."""
     try:
         parts = urlsplit(url)
         host = (parts.hostname or "").encode("idna")  # ValueError for labels that no name has
@@ -81,51 +86,53 @@ def checked(url: str) -> str:
     if usable and "@" not in parts.netloc and url.isascii() and url.isprintable() and " " not in url:
         return parts._replace(fragment="").geturl()
     shown = url.rpartition("@")[2].partition("?")[0][:80]
-    sentence = f"{shown!r} is not the address of a server: it should look like https://polhode.example.org, without a password."
+    sentence = f"{shown!r} is not a server address: use one like https://polhode.example.org, without a password."
     raise Unreachable(sentence, passing=False)
 
 
 def place(url: str) -> str:
-    """The server's part of an address, as it is shown to people."""
+    """Return scheme, host and port of an address, for messages."""
     parts = urlsplit(url)
     return f"{parts.scheme}://{parts.netloc.rpartition('@')[2]}"
 
 
 def same_origin(one: str, other: str) -> bool:
-    """Whether scheme, host and port agree."""
+    """Return whether scheme, host and port agree."""
     a, b = urlsplit(one), urlsplit(other)
     ports = (a.port or DEFAULT_PORTS.get(a.scheme), b.port or DEFAULT_PORTS.get(b.scheme))
     return (a.scheme, a.hostname) == (b.scheme, b.hostname) and ports[0] == ports[1]
 
 
 def moved(status: int, url: str, target: str) -> HTTPError:
-    """The trouble that a server sends us on to somebody else."""
-    sentence = f"The server at {place(url)} sends us on to {place(target)}. Use that address instead if it is your course's."
+    """Return the error for a redirect to another server."""
+    sentence = f"The server at {place(url)} redirects to {place(target)}: use that address if it is your course's."
     return HTTPError(status, "moved", sentence)
 
 
 def too_long(url: str) -> HTTPError:
-    """The trouble that an answer has more than MOST_BYTES."""
-    return HTTPError(200, "not-polhode", f"What {place(url)} answers is too long to come from a polhode server: check the address.")
+    """Return the error for an answer longer than MOST_BYTES."""
+    return HTTPError(200, "not-polhode", f"The answer of {place(url)} is too long for a polhode server: check the address.")
 
 
 PASSING = (429, 502, 503, 504)
 LONGEST_DETAIL, SHORTEST_TOKEN = 500, 6
 SENTENCES = {
-    "nobody": "The server at {place} does not know who you are{detail}: run ecp.login() and try again.",
-    "deadline-over": "The deadline is over{detail}: nothing was submitted.",
-    "none-left": "You have no submission left{detail}: nothing was submitted.",
-    "too-large": "What you send is too large for the server at {place}{detail}: clear the outputs or send less.",
-    "busy": "The server at {place} is busy and does not take this now{detail}: try again in a few minutes.",
-    "fault": "The server at {place} failed, and not by your mistake{number}: try again; if it stays so, tell your course staff.",
+    "nobody": "You are not logged in at {place}{detail}: run ecp.login() and try again.",
+    "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
+    "none-left": "You have no submissions left{detail}: nothing was submitted.",
+    "too-large": "The submission is too large for the server at {place}{detail}: clear the outputs or send less.",
+    "busy": "The server at {place} is busy{detail}: try again in a few minutes.",
+    "fault": "The server at {place} failed; this is not your mistake{number}: try again, then ask your course staff.",
     "not-polhode": "There is no polhode server at {place}, something else answered ({status}{page}): check the address.",
-    "": "The server at {place} refused this ({status}).",
+    "": "The server at {place} refused the request ({status}).",
 }
 WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(PASSING, "busy")
 
 
 def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> HTTPError:
-    """The exception for an error answer to a request with ``headers``, whose token is never repeated."""
+    """Return the exception for an error answer to a request with ``headers``. Its message never contains
+    their token.
+    """
     problem = _problem(answer)
     kind = str(problem.get("type", "")).rpartition(":")[2] if problem else WITHOUT_PROBLEM.get(answer.status, "")
     detail = _clean(str(problem.get("detail", "")), headers)
@@ -136,12 +143,12 @@ def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> HTTPError:
 
 
 def not_polhode(answer: Answer, url: str) -> HTTPError:
-    """The exception for an answer that polhode does not give, whatever its status."""
+    """Return the exception for an answer, of any status, that polhode does not give."""
     return HTTPError(answer.status, "not-polhode", _sentence(answer, url, "not-polhode", ""))
 
 
 def retry_after(value: str, now: datetime) -> float | None:
-    """Seconds that ``Retry-After`` asks for, given as a number or as a date; None if it tells neither."""
+    """Return the seconds that ``Retry-After`` asks for, as a number or a date; None if it is neither."""
     if value.strip().isdecimal():
         return float(value)
     try:
@@ -151,7 +158,7 @@ def retry_after(value: str, now: datetime) -> float | None:
 
 
 def is_page(answer: Answer) -> bool:
-    """Whether the answer is a web page."""
+    """Return whether the answer is a web page."""
     return "html" in answer.headers.get("content-type", "")
 
 
@@ -165,7 +172,7 @@ def _sentence(answer: Answer, url: str, kind: str, detail: str) -> str:
         status=answer.status,
         detail=f" ({detail.rstrip('.')})" if detail else "",
         number=f" (request {request})" if request else "",
-        page=", a web page, perhaps one to log in" if is_page(answer) else "",
+        page=", a web page, perhaps a login page" if is_page(answer) else "",
     )
 
 

@@ -1,4 +1,4 @@
-"""An exercise as it is declared: its checks, its figures, the animation of a student's own that it shows, the motions to play."""
+"""The declaration of an exercise: its functions, checks, figures, animations and motions."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture drawn on demand: ``draw(canvas, seen, truth)`` gets one mapping of arrays per scene."""
+    """A figure drawn on demand. ``draw(canvas, seen, truth)`` gets one mapping of arrays per scene."""
 
     name: str
     title: str
@@ -23,7 +23,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Animation:
-    """A student's animation, kept as a contact sheet of the frames (n, h, w, 3) that ``scene`` brought back."""
+    """A student's animation, stored as a contact sheet of the frames (n, h, w, 3) that ``scene`` returned."""
 
     name: str
     title: str
@@ -34,10 +34,11 @@ class Animation:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion to play: the attitudes R (n, 3, 3) that ``scene`` brought back, beside the exact ones, as a box that turns.
+    """A motion to play: the attitudes R (n, 3, 3), body → space, that ``scene`` returned, next to the exact
+    ones, as a turning box.
 
-    ``half`` (3,) are half the edges of the uniform box that has the scene's moments, up to a factor; ``axis`` (0, 1, 2) is the
-    body axis whose path is shown.
+    ``half`` (3,) are the half edges of the uniform box with the scene's moments, up to a factor; ``axis`` (0,
+    1, 2) is the body axis whose path is shown.
     """
 
     name: str
@@ -50,9 +51,10 @@ class Motion:
 
 @dataclass(frozen=True)
 class Exercise:
-    """A numbered section. A submission that defines any of its ``functions``, or of those it can do without, has attempted it.
+    """A numbered section. A submission that defines one of its ``functions`` or ``optional`` functions
+    attempts it.
 
-    A check of a function in ``optional`` is left out where that function is not defined.
+    The checks of a function in ``optional`` are left out if that function is not defined.
     """
 
     number: str
@@ -64,21 +66,24 @@ class Exercise:
     optional: tuple[str, ...] = ()
     motions: tuple[Motion, ...] = ()
 
-    def asks_for(self) -> set[str]:
-        """Names of the functions it is about."""
+    def function_names(self) -> set[str]:
+        """Return the names of its functions, the optional ones included."""
         return {*self.functions, *self.optional}
 
-    def made(self, written: Collection[str], function_of: Callable[[str], str]) -> list[Check]:
-        """Its checks, without those of an optional function that is not ``written``; ``function_of`` a scene's name."""
+    def applicable_checks(self, written: Collection[str], function_of: Callable[[str], str]) -> list[Check]:
+        """Return its checks without those of optional functions that are not ``written``.
+
+        ``function_of`` maps a scene's name to the name of its function.
+        """
         absent = set(self.optional) - set(written)
         return [check for check in self.checks if not absent & {function_of(scene) for scene in check.scenes}]
 
     def scenes(self) -> set[str]:
-        """Names of the scenes its checks, figures, animations and motions read."""
+        """Return the names of the scenes that its checks, figures, animations and motions read."""
         shown = [s for f in self.figures for s in f.scenes] + [a.scene for a in self.animations] + [m.scene for m in self.motions]
         return {s for c in self.checks for s in c.scenes} | set(shown)
 
 
 def attempted(exercises: Sequence[Exercise], written: Collection[str]) -> list[Exercise]:
-    """Those that ask for a function that is ``written``; all of them where none is."""
-    return [e for e in exercises if e.asks_for() & set(written)] or list(exercises)
+    """Return the exercises that ask for a function that is ``written``, or all of them if none does."""
+    return [e for e in exercises if e.function_names() & set(written)] or list(exercises)

@@ -1,4 +1,4 @@
-"""Failures grouped by the diagnosis that explains them: what a student reads first in a report."""
+"""Failures grouped by the diagnosis that explains them: the top of a report."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -13,28 +13,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cause:
-    """A diagnosis, numbered from 1, with the outcomes it explains by the number of their exercise."""
+    """A diagnosis, numbered from 1, with the outcomes it explains, by exercise number."""
 
     number: int
     diagnosis: Diagnosis
     explains: Mapping[str, list[Outcome]]
 
     def outcomes(self) -> list[Outcome]:
-        """All outcomes it explains."""
+        """Return all outcomes it explains."""
         return [outcome for outcomes in self.explains.values() for outcome in outcomes]
 
     @property
     def likely(self) -> str:
-        """ "likely " where the diagnosis was inferred from numbers, "" where it is how the code ended."""
+        """Return "likely " for a diagnosis inferred from numbers, "" for one that is how the code ended."""
         return "likely " if any(self.diagnosis.sentence not in (o.cause or "") for o in self.outcomes()) else ""
 
     def where(self) -> list[str]:
-        """One line for each exercise: the labels of its checks."""
+        """Return one line per exercise with the labels of its checks."""
         return [f"exercise {number}: {'; '.join(o.label for o in outcomes)}" for number, outcomes in self.explains.items()]
 
 
 def causes(exercises: Iterable["ExerciseReport"]) -> list[Cause]:
-    """The diagnoses of all counted outcomes that are not ✓, first those that explain most."""
+    """Return the diagnoses of all counted outcomes that did not pass, the one that explains most first."""
     found: dict[str, tuple[Diagnosis, dict[str, list[Outcome]]]] = {}
     for exercise in exercises:
         for outcome in exercise.outcomes:
@@ -46,7 +46,7 @@ def causes(exercises: Iterable["ExerciseReport"]) -> list[Cause]:
 
 
 def header(found: list[Cause]) -> str:
-    """Count the causes and what they explain; "" where that is a single check, or nothing."""
+    """Return a line that counts the causes and what they explain, "" if they explain fewer than two checks."""
     explained = {outcome.id: outcome for cause in found for outcome in cause.outcomes()}
     if len(explained) < 2:
         return ""
@@ -59,7 +59,7 @@ def header(found: list[Cause]) -> str:
 
 
 def text(found: list[Cause]) -> str:
-    """The header and each cause with its checks, as plain text; "" where there is none."""
+    """Return the header and each cause with its checks as plain text, "" if there is none."""
     lines = [header(found)] if header(found) else []
     for cause in found:
         lines.append(f"{cause.number}. {cause.likely}{cause.diagnosis.code}: {cause.diagnosis.sentence}")
@@ -68,5 +68,5 @@ def text(found: list[Cause]) -> str:
 
 
 def numbers(found: list[Cause]) -> dict[str, int]:
-    """The number of each cause by its sentence, for lines that refer to it."""
+    """Return the number of each cause by its sentence."""
     return {cause.diagnosis.sentence: cause.number for cause in found}

@@ -1,4 +1,6 @@
-"""One request and its answer, by whichever back end there is; errors are exceptions that explain themselves."""
+"""Requests to the course server, retried while a failure may pass. Errors are exceptions with a message for
+the student.
+"""
 
 import random
 import sys
@@ -22,7 +24,7 @@ from ecp.errors import (
     refusal,
     same_origin,
 )
-from ecp.sse import Event, parsed
+from ecp.sse import Event, parse_events
 
 AGENT = f"polhode-kit/1 python/{sys.version_info.major}.{sys.version_info.minor}"
 REDIRECTS, MOST_REDIRECTS = (301, 302, 303, 307, 308), 5
@@ -37,19 +39,22 @@ class Request(NamedTuple):
     headers: dict[str, str]
 
 
-def asked(method: str, url: str, body: bytes | None, headers: Mapping[str, str] | None) -> Request:
-    """A request that can be sent. A header that cannot is named, but not shown: it may be the token."""
+def prepare(method: str, url: str, body: bytes | None, headers: Mapping[str, str] | None) -> Request:
+    """Return a request that can be sent. Raises Unreachable for a bad address or header.
+
+    The message names a bad header but does not show its value, which may be the token.
+    """
     own = {name.lower(): value.strip() for name, value in (headers or {}).items()}
     for name, value in own.items():
         if not (value.isascii() and value.isprintable()):
             what = "Your token" if name == "authorization" else f"The header {name}"
-            raise Unreachable(f"{what} has a character that cannot be sent: copy it again, in one line.", passing=False)
+            raise Unreachable(f"{what} has a character that cannot be sent: copy it again, as one line.", passing=False)
     return Request(method, checked(url), body, {"user-agent": AGENT, "accept": "application/json"} | own)
 
 
-def answered(request: Request, timeout: float) -> Answer:
-    """The answer of a polhode server; Unreachable or HTTPError if there is none or it is an error."""
-    answer = _followed(request, timeout)
+def send(request: Request, timeout: float) -> Answer:
+    """Return the answer of a polhode server. Raises Unreachable if there is none, HTTPError if it is an error."""
+    answer = _follow_redirects(request, timeout)
     if answer.status >= 400:
         raise refusal(answer, request.url, request.headers)
     if is_page(answer) and "html" not in request.headers["accept"]:
@@ -57,19 +62,19 @@ def answered(request: Request, timeout: float) -> Answer:
     return answer
 
 
-def streamed(request: Request, last: str, silence: float) -> Generator[Event, None, None]:
-    """What the stream tells after the event ``last`` until it ends or fails, or nothing: an ordinary request will tell why."""
+def stream(request: Request, last: str, silence: float) -> Generator[Event, None, None]:
+    """Yield the stream's events after ``last`` until it ends or fails. Errors are left to the next ordinary request."""
     headers = request.headers | {"accept": "text/event-stream"} | ({"last-event-id": last} if last else {})
     try:
         chunks = _backend().stream(request.url, headers, silence)
         if chunks is not None:
-            yield from parsed(chunks)
+            yield from parse_events(chunks)
     except Unreachable:
         return
 
 
-def _followed(request: Request, timeout: float) -> Answer:
-    """The answer after redirects within one origin, to which the same request goes again (303: a GET)."""
+def _follow_redirects(request: Request, timeout: float) -> Answer:
+    """Return the answer after redirects within one origin. The request is repeated there; after a 303 as a GET."""
     backend = _backend()
     for _ in range(MOST_REDIRECTS):
         answer = backend.request(*request, timeout)
@@ -81,9 +86,7 @@ def _followed(request: Request, timeout: float) -> Answer:
         request = request._replace(url=target)
         if answer.status == 303:
             request = request._replace(method="GET", body=None)
-    raise HTTPError(
-        answer.status, "moved", f"The server at {place(request.url)} sends us round in circles: tell your course staff."
-    )
+    raise HTTPError(answer.status, "moved", f"Too many redirects from {place(request.url)}: ask your course staff.")
 
 
 def _backend() -> Backend:
@@ -98,7 +101,7 @@ def _backend() -> Backend:
 
 __all__ = ["Answer", "Event", "HTTPError", "RequestError", "Unreachable", "call", "events"]
 
-CONTACT_S = 15.0  # patience with a server that was not there yet
+CONTACT_S = 15.0  # patience with a server that has not answered yet
 FINAL = ("graded", "faulted")
 SHORTEST_WAIT_S, FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 0.5, 16.0
 chance = random.Random()  # noqa: S311  a student's own random.seed() stays untouched
@@ -113,43 +116,46 @@ def call(
     timeout: float = 30.0,
     patience: float = 60.0,
 ) -> Answer:
-    """The answer, if it is not an error; else Unreachable or HTTPError.
+    """Send a request and return the answer. Raises Unreachable if there is none, HTTPError if it is an error.
 
-    A lost connection, 429, 502, 503 and 504 are tried again with the same headers until ``patience`` seconds are over, so give a
-    POST an ``Idempotency-Key``. One attempt may take ``timeout`` seconds, also the last.
+    A lost connection, 429, 502, 503 and 504 are retried with the same headers until ``patience`` seconds have
+    passed, so give a POST an ``Idempotency-Key``. Each try, the last one included, may take ``timeout``
+    seconds.
     """
-    return _patiently(asked(method, url, body, headers), timeout, patience, forgiving=False)
+    return _retry(prepare(method, url, body, headers), timeout, patience, reached=False)
 
 
 def events(
     url: str, *, headers: Mapping[str, str] | None = None, patience: float = 60.0, silence: float = 20.0, pause: float = 1.0
 ) -> Iterator[Event]:
-    """Follow a submission by its ``…/events`` until ``graded`` or ``faulted``, whatever happens to the connection meanwhile.
+    """Yield a submission's events from its ``…/events`` until ``graded`` or ``faulted``, across lost
+    connections.
 
-    Whenever the stream ends, is silent for ``silence`` seconds or cannot be had, the submission itself is asked for, then the
-    stream again after ``pause`` seconds (slowly growing to three times that). What was asked for is an event with only its status.
+    Whenever the stream ends, is silent for ``silence`` seconds or is not available, the submission itself is
+    requested, and the stream again after ``pause`` seconds (growing to three times that). A requested status
+    becomes an event without other data. Raises like ``call``.
     """
-    request = asked("GET", url, None, headers)
-    last, told, wait = "", "", pause
-    while told not in FINAL:
-        with closing(streamed(request, last, silence)) as stream:
-            for event in stream:
+    request = prepare("GET", url, None, headers)
+    last, known, wait = "", "", pause
+    while known not in FINAL:
+        with closing(stream(request, last, silence)) as received:
+            for event in received:
                 yield event
-                last, told, wait = event.id or last, event.name, pause
-                if told in FINAL:
+                last, known, wait = event.id or last, event.name, pause
+                if known in FINAL:
                     return
-        status = _status(request, patience, forgiving=bool(told))
-        if status != told:
+        status = _status(request, patience, reached=bool(known))
+        if status != known:
             yield Event(status, "", {"status": status})
-            told, wait = status, pause
-        if told not in FINAL:
+            known, wait = status, pause
+        if known not in FINAL:
             time.sleep(wait * chance.uniform(1.0, 1.25))
             wait = min(1.5 * wait, 3 * pause)
 
 
-def _status(following: Request, patience: float, *, forgiving: bool) -> str:
+def _status(following: Request, patience: float, *, reached: bool) -> str:
     request = following._replace(url=following.url.removesuffix("/events"))
-    answer = _patiently(request, 30.0, patience, forgiving=forgiving)
+    answer = _retry(request, 30.0, patience, reached=reached)
     document = answer.json()
     if not isinstance(document, dict) or not isinstance(document.get("status"), str):
         raise not_polhode(answer, request.url)
@@ -157,16 +163,16 @@ def _status(following: Request, patience: float, *, forgiving: bool) -> str:
     return status
 
 
-def _patiently(request: Request, timeout: float, patience: float, *, forgiving: bool) -> Answer:
-    """``forgiving``: the server was there before, so no trouble of the network is taken to last."""
+def _retry(request: Request, timeout: float, patience: float, *, reached: bool) -> Answer:
+    """Send until it succeeds or ``patience`` is over. If the server was ``reached`` before, every network error may pass."""
     until, pause = time.monotonic() + patience, FIRST_PAUSE_S
     while True:
         try:
-            return answered(request, timeout)
-        except RequestError as trouble:
-            told = pause if trouble.wait_s is None else max(trouble.wait_s, SHORTEST_WAIT_S)
-            wait = told * chance.uniform(1.0, 1.25)
-            lasting = not trouble.passing and not (forgiving and isinstance(trouble, Unreachable))
+            return send(request, timeout)
+        except RequestError as error:
+            least = pause if error.wait_s is None else max(error.wait_s, SHORTEST_WAIT_S)
+            wait = least * chance.uniform(1.0, 1.25)
+            lasting = not error.passing and not (reached and isinstance(error, Unreachable))
             if lasting or time.monotonic() + wait > until:
                 raise
         time.sleep(wait)

@@ -1,4 +1,4 @@
-"""Requests by the standard library, as every Python with sockets has it."""
+"""Requests by the standard library, for every Python that has sockets."""
 
 import errno
 import ssl
@@ -19,10 +19,12 @@ NO_NETWORK = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.ENETDOWN)
 
 
 class Sockets:
-    """The back end of an ordinary kernel. Redirects are returned, not followed."""
+    """The back end of an ordinary kernel. It returns redirects and does not follow them."""
 
     def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-        """Any answer, whole within ``timeout`` seconds after its first byte; Unreachable if there is none."""
+        """Return the answer, read completely within ``timeout`` seconds of its first byte. Raises Unreachable
+        if there is none.
+        """
         try:
             with _open(Request(url, body, dict(headers), method=method), timeout) as response:  # noqa: S310
                 return Answer(response.status, _lower(response), _whole(response, url, time.monotonic() + timeout))
@@ -30,7 +32,9 @@ class Sockets:
             raise unreachable(error, url, timeout) from None
 
     def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
-        """What comes, as it comes; None for an answer that is no event stream."""
+        """Return the chunks as they arrive, or None if the answer is not an event stream. Raises Unreachable
+        if there is no answer.
+        """
         try:
             response = _open(Request(url, None, dict(headers)), silence)  # noqa: S310
         except (OSError, HTTPException) as error:
@@ -42,7 +46,7 @@ class Sockets:
 
 
 class _AsItIs(HTTPErrorProcessor):
-    """Errors and redirects are answers like others."""
+    """Returns errors and redirects like other answers."""
 
     def http_response(self, request: Request, response: HTTPResponse) -> HTTPResponse:
         return response
@@ -50,8 +54,8 @@ class _AsItIs(HTTPErrorProcessor):
     https_response = http_response
 
 
-class _Listening(HTTPConnection):
-    """A server may answer (413, say) and hang up before it has read all we send: then its answer is what counts."""
+class _Connection(HTTPConnection):
+    """A connection that reads the answer of a server that closes it before reading the whole body, for example with 413."""
 
     def send(self, data: Any) -> None:
         try:
@@ -61,22 +65,24 @@ class _Listening(HTTPConnection):
                 raise
 
 
-class _ListeningTLS(_Listening, HTTPSConnection):
+class _SecureConnection(_Connection, HTTPSConnection):
     pass
 
 
 class _Plain(HTTPHandler):
     def http_open(self, req: Request) -> HTTPResponse:
-        return self.do_open(_Listening, req)
+        return self.do_open(_Connection, req)
 
 
 class _Secure(HTTPSHandler):
     def https_open(self, req: Request) -> HTTPResponse:
-        return self.do_open(_ListeningTLS, req, context=ssl.create_default_context())
+        return self.do_open(_SecureConnection, req, context=ssl.create_default_context())
 
 
 def unreachable(error: Exception, url: str, timeout: float) -> Unreachable:
-    """The sentence for why there is no answer. A name or certificate that is wrong will stay wrong."""
+    """Return the Unreachable error for an exception of the standard library. A wrong name or certificate does
+    not pass.
+    """
     cause = error.reason if isinstance(error, URLError) and isinstance(error.reason, Exception) else error
     sentence = _why(cause, place(url), urlsplit(url).hostname or "", timeout)
     lasting = isinstance(cause, ssl.SSLCertVerificationError) or (isinstance(cause, gaierror) and cause.errno == EAI_NONAME)
@@ -91,7 +97,7 @@ def _why(cause: Exception, at: str, host: str, timeout: float) -> str:
                 "then ask your course staff (on a Mac, run “Install Certificates.command” first)."
             )
         case ssl.SSLError():
-            sentence = f"{at} was not reached securely: check whether its address begins with https:// or http://."
+            sentence = f"No secure connection to {at}: check whether its address begins with https:// or http://."
         case gaierror():
             sentence = f"The name {host} was not found: check the address and your network."
         case TimeoutError():
@@ -101,9 +107,9 @@ def _why(cause: Exception, at: str, host: str, timeout: float) -> str:
         case OSError() if cause.errno in NO_NETWORK:
             sentence = f"There is no network to {at}: check your connection and try again."
         case OSError() if "Tunnel" in str(cause):
-            sentence = f"The proxy of your network does not let us through to {at}: check HTTPS_PROXY or use another network."
+            sentence = f"Your network's proxy blocks {at}: check HTTPS_PROXY or use another network."
         case BadStatusLine() if not isinstance(cause, RemoteDisconnected):
-            sentence = f"What answers at {at} does not speak HTTP: check the address and its port."
+            sentence = f"The program at {at} does not speak HTTP: check the address and its port."
         case _:
             sentence = f"The connection to {at} was lost: check your network and try again."
     return sentence
@@ -134,7 +140,7 @@ def _whole(response: HTTPResponse, url: str, until: float) -> bytes:
             raise too_long(url)
         if time.monotonic() > until:
             raise TimeoutError
-    if response.length:  # read1 is silent about a body that ends too soon
+    if response.length:  # read1 does not report a body that ends early
         raise ConnectionResetError
     return bytes(body)
 

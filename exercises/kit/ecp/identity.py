@@ -1,4 +1,6 @@
-"""Who a notebook submits as: a token that is kept outside the notebook, got by confirming a code in the browser."""
+"""The identity a notebook submits with: a token stored outside the notebook, issued after confirming a code
+in the browser.
+"""
 
 import json
 import os
@@ -18,53 +20,56 @@ JSON = {"Content-Type": "application/json"}
 
 
 class NotLoggedIn(NotebookError):
-    """The login was not confirmed; the message says why."""
+    """The login was not completed; the message gives the reason."""
 
 
 def login(server: str | None = None) -> None:
-    """Log this computer in at the course's server: open the address shown, compare the code, confirm. Once in a term is enough.
+    """Log this computer in to the course server: open the address shown, compare the code, confirm. Once per
+    term is enough.
 
-    The token is kept in a file of yours and never gets into the notebook. NotLoggedIn if nobody confirms.
+    The token is stored in a file that only you can read, never in the notebook. Raises NotLoggedIn if the
+    code is not confirmed in time or the token cannot be stored.
     """
     where = course.server(server)
     if (who := _whoami(where)) is not None:
-        print("This server knows one local student; no login is needed." if who["local"] else f"Logged in as {who['person']}.")
+        print("This server has a single local student; no login is needed." if who["local"] else f"Logged in as {who['person']}.")
         return
-    _keep(where, None)  # where nothing can be kept that is better known now than later
+    _store(where, None)  # fails before the student confirms, not after, if the file cannot be written
     label = f"Python on {platform.node() or 'a computer'}"
     asked = call("POST", f"{where}/v1/logins", body=_body(label=label), headers=JSON).json()
     line, until = Line(), time.monotonic() + asked["expires_in"]
     while time.monotonic() < until:
-        line.tell(f"Open {asked['verification_uri_complete']} and confirm the code {asked['user_code']}")
+        line.show(f"Open {asked['verification_uri_complete']} and confirm the code {asked['user_code']}")
         time.sleep(asked["interval"])
         answer = call("POST", f"{where}/v1/logins/token", body=_body(device_code=asked["device_code"]), headers=JSON)
         if answer.status == 200:
-            _keep(where, answer.json()["token"])
+            _store(where, answer.json()["token"])
             line.end(f"Logged in as {answer.json()['person']}.")
             return
-    raise NotLoggedIn("Nobody confirmed the code in time: run ecp.login() again.")
+    raise NotLoggedIn("The code was not confirmed in time: run ecp.login() again.")
 
 
 def logout(server: str | None = None) -> None:
-    """Forget the token that ``login`` got for this computer, here and at the server."""
+    """Delete the token that ``login`` stored, on this computer and on the server."""
     where = course.server(server)
     if (token := _tokens().get(where)) is None:
-        print("Nothing to forget: this computer was not logged in.")
+        print("This computer is not logged in.")
         return
-    _keep(where, None)
+    _store(where, None)
     try:
         call("DELETE", f"{where}/v1/me/token", headers={"Authorization": f"Bearer {token}"}, patience=CONTACT_S)
     except HTTPError as refused:
-        if refused.status != 401:  # it was not good any more
+        if refused.status != 401:  # 401: the token was already invalid
             raise
     print("Logged out.")
 
 
 def authorization(server: str) -> Mapping[str, str]:
-    """The header that tells who asks, or nothing where there is no token for that server.
+    """Return the Authorization header for ``server``, or an empty mapping if there is no token for it.
 
-    The token is the one ``login`` got, else POLHODE_TOKEN, else the hub's own. Where POLHODE_SERVER names a server the last two go
-    to no other; the hub's, which opens more than one server, only goes where it is named so.
+    The token is the one ``login`` stored, else POLHODE_TOKEN, else JUPYTERHUB_API_TOKEN. If POLHODE_SERVER is
+    set, the last two are sent to that server only. JUPYTERHUB_API_TOKEN, which other servers accept too, is
+    sent only if POLHODE_SERVER is set.
     """
     named = os.environ.get("POLHODE_SERVER", "").rstrip("/")
     token = _tokens().get(server)
@@ -77,12 +82,12 @@ def authorization(server: str) -> Mapping[str, str]:
 
 def _whoami(server: str) -> dict[str, Any] | None:
     try:
-        told: dict[str, Any] = call("GET", f"{server}/v1/me", headers=authorization(server), patience=CONTACT_S).json()
+        person: dict[str, Any] = call("GET", f"{server}/v1/me", headers=authorization(server), patience=CONTACT_S).json()
     except HTTPError as refused:
         if refused.status == 401:
             return None
         raise
-    return told
+    return person
 
 
 def _body(**fields: str) -> bytes:
@@ -102,8 +107,8 @@ def _tokens() -> dict[str, str]:
     return found if isinstance(found, dict) else {}
 
 
-def _keep(server: str, token: str | None) -> None:
-    """Remember the token for that server, or forget it; nobody else on the computer can read the file."""
+def _store(server: str, token: str | None) -> None:
+    """Store the token for ``server``, or delete it if None. Only the file's owner can read it."""
     kept = {name: value for name, value in _tokens().items() if name != server} | ({server: token} if token else {})
     folder = _file().parent
     try:
@@ -113,5 +118,5 @@ def _keep(server: str, token: str | None) -> None:
             json.dump(kept, stream)
         os.replace(unfinished, _file())
     except OSError as error:
-        elsewhere = "Set XDG_CONFIG_HOME to a folder that can, and run ecp.login() again."
-        raise NotLoggedIn(f"{folder} cannot be written ({error.strerror}), so no token can be kept. {elsewhere}") from None
+        remedy = "set XDG_CONFIG_HOME to a folder you can write to, and run ecp.login() again."
+        raise NotLoggedIn(f"The token cannot be stored in {folder} ({error.strerror}): {remedy}") from None

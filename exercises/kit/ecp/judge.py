@@ -1,7 +1,7 @@
-"""The check words: numbers and an explicit tolerance in, a judgement out.
+"""The judgements behind the check words: numbers and an explicit tolerance in, a verdict and its text out.
 
-The notebook (``ecp.validate``) and the server judge with these same functions, so both print the same line.
-NaN, infinity and a wrong shape never pass.
+The notebook (``ecp.validate``) and the server use these same functions, so both print the same line. NaN,
+infinity and a wrong shape never pass.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class Verdict(StrEnum):
-    """A check's answer. UNMEASURED is not a failure of the physics: its cause says why nothing could be measured."""
+    """A check's verdict. UNMEASURED is neither right nor wrong: its cause says why nothing could be measured."""
 
     PASS = "pass"  # noqa: S105
     FAIL = "fail"
@@ -28,8 +28,11 @@ MARKS = {Verdict.PASS: "✓", Verdict.FAIL: "✗", Verdict.UNMEASURED: "–"}
 
 @dataclass(frozen=True)
 class Judgement:
-    """One answered question. ``detail`` is the text in the brackets; ``margin`` is allowed / measured (None: nothing was off,
-    or there is no number); ``where`` is the index of the worst value in the compared array."""
+    """The judgement of one claim. ``detail`` is the text in the brackets.
+
+    ``margin`` is allowed / measured, None if nothing deviates or there is no number. ``where`` is the index
+    of the worst value in the compared array.
+    """
 
     verdict: Verdict
     detail: str
@@ -40,12 +43,12 @@ class Judgement:
 
 
 def line(verdict: Verdict, label: str, detail: str) -> str:
-    """The ✓/✗ line of the notebook: mark, two spaces, label, three spaces, [detail]."""
+    """Return the notebook's ✓/✗ line: mark, two spaces, label, three spaces, [detail]."""
     return f"{MARKS[verdict]}  {label}   [{detail}]"
 
 
 def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judgement:
-    """|got − expected| ≤ atol + rtol |expected| everywhere, shapes equal, nothing broadcast."""
+    """Judge |got − expected| ≤ atol + rtol |expected| everywhere. Shapes must be equal; nothing is broadcast."""
     seen, want = _real(got), _real(expected)
     tolerance = f"(rtol={rtol:g}, atol={atol:g})"
     if seen.shape != want.shape:
@@ -62,7 +65,9 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
 
 
 def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) -> Judgement:
-    """|got − expected| ≤ limit · scale everywhere, shapes equal; ``scale`` is one number or an array of that shape."""
+    """Judge |got − expected| ≤ limit · scale everywhere. Shapes must be equal; ``scale`` is one number or an
+    array of that shape.
+    """
     seen, want, unit = _real(got), _real(expected), _real(scale)
     if seen.shape != want.shape:
         return Judgement(Verdict.FAIL, f"shape {seen.shape} vs expected shape {want.shape} (limit {limit:g})")
@@ -76,7 +81,7 @@ def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) 
 
 
 def conserved(series: ArrayLike, limit: float) -> Judgement:
-    """max |s(t)/s(0) − 1| ≤ limit along a series; a series that starts at zero must stay there."""
+    """Judge max |s(t)/s(0) − 1| ≤ limit for a series (n,), n ≥ 2. A series that starts at zero must stay zero."""
     values = _real(series)
     if values.ndim != 1 or values.size < 2:
         return Judgement(Verdict.FAIL, f"shape {values.shape} is not a series")
@@ -90,7 +95,7 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
 
 
 def below(value: ArrayLike, limit: float) -> Judgement:
-    """value ≤ limit, for one number or the largest of many."""
+    """Judge value ≤ limit for a number, or for the largest of an array."""
     values = _real(value)
     if values.size == 0:
         return Judgement(Verdict.FAIL, f"no number (limit {limit:g})")
@@ -101,7 +106,7 @@ def below(value: ArrayLike, limit: float) -> Judgement:
 
 
 def positive(value: ArrayLike) -> Judgement:
-    """value > 0, for one number or the smallest of many."""
+    """Judge value > 0 for a number, or for the smallest of an array."""
     values = _real(value)
     if values.size == 0:
         return Judgement(Verdict.FAIL, "no number (must be > 0)")
@@ -110,7 +115,7 @@ def positive(value: ArrayLike) -> Judgement:
 
 
 def holds(ok: Any, detail: str) -> Judgement:
-    """A claim with its own detail text. Only a true bool passes; an array or a NaN does not."""
+    """Judge a claim that has its own detail text. Only a true bool passes; an array or NaN does not."""
     return Judgement(_verdict(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
 
 
@@ -119,7 +124,7 @@ def _verdict(ok: bool) -> Verdict:
 
 
 def _worst(delta: Array, allowed: Array) -> tuple[tuple[int, ...] | None, float | None]:
-    """Index and margin of the value that uses most of its allowance; a value that is not a number is the worst of all."""
+    """Return index and margin of the value that uses most of its allowance. NaN is the worst."""
     if delta.size == 0:
         return None, None
     with np.errstate(divide="ignore", invalid="ignore"):

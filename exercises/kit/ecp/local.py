@@ -1,4 +1,4 @@
-"""``ecp.check``: the public scenes played here, in the notebook's own kernel, and judged as the server judges them."""
+"""``ecp.check``: runs the public scenes in the notebook's own kernel and judges them as the server does."""
 
 import platform
 import sys
@@ -23,63 +23,64 @@ from ecp.report import ExerciseReport, Provenance, Report, pictures
 from ecp.return_value import describe_exception, is_written
 from ecp.time_limit import OutOfTime, limited
 
-OURS = Path(__file__).parent
-WALLS = "none: checked in your own kernel"
+KIT = Path(__file__).parent
+ISOLATION = "none: checked in your own kernel"
 
 
 def check(*numbers: str | int, assignment: str | None = None) -> Report:
-    """The public checks of these exercises, or of all whose functions are written here, offline and with the server's own lines.
+    """Run the public checks of the exercises ``numbers``, offline, and return the report with the server's own lines.
 
-    The functions are taken by their names from the module that ``check`` is called in. NotKnown for an exercise the assignment
-    does not have.
+    The default is every exercise with a function that is no longer empty. Functions are found by name in the module that calls
+    ``check``. Raises UnknownCourse for an assignment the kit does not contain or an exercise the assignment does not have.
     """
     names = sys._getframe(1).f_globals
     known = course.public(course.assignment(assignment))
-    written = {f for e in known.exercises for f in e.asks_for() if is_written(names.get(f))}
+    written = {f for e in known.exercises for f in e.function_names() if is_written(names.get(f))}
 
     def function_of(scene: str) -> str:
         return known.scenes[scene].function
 
-    asked = _asked(known, [str(number) for number in numbers], written)
-    made = {e.number: e.made(written, function_of) for e in asked}
-    with _own_figures(), animate.watched():
-        played = _play(_needed(asked, made, known), known, names)
-    sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in made[e.number]]) for e in asked]
+    chosen = _chosen(known, [str(number) for number in numbers], written)
+    checks = {e.number: e.applicable_checks(written, function_of) for e in chosen}
+    with _close_new_figures(), animate.watched():
+        played = _play(_needed(chosen, checks, known), known, names)
+    sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, WALLS), local=True)
-    missed = [] if numbers else [e for e in known.exercises if e not in asked]
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True)
+    missed = [] if numbers else [e for e in known.exercises if e not in chosen]
     report.not_attempted = [e.number for e in missed]
-    report.total = report.max_score + sum(len(e.made(e.functions, function_of)) for e in missed)
+    report.total = report.max_score + sum(len(e.applicable_checks(e.functions, function_of)) for e in missed)
     report.scene_ends = [scene_end for scene_end in played.scene_ends.values() if scene_end.ended is not Ended.FINISHED]
     arrays = played.arrays
-    report.figures, report.animations = pictures(asked, arrays)
-    report.drawn = cache(lambda name: _draw(asked, known, arrays, name))
-    more = sum(known.hidden.get(e.number, 0) for e in asked)
-    report.remark = f"Checked here. The server makes {more} more checks, with numbers drawn anew for each attempt." if more else ""
+    report.figures, report.animations = pictures(chosen, arrays)
+    report.drawn = cache(lambda name: _draw(chosen, known, arrays, name))
+    more = sum(known.hidden.get(e.number, 0) for e in chosen)
+    remark = f"Checked locally. The server makes {more} more checks, with new random inputs for each submission."
+    report.remark = remark if more else ""
     report.remark += "".join(f" {slow}" for slow in played.slow)
     return report
 
 
 @dataclass
 class SceneRun:
-    """What the scenes brought, how they ended, and sentences about those that took longer than the server allows."""
+    """What the scenes returned, how they ended, and remarks on those slower than the server allows."""
 
     arrays: dict[str, dict[str, Any]] = field(default_factory=dict)
     scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     slow: list[str] = field(default_factory=list)
 
 
-def _asked(known: PublicAssignment, numbers: list[str], written: set[str]) -> list[Exercise]:
-    there = {e.number: e for e in known.exercises}
-    if unknown := [number for number in numbers if number not in there]:
-        raise UnknownCourse(f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(there)}")
+def _chosen(known: PublicAssignment, numbers: list[str], written: set[str]) -> list[Exercise]:
+    declared = {e.number: e for e in known.exercises}
+    if unknown := [number for number in numbers if number not in declared]:
+        raise UnknownCourse(f"{known.slug} has no exercise {', '.join(unknown)}; it has {', '.join(declared)}")
     return [e for e in known.exercises if e.number in numbers] or attempted(known.exercises, written)
 
 
-def _needed(asked: list[Exercise], made: Mapping[str, list[Check]], known: PublicAssignment) -> list[PublicScene]:
-    """The scenes of what is made and shown, each behind the one it comes after."""
-    wanted = [s for checks in made.values() for c in checks for s in c.scenes]
-    wanted += [s for e in asked for f in e.figures for s in f.scenes]
+def _needed(chosen: list[Exercise], checks: Mapping[str, list[Check]], known: PublicAssignment) -> list[PublicScene]:
+    """Return the scenes of the checks and figures, each behind the one it comes after."""
+    wanted = [s for listed in checks.values() for c in listed for s in c.scenes]
+    wanted += [s for e in chosen for f in e.figures for s in f.scenes]
     ordered = [name for s in wanted for name in (known.scenes[s].after, s) if name is not None]
     return [known.scenes[name] for name in dict.fromkeys(ordered)]
 
@@ -110,19 +111,19 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
         played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.TIMED_OUT, sentence, "timeout")
         return
     except BaseException as error:
-        told = describe_exception(error, _own)
-        scene_end, sentence = Ended(str(told["ended"])), " ".join(str(told["sentence"]).split())
-        played.scene_ends[scene.name] = SceneEnd(scene.name, scene_end, sentence, told["code"], told.get("traceback"))
+        described = describe_exception(error, _own)
+        ended, sentence = Ended(str(described["ended"])), " ".join(str(described["sentence"]).split())
+        played.scene_ends[scene.name] = SceneEnd(scene.name, ended, sentence, described["code"], described.get("traceback"))
         return
     if (took := time.monotonic() - began) > scene.budget_s:
-        played.slow.append(f"The server gives the scene {scene.name} {scene.budget_s:g} s; here it took {took:.0f} s.")
+        played.slow.append(f"Scene {scene.name} took {took:.0f} s here; the server allows {scene.budget_s:g} s.")
     played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {k: scene.truth[k] for k in scene.known}
     played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.FINISHED, "finished")
 
 
 @contextmanager
-def _own_figures() -> Iterator[None]:
-    """Close the figures that are opened within: the report shows what is to be seen of them."""
+def _close_new_figures() -> Iterator[None]:
+    """Close the figures that the student's code opens: the report shows its own."""
     pyplot = sys.modules.get("matplotlib.pyplot")
     before = set(pyplot.get_fignums()) if pyplot else set()
     try:
@@ -145,7 +146,7 @@ def _outcome(check: Check, known: PublicAssignment, played: SceneRun) -> Outcome
 
 
 def _likely(check: Check, known: PublicAssignment, played: SceneRun) -> list[Diagnosis]:
-    """What the numbers of a scene or of the one before it single out, else how the code stopped."""
+    """Return the causes that the numbers of a scene, or of the one before it, single out; else how the code ended."""
     names = [name for scene in check.scenes for name in (known.scenes[scene].after, scene) if name is not None]
     for name in names:
         if name in played.arrays and (found := _diagnosed(known, name, played.arrays[name])):
@@ -155,7 +156,7 @@ def _likely(check: Check, known: PublicAssignment, played: SceneRun) -> list[Dia
 
 
 def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagnosis]:
-    """The causes found; none where looking for them fails, because a missing cause must not cost a report."""
+    """Return the likely causes; none if the diagnosis itself fails, because a report must not depend on it."""
     try:
         with np.errstate(all="ignore"):
             return known.diagnose(name, known.scenes[name].inputs, arrays, known.scenes[name].truth)
@@ -163,17 +164,17 @@ def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagn
         return []
 
 
-def _draw(asked: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str) -> bytes | None:
+def _draw(chosen: list[Exercise], known: PublicAssignment, arrays: Mapping[str, Arrays], name: str) -> bytes | None:
     from ecp.drawing import contact_sheet, draw
 
-    for figure in (f for e in asked for f in e.figures if f.name == name):
+    for figure in (f for e in chosen for f in e.figures if f.name == name):
         return draw(figure, [arrays[s] for s in figure.scenes], [known.scenes[s].truth for s in figure.scenes])
-    for animation in (a for e in asked for a in e.animations if a.name == name):
+    for animation in (a for e in chosen for a in e.animations if a.name == name):
         return contact_sheet(arrays[animation.scene][animation.array])
     return None
 
 
 def _own(filename: str) -> bool:
-    """Whether a frame of a traceback is the student's: not the kit's, not a library's."""
+    """Return whether a frame of a traceback is the student's code, not the kit's or a library's."""
     path = Path(filename)
-    return not (filename == "plays.py" or OURS in path.parents or {"site-packages", "dist-packages"} & set(path.parts))
+    return not (filename == "plays.py" or KIT in path.parents or {"site-packages", "dist-packages"} & set(path.parts))

@@ -1,4 +1,4 @@
-"""A check's answer as it stands in a report; and how the execution of a scene stopped."""
+"""The outcome of a check as it appears in a report, and how the execution of a scene ended."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,12 +7,12 @@ from typing import ClassVar
 
 from ecp.judge import Verdict, line
 
-NEARLY = 0.01  # a margin above this may be a matter of a few roundings,
-SMALL = 1e-6  # if the tolerance that would pass is not larger than this
+NEARLY = 0.01  # a larger margin may be explained by a few rounding errors,
+SMALL = 1e-6  # if the tolerance that would pass is at most this
 
 
 class Ended(StrEnum):
-    """How the execution of a scene, or of a cell, stopped. It says nothing about whether the answer is right."""
+    """How the execution of a scene or a cell ended. It does not say whether the answer is right."""
 
     FINISHED = "finished"
     RAISED = "raised"
@@ -30,7 +30,7 @@ class Ended(StrEnum):
 
 @dataclass
 class SceneEnd:
-    """How one scene or cell ended, with the public diagnosis code and the student's traceback where there is one."""
+    """How one scene or cell ended: the sentence, the diagnosis code, and the student's traceback if there is one."""
 
     scene: str
     ended: Ended = field(metadata={"formerly": "ending"})
@@ -41,7 +41,7 @@ class SceneEnd:
 
 @dataclass(frozen=True, kw_only=True)
 class Tolerance:
-    """What was allowed, and why just that much. Only the numbers a check uses are set."""
+    """The allowed deviation and its reason. Only the numbers that a check uses are set."""
 
     rtol: float | None = None
     atol: float | None = None
@@ -51,7 +51,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The named likely cause of a ✗: a public code, a sentence for the student, and how sure it is (0 to 1)."""
+    """The likely cause of a ✗: a stable code, a sentence for the student, and the confidence (0 to 1)."""
 
     code: str
     sentence: str
@@ -60,10 +60,10 @@ class Diagnosis:
 
 @dataclass(kw_only=True)
 class Outcome:
-    """One check of one attempt. ``cause`` says why nothing was measured; ``margin`` is allowed / measured.
+    """The outcome of one check. ``cause`` says why nothing was measured; ``margin`` is allowed / measured.
 
-    ``hidden``: its scenes were drawn for this attempt. ``counted`` is false where the check does not apply to what was handed in,
-    such as points to follow in a drawing that has none; ``hints`` are remarks that cost nothing.
+    ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
+    submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
     """
 
     id: str
@@ -85,11 +85,11 @@ class Outcome:
 
     @property
     def line(self) -> str:
-        """The ✓/✗ line, byte for byte as in the notebook."""
+        """Return the ✓/✗ line, byte for byte as in the notebook."""
         return line(self.verdict, self.label, self.detail)
 
     def notes(self) -> list[str]:
-        """Where a ✗ is worst, and how far off it is."""
+        """Return the place of a ✗'s worst value and how far off it is."""
         if self.verdict is not Verdict.FAIL:
             return []
         found = [f"worst at {self.where}"] if self.where else []
@@ -97,11 +97,11 @@ class Outcome:
             return found
         found.append(f"{1 / self.margin:.3g} times the allowed difference")
         if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
-            found.append(f"no known slip gives these numbers: perhaps the tolerance is merely too tight; it would pass at {would}")
+            found.append(f"no known mistake gives these numbers; the tolerance may be too tight: it would pass at {would}")
         return found
 
     def _would_pass(self) -> str | None:
-        """The tolerances with which this ✗ would be a ✓; None where they would be more than a few roundings."""
+        """Return the tolerances with which this ✗ would pass, or None if they are more than a few rounding errors."""
         larger, tolerance = 1.0001 / (self.margin or 1.0), self.tolerance
         allowed = {"rtol": tolerance.rtol, "atol": tolerance.atol, "limit": tolerance.limit}
         needed = {name: value * larger for name, value in allowed.items() if value}
@@ -110,13 +110,14 @@ class Outcome:
         return ", ".join(f"{name} = {value:.2g}" for name, value in needed.items())
 
     def causes(self) -> list[Diagnosis]:
-        """The likely causes that the line itself does not state; none of a ✓."""
+        """Return the likely causes that the line itself does not state. A ✓ has none."""
         return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
 
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
-        """The line, and for anything but ✓ what helps to find the discrepancy, indented below it.
+        """Return the line and, for a ✗ or –, notes, likely causes and hints, indented below it.
 
-        A cause whose sentence has one of the ``numbers`` is stated at the top of the report: here its number stands for it.
+        ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for
+        them.
         """
         above = numbers or {}
         hints = [f"hint: {hint}" for hint in self.hints]
@@ -131,7 +132,9 @@ class Outcome:
 
 @dataclass(frozen=True)
 class SweptPoint:
-    """A solver at one tolerance: right-hand side calls, largest error over the run (None: it blew up), CPU seconds."""
+    """A solver at one tolerance: right-hand side calls, largest error over the run (None: it diverged), CPU
+    seconds.
+    """
 
     method: str
     rtol: float
@@ -142,7 +145,7 @@ class SweptPoint:
 
 @dataclass
 class SweepResult:
-    """Speed against accuracy of a submission: its points on ``scene`` of the reference chart, and in one line where it stands."""
+    """Speed against accuracy of a submission: its points on ``scene`` of the reference chart, and a summary line."""
 
     scene: str
     points: list[SweptPoint]

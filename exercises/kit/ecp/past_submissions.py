@@ -1,4 +1,4 @@
-"""``ecp.attempts``: what you have submitted so far, and what changed from one to the next."""
+"""``ecp.submissions``: the student's submissions to an assignment, and what changed from one to the next."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -13,7 +13,11 @@ from ecp.report_html import fragment
 
 @dataclass(frozen=True, repr=False)
 class Submissions:
-    """Your submissions to an assignment, newest first, as the server tells them; the ids of the best and the last."""
+    """A student's submissions to an assignment, newest first, and the ids of the best and the latest one.
+
+    ``submissions`` are the objects of the server's JSON answer. ``address`` is the address of the
+    assignment's page.
+    """
 
     assignment: str
     submissions: list[dict[str, Any]]
@@ -26,15 +30,15 @@ class Submissions:
 
     def __repr__(self) -> str:
         if not self.submissions:
-            return "nothing submitted yet"
+            return "no submissions yet"
         return "\n".join("  ".join(row) for row in self._rows())
 
     def _repr_html_(self) -> str:
         if not self.submissions:
-            return "nothing submitted yet"
+            return "no submissions yet"
         cells = [f"<tr><td>{'</td><td>'.join(map(escape, row))}</td></tr>" for row in self._rows()]
-        head = "<tr><th>submitted</th><th>points</th><th></th><th>changed since the one before</th></tr>"
-        link = f'<a href="{escape(self.address, quote=True)}" target="_blank" rel="noopener">On the server</a>'
+        head = "<tr><th>submitted</th><th>points</th><th></th><th>changes since the previous one</th></tr>"
+        link = f'<a href="{escape(self.address, quote=True)}" target="_blank" rel="noopener">View on the server</a>'
         return fragment(f"<table><thead>{head}</thead><tbody>{''.join(cells)}</tbody></table>{link}")
 
     def _rows(self) -> list[tuple[str, ...]]:
@@ -47,12 +51,20 @@ class Submissions:
         graded = "" if points == one["score"] else f" (graded {one['score']})"
         most = one.get("total", one["max_score"])
         score = one["status"] if one["score"] is None else f"{points} of {most}{graded}"
-        note = ", ".join(word for word, id in (("best", self.best), ("last", self.last)) if id == one["id"])
+        note = ", ".join(word for word, id in (("best", self.best), ("latest", self.last)) if id == one["id"])
         return when, score, note, one["changed"]["told"] if one["changed"] else ""
 
 
-def attempts(server: str | None = None, assignment: str | None = None) -> Submissions:
-    """Your submissions so far: times, verdicts, the best and the last, and what changed."""
+def submissions(server: str | None = None, assignment: str | None = None) -> Submissions:
+    """Return your submissions to an assignment: times, points, the best and the latest one, and what changed.
+
+    ``server`` and ``assignment`` default to those of ``ecp.connect``. Raises UnknownCourse if one of them is not known, Unreachable
+    if the server does not answer, and HTTPError if it refuses, for example because you are not logged in.
+    """
     where, slug = course.server(server), course.assignment(assignment)
-    told = call("GET", f"{where}/v1/assignments/{slug}/submissions", headers=authorization(where), patience=CONTACT_S).json()
-    return Submissions(told["assignment"], told["submissions"], told["best"], told["last"], f"{where}/assignments/{slug}")
+    found = call("GET", f"{where}/v1/assignments/{slug}/submissions", headers=authorization(where), patience=CONTACT_S).json()
+    return Submissions(found["assignment"], found["submissions"], found["best"], found["last"], f"{where}/assignments/{slug}")
+
+
+attempts = submissions
+"""The former name of ``submissions``, which older notebooks use."""

@@ -1,18 +1,18 @@
-"""One line that tells how far something is, rewritten in its place where the front end can do that."""
+"""One line of progress, rewritten in place where the front end supports it."""
 
 import sys
 from typing import Any
 
 
 class Line:
-    """A line of plain text in the output of a cell, on a terminal, or, once for each state, in a log."""
+    """A line of text in a notebook cell's output or on a terminal. In a log each state is a line."""
 
     def __init__(self) -> None:
         self._shown = ""
         self._handle = _handle()
 
-    def tell(self, text: str) -> None:
-        """Show ``text`` in the place of what was shown before."""
+    def show(self, text: str) -> None:
+        """Show ``text`` in place of the previous text."""
         if text == self._shown:
             return
         if self._handle is not None:
@@ -24,8 +24,8 @@ class Line:
         self._shown = text
 
     def end(self, text: str) -> None:
-        """Show ``text`` and leave it there."""
-        self.tell(text)
+        """Show ``text`` and end the line."""
+        self.show(text)
         if self._handle is None and sys.stdout.isatty():
             print()
 

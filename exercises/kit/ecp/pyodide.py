@@ -1,7 +1,8 @@
-"""Requests by the browser, for a kernel in a web page (JupyterLite), which has no sockets.
+"""Requests through the browser, for a kernel in a web page (JupyterLite), which has no sockets.
 
-Where Python can wait for a promise (WebAssembly stack switching: Chrome, Edge) it is ``fetch``; elsewhere a synchronous
-XMLHttpRequest, which a web worker may use. A browser follows redirects itself, and takes the token off those to another origin.
+Where Python can wait for a promise (WebAssembly stack switching: Chrome, Edge) the request uses ``fetch``,
+elsewhere a synchronous XMLHttpRequest, which a web worker may use. The browser follows redirects itself and
+removes the token for another origin.
 """
 
 import asyncio
@@ -11,14 +12,16 @@ from typing import Any, NamedTuple
 
 from ecp.errors import MOST_BYTES, Answer, Unreachable, moved, place, same_origin, too_long
 
-OWN = ("user-agent",)  # browsers drop it, complain of it, or ask the server's leave for it
+OWN = ("user-agent",)  # browsers drop it, reject it, or send a preflight request for it
 
 
 class Browser:
     """The back end of a kernel in a web worker."""
 
     def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-        """Any answer; Unreachable if there is none, or the browser keeps it from us, which it does not tell apart."""
+        """Return the answer. Raises Unreachable if there is none or the browser blocks it; the browser does
+        not say which.
+        """
         sent = {name: value for name, value in headers.items() if name not in OWN}
         how = _fetch if _can_wait() else _synchronous
         try:
@@ -32,7 +35,7 @@ class Browser:
         return got.answer
 
     def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
-        """None: a synchronous request gives its answer only when that is whole."""
+        """Return None: a synchronous request returns its answer only when it is complete."""
         return None
 
 
@@ -94,5 +97,5 @@ def _unreachable(error: Exception, url: str, timeout: float) -> Unreachable:
         return Unreachable(f"{place(url)} did not answer within {timeout:g} s: check your network and try again.")
     return Unreachable(
         f"Your browser did not reach {place(url)}: check the address and your network; if both are right, the server does not "
-        "let this page talk to it, so ask your course staff."
+        "accept requests from this page, so ask your course staff."
     )

@@ -1,4 +1,4 @@
-"""``ecp.submit``: what a notebook sends, the wait for its report, and the report itself."""
+"""``ecp.submit``: collect the code, send it, wait for the report and return it."""
 
 import contextlib
 import json
@@ -17,11 +17,11 @@ from ecp.progress import Line
 from ecp.report import Report
 from ecp.return_value import is_empty
 
-PATIENCE_S = 300.0  # with a server that has taken it: it may be started again meanwhile
+PATIENCE_S = 300.0  # with a server that stored the submission: it may restart meanwhile
 
 
 class NotGraded(NotebookError):
-    """What was submitted has no report: the message says why, and where it will be."""
+    """The submission has no report. The message gives the reason and the address where the report will be."""
 
 
 def submit(
@@ -31,47 +31,47 @@ def submit(
     server: str | None = None,
     assignment: str | None = None,
 ) -> Report | None:
-    """Submit functions with all they need, or a ``.py`` or ``.ipynb`` file, or without either all of this notebook's code.
+    """Submit functions with everything they need, or a ``.py`` or ``.ipynb`` file, or by default all code of
+    this notebook.
 
-    Waits for the report and returns it. ``exercises`` says which are to be graded; else those attempted. Functions that are still
-    empty are not sent; None where all are. Raises CannotSend, Unreachable or HTTPError where nothing was submitted, NotGraded where
-    it was and there is no report.
+    Waits for the report and returns it. ``exercises`` are the numbers to grade (default: those the submission
+    attempts). ``server`` and ``assignment`` default to those of ``ecp.connect``. Functions that are still
+    empty are not sent; returns None if all are empty. Raises CannotSend, UnknownCourse, Unreachable or
+    HTTPError if nothing was submitted, and NotGraded if the submission has no report.
     """
     where, slug = course.server(server), course.assignment(assignment)
     empty = [f.__name__ for f in functions if is_empty(f)]
     if functions and len(empty) == len(functions):
-        print(f"Nothing is submitted: {', '.join(empty)} {'are' if len(empty) > 1 else 'is'} still empty.")
+        print(f"Nothing was submitted: {', '.join(empty)} {'are' if len(empty) > 1 else 'is'} still empty.")
         return None
-    sent = _sent([f for f in functions if not is_empty(f)], file, slug)
-    asked: dict[str, Any] = {"source": sent.source, "filename": sent.filename}
+    sent = _bundle([f for f in functions if not is_empty(f)], file, slug)
+    body: dict[str, Any] = {"source": sent.source, "filename": sent.filename}
     if exercises is not None:
-        asked["exercises"] = [str(number) for number in ([exercises] if isinstance(exercises, str | int) else exercises)]
-    line, who = Line(), authorization(where)
-    accepted = _post(f"{where}/v1/assignments/{slug}/submissions", asked, who, line)
+        body["exercises"] = [str(number) for number in ([exercises] if isinstance(exercises, str | int) else exercises)]
+    line, headers = Line(), authorization(where)
+    accepted = _post(f"{where}/v1/assignments/{slug}/submissions", body, headers, line)
     page = f"{where}/submissions/{accepted['id']}"
-    with _ended(line, f"submitted, see {page}"):
+    with _final_text_on_error(line, f"submitted, see {page}"):
         url = f"{where}/v1/submissions/{accepted['id']}"
-        report = _report(_wait(url, who, line, page), page)
-    report.sent, report.address, report.drawn = sent, page, _pictures(report, url, who, line).get
+        report = _report(_wait(url, headers, line, page), page)
+    report.sent, report.address, report.drawn = sent, page, _pictures(report, url, headers, line).get
     remarks = [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
-    remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server has graded another text than was sent.")
+    remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server graded a different text than the one sent.")
     report.remark = " ".join(filter(None, [*remarks, _outdated(where, slug)]))
     line.end(f"submitted and graded: {report.summary()}")
     return report
 
 
-def _sent(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
+def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
     if file is None:
         wanted = course.functions(slug)
         sent = gather(*functions) if functions else whole_notebook()
         if wanted and not wanted & set(sent.names):
-            handed = ", ".join(sent.names) if functions else "this notebook"
-            raise CannotSend(
-                f"{slug} asks for {', '.join(sorted(wanted))}; {handed} has none of them written: nothing was submitted."
-            )
+            given = ", ".join(sent.names) if functions else "this notebook"
+            raise CannotSend(f"{slug} asks for {', '.join(sorted(wanted))}; {given} defines none of them: nothing was submitted.")
         return sent
     if functions:
-        raise CannotSend("Hand in either functions or a file: nothing was submitted.")
+        raise CannotSend("Submit either functions or a file, not both: nothing was submitted.")
     path = Path(file)
     try:
         text = path.read_bytes().decode("utf-8-sig").lstrip("\ufeff")
@@ -80,12 +80,12 @@ def _sent(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
     return Bundle(_without_outputs(text) if path.suffix == ".ipynb" else text, filename=path.name)
 
 
-def _post(url: str, asked: dict[str, Any], who: Mapping[str, str], line: Line) -> dict[str, Any]:
-    """What the server says of the submission once it is stored; however often it has to be asked, it is one."""
-    line.tell("submitting …")
-    with _ended(line, "not submitted"):
-        headers = {**JSON, **who, "Idempotency-Key": str(uuid.uuid4())}
-        accepted: dict[str, Any] = call("POST", url, body=json.dumps(asked).encode(), headers=headers, patience=CONTACT_S).json()
+def _post(url: str, body: dict[str, Any], headers: Mapping[str, str], line: Line) -> dict[str, Any]:
+    """Send the submission and return the server's answer once it is stored. Retries do not submit twice."""
+    line.show("submitting …")
+    with _final_text_on_error(line, "not submitted"):
+        once = {**JSON, **headers, "Idempotency-Key": str(uuid.uuid4())}
+        accepted: dict[str, Any] = call("POST", url, body=json.dumps(body).encode(), headers=once, patience=CONTACT_S).json()
     return accepted
 
 
@@ -93,74 +93,75 @@ def _report(document: dict[str, Any], page: str) -> Report:
     try:
         return read(Report, document["report"])
     except NotADocument as error:
-        raise NotGraded(f"This kit cannot read the report ({error}): install it again. The report is at {page}") from None
+        raise NotGraded(f"This kit cannot read the report ({error}): reinstall the kit. The report is at {page}") from None
 
 
 def _without_outputs(text: str) -> str:
-    """The notebook without what its cells printed and drew: pictures would make it too large, and nobody reads them."""
+    """Return the notebook without its cells' outputs: pictures would make it too large, and grading does not
+    read them.
+    """
     try:
         notebook = json.loads(text)
         cells = [{**cell, "outputs": []} if cell["cell_type"] == "code" else cell for cell in notebook["cells"]]
     except (ValueError, LookupError, TypeError):
-        return text  # the server tells what is wrong with it
+        return text  # the server reports what is wrong with it
     return json.dumps({**notebook, "cells": cells}, ensure_ascii=False)
 
 
-def _wait(url: str, who: Mapping[str, str], line: Line, page: str) -> dict[str, Any]:
+def _wait(url: str, headers: Mapping[str, str], line: Line, page: str) -> dict[str, Any]:
     try:
-        for event in events(f"{url}/events", headers=who, patience=PATIENCE_S):
-            line.tell(_told(event))
-        document: dict[str, Any] = call("GET", url, headers=who, patience=PATIENCE_S).json()
-    except RequestError as trouble:
-        raise NotGraded(f"{trouble} What you sent is stored; its report will be at {page}") from None
+        for event in events(f"{url}/events", headers=headers, patience=PATIENCE_S):
+            line.show(_progress(event))
+        document: dict[str, Any] = call("GET", url, headers=headers, patience=PATIENCE_S).json()
+    except RequestError as error:
+        raise NotGraded(f"{error} Your submission is stored; its report will be at {page}") from None
     except KeyboardInterrupt:
-        raise NotGraded(f"You stopped waiting. What you sent is stored; its report will be at {page}") from None
+        raise NotGraded(f"You stopped waiting. Your submission is stored; its report will be at {page}") from None
     if document["report"] is None:
-        if who_stopped := document.get("cancelled_by"):
-            raise NotGraded(f"Grading was stopped by {who_stopped}, of the course's staff. That costs you nothing; see {page}")
-        failed = document.get("fault", "it gave no reason")
-        raise NotGraded(f"The server failed while grading: {failed}. That is not your mistake and costs you nothing; see {page}")
+        if canceller := document.get("cancelled_by"):
+            raise NotGraded(f"Grading was cancelled by {canceller} (course staff). It does not count against you; see {page}")
+        fault = document.get("fault", "no reason given")
+        raise NotGraded(f"Grading failed on the server: {fault}. It is not your mistake and does not count against you; see {page}")
     return document
 
 
-def _told(event: Event) -> str:
+def _progress(event: Event) -> str:
     match event.data:
         case {"status": "queued", "position": int(position)}:
-            return f"queued at position {position}"
+            return f"queued, position {position}"
         case {"status": "running", "scene": int(scene), "scenes": int(scenes)} if scenes:
             return f"running scene {scene} of {scenes}"
     return event.name
 
 
-def _pictures(report: Report, url: str, who: Mapping[str, str], line: Line) -> dict[str, bytes]:
-    """Every figure and contact sheet that can be had; the server draws them when they are asked for."""
+def _pictures(report: Report, url: str, headers: Mapping[str, str], line: Line) -> dict[str, bytes]:
+    """Return every available figure and contact sheet as PNG by name; the server draws them on request."""
     names = [f"animations/{p.name}" for p in report.animations] + [f"figures/{p.name}" for p in report.figures]
     found: dict[str, bytes] = {}
     for number, name in enumerate(names, start=1):
-        line.tell(f"graded, fetching picture {number} of {len(names)}")
+        line.show(f"graded, fetching picture {number} of {len(names)}")
         with contextlib.suppress(RequestError):  # a report without a picture is better than none
-            found[name.partition("/")[2]] = call("GET", f"{url}/{name}.png", headers=who, patience=5.0).body
+            found[name.partition("/")[2]] = call("GET", f"{url}/{name}.png", headers=headers, patience=5.0).body
     return found
 
 
 def _outdated(server: str, slug: str | None) -> str:
-    """Whether this kit is another one than the server gives out now; its public checks may then be others too."""
+    """Return a remark if the server now distributes another kit, whose public checks may differ; else ""."""
     if (own := course.build()) is None:
         return ""
     try:
-        told = call("GET", f"{server}/v1/assignments/{slug}", patience=5.0).json()
+        current = call("GET", f"{server}/v1/assignments/{slug}", patience=5.0).json()
     except RequestError:
         return ""
-    if told.get("kit_build") == own:
+    if current.get("kit_build") == own:
         return ""
-    return (
-        f"The server has another kit than yours: %pip install --force-reinstall --no-deps {server}{told.get('kit')}, then restart."
-    )
+    address = f"{server}{current.get('kit')}"
+    return f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {address}, then restart the kernel."
 
 
 @contextlib.contextmanager
-def _ended(line: Line, text: str) -> Iterator[None]:
-    """Leave ``text`` as the last word of the line where it goes wrong."""
+def _final_text_on_error(line: Line, text: str) -> Iterator[None]:
+    """End the line with ``text`` if an exception passes."""
     try:
         yield
     except BaseException:

@@ -1,4 +1,4 @@
-"""The one Report: told by the server, made by ``ecp.check``, stored, served, printed and shown."""
+"""The report of a grading, or of ``ecp.check``: outcomes by exercise, provenance, figures and scene ends."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
 
 @dataclass
 class Picture:
-    """A figure or an animation that can be asked for by its ``name``."""
+    """A figure or animation that can be requested by its ``name``."""
 
     name: str
     exercise: str
@@ -25,21 +25,23 @@ class Picture:
 
 
 def pictures(exercises: Sequence[Exercise], shown: Collection[str]) -> tuple[list[Picture], list[Picture]]:
-    """Figures and animations of the exercises whose scenes are among those ``shown``."""
+    """Return figures and animations of the exercises whose scenes are all among those ``shown``."""
     figures = [Picture(f.name, e.number, f.title, f.alt) for e in exercises for f in e.figures if set(f.scenes) <= set(shown)]
     return figures, [Picture(a.name, e.number, a.title, a.alt) for e in exercises for a in e.animations if a.scene in shown]
 
 
 @dataclass
 class ExerciseReport:
-    """The outcomes of one exercise, in the order the checks are declared."""
+    """The outcomes of one exercise, in the order of its declaration."""
 
     number: str
     title: str
     outcomes: list[Outcome]
 
     def text(self, numbers: Mapping[str, int]) -> str:
-        """The lines of the exercise; ``numbers`` of the causes that stand at the top of the report, by sentence."""
+        """Return the exercise's lines. ``numbers`` maps sentences of causes at the top of the report to their
+        numbers.
+        """
         return "\n".join([f"Exercise {self.number}. {self.title}", *(outcome.text(numbers) for outcome in self.outcomes)])
 
 
@@ -50,7 +52,7 @@ class Provenance:
 
     seed: int
     versions: dict[str, str]
-    walls: str
+    isolation: str = field(metadata={"formerly": "walls"})
     motions: dict[str, str] = field(default_factory=dict)
     phases_ms: dict[str, float] = field(default_factory=dict)
 
@@ -61,14 +63,14 @@ def _no_picture(name: str) -> bytes | None:
 
 @dataclass(repr=False)
 class Report:
-    """All outcomes of one attempt. A point is a check that passed.
+    """All outcomes of one grading. Each passed check is one point.
 
-    ``total`` counts the points of every exercise that was asked for, also of those ``not_attempted`` (their numbers); None in a
-    report stored before polhode recorded it.
+    ``total`` is the number of points of every exercise that was to be graded, including those
+    ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
 
-    In a notebook it shows itself; as plain text it is the ✓/✗ lines, ``print(report)`` tells the causes too. Only there it has
-    pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, and a ``remark``; a
-    ``local`` one comes from ``ecp.check`` and has the public checks only.
+    A notebook displays it as HTML; ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only there
+    it has pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page,
+    and a ``remark``. A ``local`` report comes from ``ecp.check`` and has the public checks only.
     """
 
     assignment: str
@@ -83,48 +85,50 @@ class Report:
     notebook_checks: list[NotebookCheck] = field(default_factory=list)
     total: int | None = None
     not_attempted: list[str] = field(default_factory=list)
-    local: bool = field(default=False, metadata={"here": True}, compare=False)
-    drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"here": True}, compare=False)
-    sent: Any = field(default=None, metadata={"here": True}, compare=False)
-    address: str | None = field(default=None, metadata={"here": True}, compare=False)
-    remark: str = field(default="", metadata={"here": True}, compare=False)
+    local: bool = field(default=False, metadata={"local_only": True}, compare=False)
+    drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"local_only": True}, compare=False)
+    sent: Any = field(default=None, metadata={"local_only": True}, compare=False)
+    address: str | None = field(default=None, metadata={"local_only": True}, compare=False)
+    remark: str = field(default="", metadata={"local_only": True}, compare=False)
 
     COMPUTED_FIELDS: ClassVar = ("score", "max_score", "passed")
 
     @property
     def score(self) -> int:
-        """Checks passed."""
+        """Return the number of passed checks."""
         return sum(o.verdict is Verdict.PASS for o in self.outcomes())
 
     @property
     def max_score(self) -> int:
-        """Checks made that count."""
+        """Return the number of checks that count."""
         return sum(o.counted for o in self.outcomes())
 
     @property
     def most(self) -> int:
-        """``total``, or where that is not known the points of the attempted exercises."""
+        """Return ``total``, or the points of the attempted exercises if it is not known."""
         return self.max_score if self.total is None else self.total
 
     @property
     def passed(self) -> bool:
-        """Every check ✓, and at least one check made."""
+        """Return whether there is a counted check and all of them pass."""
         return 0 < self.score == self.max_score
 
     def outcomes(self) -> list[Outcome]:
-        """The outcomes of all exercises in order."""
+        """Return the outcomes of all exercises in order."""
         return [o for e in self.exercises for o in e.outcomes]
 
     def causes(self) -> list[Cause]:
-        """The diagnoses, each with the failures it explains, first those that explain most."""
+        """Return the diagnoses with the outcomes each explains, the one that explains most first."""
         return grouped.causes(self.exercises)
 
     def lines(self) -> str:
-        """The ✓/✗ lines and nothing else."""
+        """Return the ✓/✗ lines only."""
         return "\n".join(o.line for o in self.outcomes())
 
     def text(self) -> str:
-        """The causes of failures, the lines as the notebook would print them, by exercise, then what interrupted the code."""
+        """Return the report as text: causes, the lines by exercise, the notebook's own checks, tracebacks and
+        the summary.
+        """
         causes = self.causes()
         blocks = [grouped.text(causes)] if causes else []
         blocks += [e.text(grouped.numbers(causes)) for e in self.exercises if e.outcomes]
@@ -133,11 +137,11 @@ class Report:
         if notes := [note for e in self.scene_ends if (note := _note(e))]:
             blocks.append("\n".join(notes))
         if self.sweep:
-            blocks.append(f"speed against accuracy: {self.sweep.line}")
+            blocks.append(f"speed versus accuracy: {self.sweep.line}")
         return "\n\n".join([*blocks, self.summary()]) + "\n"
 
     def summary(self) -> str:
-        """State the points out of all there are, the public checks among them, and the exercises not attempted."""
+        """Return the points out of all points, the public checks among them, and the exercises not attempted."""
         if self.local:
             points = f"{self.score} of {self.most} public checks ✓"
         else:

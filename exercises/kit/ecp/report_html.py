@@ -1,4 +1,6 @@
-"""A report as HTML in a notebook: lines, causes, figures, what was graded. Colours follow JupyterLab's and VS Code's themes."""
+"""A report as HTML in a notebook: causes, lines, figures and the graded source. Colours follow JupyterLab's
+and VS Code's themes.
+"""
 
 import base64
 import json
@@ -10,8 +12,8 @@ from ecp.grouped import Cause
 from ecp.outcome import Outcome
 from ecp.report import OWN_CHECKS, ExerciseReport, Picture, Report
 
-# Light first; dark where the notebook's front end says so, or where it says nothing and the system is dark.
-# ":not(#_)" lifts every rule above those of JupyterLab's own for what stands in an output.
+# Light by default; dark if the front end says so, or if it says nothing and the system is dark.
+# ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
 _DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8}"
 _STYLE = (
     """
@@ -40,7 +42,7 @@ td,th{text-align:left;vertical-align:top}}
 
 
 def html(report: Report) -> str:
-    """The report as one HTML fragment that needs nothing from elsewhere."""
+    """Return the report as one self-contained HTML fragment."""
     causes = report.causes()
     parts = [_causes(causes)] if causes else []
     parts += [_exercise(report, e, grouped.numbers(causes)) for e in report.exercises if e.outcomes]
@@ -59,7 +61,7 @@ def html(report: Report) -> str:
 
 
 def fragment(inner: str) -> str:
-    """HTML in the kit's own style."""
+    """Return HTML in the kit's style."""
     return f'<div class="polhode"><style>{_STYLE}</style>{inner}</div>'
 
 
@@ -105,19 +107,19 @@ def _picture(report: Report, picture: Picture) -> str:
 def _link(report: Report) -> str:
     if report.address is None:
         return ""
-    return f' <a href="{escape(report.address, quote=True)}" target="_blank" rel="noopener">On the server</a>'
+    return f' <a href="{escape(report.address, quote=True)}" target="_blank" rel="noopener">View on the server</a>'
 
 
 def _sent(report: Report) -> str:
     bundle = report.sent
     left = "".join(f"<p>{escape(item.name)}: {escape(item.sentence)}</p>" for item in bundle.left_out)
-    title = f"This is what was graded (SHA-256 {bundle.sha256[:16]}…)"
+    title = f"Graded source (SHA-256 {bundle.sha256[:16]}…)"
     code = escape(_code(bundle.source, bundle.filename))
     return f"{left}<details><summary>{title}</summary><pre><code>{code}</code></pre></details>"
 
 
 def _code(source: str, filename: str) -> str:
-    """The source as it is read: of a notebook its code cells."""
+    """Return the source for display: of a notebook its code cells."""
     if not filename.endswith(".ipynb"):
         return source
     try:

@@ -1,4 +1,6 @@
-"""What a student's function returned, taken strictly: a real array of just the asked shape, or a sentence saying what is wrong."""
+"""Strict reading of what a student's function returned: a real array of exactly the expected shape, or an
+error sentence.
+"""
 
 import dis
 import inspect
@@ -12,19 +14,19 @@ from numpy.typing import NDArray
 
 
 class WrongAnswer(Exception):
-    """The function answered, but not with what was asked for. ``code`` is the public diagnosis code, if one fits."""
+    """The function returned something other than what was asked for. ``code`` is the diagnosis code, if one fits."""
 
     def __init__(self, code: str | None, sentence: str) -> None:
         super().__init__(sentence)
         self.code = code
 
 
-def takes(function: Any, names: tuple[str, ...], called: str) -> None:
-    """Raise WrongAnswer if ``function`` cannot be called with one argument for each of ``names``."""
+def check_signature(function: Any, names: tuple[str, ...], called: str) -> None:
+    """Raise WrongAnswer if ``function``, named ``called``, cannot be called with one argument for each of ``names``."""
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
-        return  # some callables written in C tell nothing
+        return  # some callables written in C have no signature
     try:
         signature.bind(*names)
     except TypeError:
@@ -34,7 +36,7 @@ def takes(function: Any, names: tuple[str, ...], called: str) -> None:
 
 
 def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
-    """The parameters of ``function`` where they carry these names in another order, else None."""
+    """Return the parameters of ``function`` as text if they are ``names`` in another order, else None."""
     try:
         own = tuple(inspect.signature(function).parameters)[: len(names)]
     except (TypeError, ValueError):
@@ -43,12 +45,12 @@ def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
 
 
 def is_written(value: Any) -> bool:
-    """Whether it is a function, or anything else to call, with something in it."""
+    """Return whether ``value`` is callable and, if it is a function, not empty."""
     return callable(value) and not is_empty(value)
 
 
 def is_empty(function: Any) -> bool:
-    """Whether a function's body is nothing but a docstring, ``...`` or ``pass``: nobody has written it yet."""
+    """Return whether a function's body is only a docstring, ``...`` or ``pass``: it is not written yet."""
     if not isinstance(function, types.FunctionType):
         return False
     steps = list(dis.get_instructions(function))
@@ -60,7 +62,11 @@ _NOTHING = _CONSTANT | {"RESUME", "NOP", "RETURN_VALUE"}
 
 
 def real_array(value: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
-    """``value`` as float64 of exactly ``shape``; lists and tuples of numbers are fine, broadcasting and casting are not."""
+    """Return ``value`` as float64 of exactly ``shape``. Lists and tuples of numbers are converted; nothing is
+    broadcast.
+
+    Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape.
+    """
     if value is None:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
     try:
@@ -79,7 +85,10 @@ def _kind(value: Any, array: NDArray[Any]) -> str:
 
 
 def describe_exception(error: BaseException, own: Callable[[str], bool]) -> dict[str, str | None]:
-    """The fields ``ending``, ``code``, ``sentence`` and ``traceback`` of a scene's ending; ``own(filename)``: theirs."""
+    """Return the fields ``ended``, ``code``, ``sentence`` and ``traceback`` of a scene end.
+
+    ``own(filename)`` is true for the student's own code.
+    """
     match error:
         case WrongAnswer():
             return {"ended": "wrong-answer", "code": error.code, "sentence": str(error)}
@@ -87,11 +96,11 @@ def describe_exception(error: BaseException, own: Callable[[str], bool]) -> dict
             sentence = "your code asked for more memory than is allowed"
             return {"ended": "memory", "code": "memory", "sentence": sentence, "traceback": _trace(error, own)}
         case SyntaxError():
-            return {"ended": "syntax-error", "code": "syntax-error", "sentence": _said(error), "traceback": _trace(error, own)}
-    return {"ended": "raised", "code": "raises", "sentence": _said(error), "traceback": _trace(error, own)}
+            return {"ended": "syntax-error", "code": "syntax-error", "sentence": _message(error), "traceback": _trace(error, own)}
+    return {"ended": "raised", "code": "raises", "sentence": _message(error), "traceback": _trace(error, own)}
 
 
-def _said(error: BaseException) -> str:
+def _message(error: BaseException) -> str:
     try:
         return f"{type(error).__name__}: {error}"[:500]
     except BaseException:  # its own __str__ fails
@@ -99,7 +108,7 @@ def _said(error: BaseException) -> str:
 
 
 def _trace(error: BaseException, own: Callable[[str], bool]) -> str | None:
-    """The student's own lines of the traceback: frames of the harness and of the libraries are left out."""
+    """Return the student's own frames of the traceback, without those of polhode and the libraries."""
     try:
         frames = [f for f in traceback.extract_tb(error.__traceback__) if own(f.filename)]
         return "".join(traceback.format_list(frames[-8:]) + traceback.format_exception_only(error))[:6000]

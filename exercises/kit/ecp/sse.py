@@ -1,4 +1,4 @@
-"""Server-sent events read from the bytes of a stream."""
+"""Server-sent events, parsed from the bytes of a stream."""
 
 import json
 from collections.abc import Iterable, Iterator
@@ -8,15 +8,18 @@ LONGEST_LINE = 2**20
 
 
 class Event(NamedTuple):
-    """One event; ``id`` is "" where it has none, and so for what was asked for instead of streamed."""
+    """One event. ``id`` is "" if it has none, as for a status that was requested instead of streamed."""
 
     name: str
     id: str
     data: dict[str, Any]
 
 
-def parsed(chunks: Iterable[bytes]) -> Iterator[Event]:
-    """The events whose data is a JSON object. One that is cut off is not told, and a line longer than LONGEST_LINE ends all."""
+def parse_events(chunks: Iterable[bytes]) -> Iterator[Event]:
+    """Yield the events whose data is a JSON object.
+
+    An event that is cut off is dropped. A line longer than LONGEST_LINE bytes ends the stream.
+    """
     fields: dict[str, str] = {}
     for line in _lines(chunks):
         if line:

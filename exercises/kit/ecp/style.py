@@ -1,4 +1,6 @@
-"""The look of a course notebook: header and footer, shown in a notebook front end only, and one style for figures."""
+"""The look of a course notebook: header and footer, displayed in notebook front ends only, and one style for
+figures.
+"""
 
 from html import escape
 from typing import Any
@@ -10,7 +12,9 @@ _CARD = f"border-left:.3em solid {AMBER};padding:.4em 0 .4em 1em;margin:.5em 0;f
 def header(
     *, volume: Any = "", number: Any = "", title: Any = "", blurb: Any = "", difficulty: Any = "", estimate: Any = ""
 ) -> None:
-    """Display the notebook's title card: where it belongs, its title, a sentence on what it is about, level and time needed."""
+    """Display the notebook's title card: volume and number, title, one sentence on its topic, level and
+    estimated time.
+    """
     place = " · ".join(escape(str(part)) for part in (volume, f"Notebook {number}" if number else "") if part)
     efforts = {"Level": difficulty, "Estimate": estimate}
     effort = " · ".join(f"{name}: {escape(str(value))}" for name, value in efforts.items() if value)
@@ -24,13 +28,13 @@ def header(
 
 
 def footer() -> None:
-    """Display a rule under the notebook, and how to go on from there."""
-    text = "End of the notebook. Restart the kernel and run all cells once before you hand it in."
+    """Display the closing card, with a reminder to restart and run all cells before submitting."""
+    text = "End of the notebook. Restart the kernel and run all cells once before you submit it."
     _display(f'<div style="{_CARD};color:{QUIET};font-size:.9em">{text}</div>')
 
 
 def use_style() -> None:
-    """Set matplotlib's defaults: colours that colour-blind readers tell apart, light axes, animations as players."""
+    """Set matplotlib's defaults: colours distinguishable with colour blindness, light axes, animations as players."""
     import matplotlib.pyplot as plt
     from cycler import cycler
 

@@ -1,4 +1,4 @@
-"""A time limit for code that runs in the notebook's own kernel, where no other process can end it."""
+"""A time limit for code in the notebook's own kernel, where no other process can stop it."""
 
 import signal
 import sys
@@ -15,17 +15,18 @@ KIT = str(Path(__file__).parent)
 
 
 class OutOfTime(BaseException):
-    """The time is over. Not an Exception, so that a broad ``except`` does not swallow it."""
+    """The time limit has passed. Not an Exception, so that a broad ``except`` does not swallow it."""
 
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise OutOfTime in the code within when it has run for ``seconds``.
+    """Raise OutOfTime in the enclosed code after ``seconds``.
 
-    A timer's signal does it where there is one: in the main thread, on Linux and macOS. Elsewhere (Windows, Pyodide, another
-    thread) a trace function looks at the clock at each step of Python that is neither the kit's nor a library's. It leaves a
-    debugger's own trace function in place, and then there is no limit. Python drops a trace function that raised, so a bare
-    ``except`` around the loop escapes it. Neither way ends a call that never returns to Python.
+    A timer's signal does this in the main thread on Linux and macOS. Elsewhere (Windows, Pyodide, other
+    threads) a trace function reads the clock at each step of Python outside the kit and the libraries. A
+    debugger's trace function is left in place, and then there is no limit. Python drops a trace function that
+    raised, so a bare ``except`` around the loop escapes it. Neither way ends a call that never returns to
+    Python.
     """
     has_timer = hasattr(signal, "setitimer") and sys.platform != "emscripten"
     if has_timer and threading.current_thread() is threading.main_thread():
@@ -50,7 +51,7 @@ def _timer(seconds: float) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, handler or signal.SIG_DFL)
-        if left:  # a timer of the notebook's own goes on
+        if left:  # restore the notebook's own timer
             signal.setitimer(signal.ITIMER_REAL, max(left - (time.monotonic() - began), 1e-3), every)
 
 
@@ -62,7 +63,7 @@ def _trace(seconds: float) -> Iterator[None]:
         file = frame.f_code.co_filename
         if file.startswith(KIT) or "site-packages" in file:
             return None
-        frame.f_trace_opcodes = True  # a loop in one line has no event of a line
+        frame.f_trace_opcodes = True  # a loop in one line has no line events
         return step
 
     def step(frame: FrameType, event: str, argument: Any) -> Any:

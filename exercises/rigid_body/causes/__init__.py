@@ -1,4 +1,4 @@
-"""Likely causes of what a scene brought: of rates at the probes, of moments, of a precession rate, of an animation."""
+"""The likely causes of wrong answers: of rates at the probes, moments, a precession rate, or an animation."""
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from exercises.rigid_body.causes.rates import causes_of_rates
 
 
 def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None:
-    """The likely cause that explains the answers of a function in all its scenes; None where each scene is diagnosed alone."""
+    """Return the likely cause that explains a function's answers in all its scenes, or None if each scene is
+    diagnosed alone.
+    """
     with np.errstate(all="ignore"):
         if function == "precession_rate":
             return causes_of_rate(answers)
@@ -23,7 +25,7 @@ def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None
 
 
 def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
-    """The likely cause behind the numbers of a scene, which may be beyond arithmetic."""
+    """Return the likely cause behind the numbers of one scene, which may overflow arithmetic."""
     with np.errstate(all="ignore"):
         if scene in ("film", "tumble-film"):
             return causes_of_film(inputs, seen)

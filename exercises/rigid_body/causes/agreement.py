@@ -1,4 +1,6 @@
-"""When two sets of rates are the same to rounding, point by point: the points differ in size by many orders of magnitude."""
+"""Comparison of two sets of rates to rounding, point by point: the points differ in size by many orders of
+magnitude.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,12 +10,12 @@ from exercises.rigid_body.probes import scale
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-AGREEMENT = 1e-11  # of the largest value at a point: the same algebra agrees to rounding or not at all
+AGREEMENT = 1e-11  # of the largest value at a point: the same algebra agrees to rounding
 ROUNDING = 1e-14  # of the largest product that the right equations form there
 
 
 def agree(seen: Array, expected: Array, w: Array, moments: Array) -> Mask:
-    """Whether each of the rates (n, 3) is the expected one, or both are not finite."""
+    """Return whether each of the rates (n, 3) is the expected one, or both are not finite."""
     known, due = np.isfinite(seen), np.isfinite(expected)
     got, want = np.where(known, seen, 0.0), np.where(due, expected, 0.0)
     size = np.maximum(np.abs(got), np.abs(want)).max(axis=1, keepdims=True)
@@ -21,5 +23,5 @@ def agree(seen: Array, expected: Array, w: Array, moments: Array) -> Mask:
 
 
 def same(seen: Array, expected: Array, w: Array, moments: Array) -> bool:
-    """Whether all rates are the expected ones."""
+    """Return whether all rates are the expected ones."""
     return bool(np.all(agree(seen, expected, w, moments)))

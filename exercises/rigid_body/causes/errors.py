@@ -1,4 +1,4 @@
-"""What a form has done wrong, as slips: each a public code and a sentence that says where to look."""
+"""The errors in a fitted form: each a diagnosis code and a sentence that says where to look."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -31,13 +31,13 @@ UNITS = (
 ALL = {
     "sign": ("sign-reversed", "all three components have the opposite sign: the motion runs backwards in time"),
     "no division": ("missing-division", "no component is divided by its moment: what is returned is a torque, not ω̇"),
-    "sum": ("moment-sum", "every component holds the sum of two moments where their difference belongs"),
-    "zero": ("returns-zero", "euler_eqs returns zeros whatever it is asked"),
+    "sum": ("moment-sum", "every component has the sum of two moments instead of their difference"),
+    "zero": ("returns-zero", "euler_eqs returns zeros for all arguments"),
 }
 
 
 class Slip(NamedTuple):
-    """``kind`` and ``value`` are the same for the same slip in another component; ``sentence`` speaks of this one."""
+    """One error in one component. ``kind`` and ``value`` are the same for the same error in another component."""
 
     code: str
     kind: str
@@ -47,7 +47,9 @@ class Slip(NamedTuple):
 
 
 def slips(form: Form | None, k: int) -> list[Slip] | None:
-    """What is wrong with a form that stands for component ``k`` (None: zero); None where it cannot be read as that component."""
+    """Return the errors in a form that represents component ``k`` (None: zero), or None if it cannot be read
+    as that component.
+    """
     if form is None:
         return [Slip("missing-component", "zero", 0.0, k, f"{COMPONENT[k]} is always zero")]
     weighed = _weights(form, k)
@@ -55,12 +57,12 @@ def slips(form: Form | None, k: int) -> list[Slip] | None:
 
 
 def read(forms: Iterable[Form | None], k: int) -> list[list[Slip]]:
-    """What is wrong with each of the forms that can be read as component ``k``."""
+    """Return the errors of each form that can be read as component ``k``."""
     return [found for form in forms if (found := slips(form, k)) is not None]
 
 
-def told(found: Iterable[Slip]) -> list[Diagnosis]:
-    """Diagnoses of these slips; a slip made in all three components is told once."""
+def diagnoses_of(found: Iterable[Slip]) -> list[Diagnosis]:
+    """Return the diagnoses of these errors. The same error in all three components is one diagnosis."""
     slips_ = list(found)
     diagnoses: dict[str, Diagnosis] = {}
     for slip in slips_:
@@ -69,7 +71,7 @@ def told(found: Iterable[Slip]) -> list[Diagnosis]:
         if len(same) == 3 and slip.kind in ALL:
             code, sentence = ALL[slip.kind]
         elif len(same) == 3:
-            sentence = f"{same[0].sentence}; and so in the other two components"
+            sentence = f"{same[0].sentence}; likewise in the other two components"
         diagnoses[sentence] = Diagnosis(code=code, sentence=sentence, confidence=1.0)
     return list(diagnoses.values())
 
@@ -80,10 +82,10 @@ def _product(form: Form, k: int) -> list[Slip]:
         return []
     if len(form.product) < 2:
         has = " and ".join(SPIN[a] for a in form.product) or "no ω at all"
-        sentence = f"{COMPONENT[k]} holds {has} where the product {SPIN[i]}·{SPIN[j]} belongs"
+        sentence = f"{COMPONENT[k]} has {has} instead of the product {SPIN[i]}·{SPIN[j]}"
         return [Slip("missing-term", f"product {_seen_from(k, form.product)}", 0.0, k, sentence)]
     is_, due = ("·".join(SPIN[a] for a in axes) for axes in (form.product, (i, j)))
-    sentence = f"{COMPONENT[k]} multiplies {is_} where {due} belongs: check the cyclic order of the indices"
+    sentence = f"{COMPONENT[k]} has the product {is_} instead of {due}: check the cyclic order of the indices"
     return [Slip("cyclic-order", f"product {_seen_from(k, form.product)}", 0.0, k, sentence)]
 
 
@@ -92,7 +94,7 @@ def _weights(form: Form, k: int) -> list[Slip] | None:
         return _hard_coded(form, k, form.constant)
     used = [a for a in range(3) if form.weights[a]]
     if len(used) == 1:
-        sentence = f"{COMPONENT[k]} holds {MOMENT[used[0]]} alone where the difference {DIFFERENCE[k]} belongs"
+        sentence = f"{COMPONENT[k]} has {MOMENT[used[0]]} alone instead of the difference {DIFFERENCE[k]}"
         slip = Slip("missing-term", f"alone {(used[0] - k) % 3}", form.weights[used[0]], k, sentence)
         return [slip, *_divisor(form, k)]
     if len(used) == 2:
@@ -109,10 +111,10 @@ def _weighed_difference(form: Form, k: int) -> list[Slip]:
     if first == -second:
         return [*_scaled(first, k), *_divisor(form, k)]
     if first == second:
-        sentence = f"{COMPONENT[k]} holds the sum of two moments where their difference {DIFFERENCE[k]} belongs"
+        sentence = f"{COMPONENT[k]} has the sum of two moments instead of their difference {DIFFERENCE[k]}"
         return [Slip("moment-sum", "sum", 0.0, k, sentence), *_scaled(first, k), *_divisor(form, k)]
-    are = f"{MOMENT[i]} by {first:.10g} and {MOMENT[j]} by {second:.10g}"
-    sentence = f"{COMPONENT[k]} weighs {are} where the weights are 1 and −1"
+    are = f"{first:.10g} for {MOMENT[i]} and {second:.10g} for {MOMENT[j]}"
+    sentence = f"{COMPONENT[k]} has the factors {are} instead of 1 and −1"
     return [Slip("constant-factor", "weights", first, k, sentence), *_divisor(form, k)]
 
 
@@ -125,16 +127,16 @@ def _other_difference(form: Form, used: list[int], k: int) -> list[Slip] | None:
     if form.weights[a] < 0:
         a, b = b, a
     kind = f"difference {_offset(k, a)} {_offset(k, b)}"
-    sentence = f"{COMPONENT[k]} holds ({MOMENT[a]} {sign} {MOMENT[b]}) where {DIFFERENCE[k]} belongs: check the cyclic order"
+    sentence = f"{COMPONENT[k]} has ({MOMENT[a]} {sign} {MOMENT[b]}) instead of {DIFFERENCE[k]}: check the cyclic order"
     found = [Slip("cyclic-order", kind, 0.0, k, sentence), *_divisor(form, k)]
     if sign == "+":
-        found.append(Slip("moment-sum", "sum", 0.0, k, f"{COMPONENT[k]} holds a sum of two moments where a difference belongs"))
+        found.append(Slip("moment-sum", "sum", 0.0, k, f"{COMPONENT[k]} has a sum of two moments instead of a difference"))
     return found if factor == 1 else [*found, *_scaled(factor, k)]
 
 
 def _hard_coded(form: Form, k: int, value: float) -> list[Slip]:
     if form.divisor == (k,):
-        sentence = f"{COMPONENT[k]} holds the constant {value:.10g} where the difference {DIFFERENCE[k]} belongs"
+        sentence = f"{COMPONENT[k]} has the constant {value:.10g} instead of the difference {DIFFERENCE[k]}"
         return [Slip("hard-coded-moments", "difference", value, k, sentence)]
     sentence = f"{COMPONENT[k]} does not use the moments it is given: its coefficient is always {value:.10g}"
     return [Slip("hard-coded-moments", "coefficient", value, k, sentence), *(_divisor(form, k) if form.divisor else [])]
@@ -148,9 +150,9 @@ def _scaled(factor: float, k: int) -> list[Slip]:
     for known, what in UNITS:
         if abs(abs(factor) / known - 1) < ROUNDED:
             sense = " and the opposite sign" if factor < 0 else ""
-            said = f"{COMPONENT[k]} is {factor:.7g} times the right value: {what}{sense}; ω is in rad/s, ω̇ in rad/s²"
-            return [Slip("units", "factor", factor, k, said)]
-    sentence = f"{COMPONENT[k]} is {factor:.10g} times the right value: look for a factor that does not belong"
+            sentence = f"{COMPONENT[k]} is {factor:.7g} times the right value: {what}{sense}; ω is in rad/s, ω̇ in rad/s²"
+            return [Slip("units", "factor", factor, k, sentence)]
+    sentence = f"{COMPONENT[k]} is {factor:.10g} times the right value: look for an extra factor"
     return [Slip("constant-factor", "factor", factor, k, sentence)]
 
 
@@ -160,8 +162,11 @@ def _divisor(form: Form, k: int) -> list[Slip]:
     kind = f"divisor {_seen_from(k, form.divisor)}"
     if not form.divisor:
         return [Slip("missing-division", "no division", 0.0, k, f"{COMPONENT[k]} is not divided by {MOMENT[k]}")]
-    did = f"multiplied by {MOMENT[~form.divisor[0]]}" if form.divisor[0] < 0 else f"divided by {_named(form.divisor)}"
-    return [Slip("wrong-divisor", kind, 0.0, k, f"{COMPONENT[k]} is {did} instead of divided by {MOMENT[k]}")]
+    if form.divisor[0] < 0:
+        did, due = f"multiplied by {MOMENT[~form.divisor[0]]}", f"divided by {MOMENT[k]}"
+    else:
+        did, due = f"divided by {_named(form.divisor)}", MOMENT[k]
+    return [Slip("wrong-divisor", kind, 0.0, k, f"{COMPONENT[k]} is {did} instead of {due}")]
 
 
 def _named(divisor: tuple[int, ...]) -> str:
@@ -175,7 +180,7 @@ def _named(divisor: tuple[int, ...]) -> str:
 
 
 def _seen_from(k: int, axes: tuple[int, ...]) -> str:
-    """Axes counted from ``k`` on, so that the same slip in the next component reads the same."""
+    """Return axes counted from ``k``, so that the same error in the next component reads the same."""
     return " ".join(sorted(_offset(k, a) for a in axes))
 
 

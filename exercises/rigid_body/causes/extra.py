@@ -1,4 +1,4 @@
-"""Terms that do not belong: damping, drag, torques and constants beside the right equations, with their fitted size."""
+"""Extra terms: damping, drag, torques and constants added to the right equations, with their fitted size."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 import reference
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.agreement import AGREEMENT, ROUNDING
-from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, SPIN, Slip, slips, told
+from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, SPIN, Slip, diagnoses_of, slips
 from exercises.rigid_body.causes.term_fit import Form, ordinary
 from exercises.rigid_body.probes import scale
 
@@ -17,9 +17,10 @@ NOTHING = 1e-11  # of the largest term
 
 
 def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[list[Form | None]]) -> list[Diagnosis]:
-    """Diagnoses where each component that is no form of Euler's is the right one, or a multiple, plus one or two known terms.
+    """Return diagnoses if each component without a form is the right one, or a multiple of it, plus one or
+    two known terms.
 
-    ``columns`` are the forms of the components that are some.
+    ``columns`` are the forms of the other components.
     """
     truth, slack = reference.euler_rhs(w.T, moments.T).T, ROUNDING * scale(w, moments)
     found: list[Slip] = []
@@ -40,15 +41,15 @@ def extra_terms(wdot: Array, t: Array, w: Array, moments: Array, columns: list[l
         for name, size in zip(names, fitted[1:], strict=True):
             if size:
                 sizes.setdefault(f"{size:+.6g} {name}".rstrip(), []).append(COMPONENT[k])
-    told_terms = [
+    terms_found = [
         Diagnosis(
             code="extra-term",
-            sentence=f"{', '.join(where)} holds an extra term {term}: torque-free equations have none",
+            sentence=f"{', '.join(where)} has an extra term {term}: torque-free equations have none",
             confidence=1.0,
         )
         for term, where in sizes.items()
     ]
-    return [*told(found), *told_terms]
+    return [*diagnoses_of(found), *terms_found]
 
 
 def _multiple(factor: float, k: int) -> list[Slip]:
@@ -62,7 +63,7 @@ def _multiple(factor: float, k: int) -> list[Slip]:
 
 
 def _terms(k: int, t: Array, w: Array, moments: Array) -> tuple[list[str], list[Array]]:
-    """Names and values (n,) of what is known to be added to component ``k``."""
+    """Return names and values (n,) of terms that are commonly added to component ``k``."""
     spin, moment, speed = w[:, k], moments[:, k], np.linalg.norm(w, axis=1)
     named = {
         f"{SPIN[k]}": spin,
@@ -81,16 +82,18 @@ def _terms(k: int, t: Array, w: Array, moments: Array) -> tuple[list[str], list[
 
 
 def _fit(column: Array, design: Array, rows: NDArray[np.intp], weight: Array, slack: Array) -> Array | None:
-    """Least squares at the points ``rows``, cleared of what is nothing; None if it does not reproduce ``column`` to rounding.
+    """Fit by least squares at the points ``rows``, without vanishing terms. None if the fit does not
+    reproduce ``column`` to rounding.
 
-    ``slack`` (n,) is the rounding of the right value at each point."""
+    ``slack`` (n,) is the rounding error of the right value at each point.
+    """
     weighted = design[rows] * weight[:, None]
     lengths = np.linalg.norm(weighted, axis=0)
     used = np.flatnonzero(lengths)
-    for _ in range(design.shape[1]):  # drop what is nothing, until only what is there is fitted
+    for _ in range(design.shape[1]):  # drop vanishing terms until none is left
         fitted = np.linalg.lstsq(weighted[:, used] / lengths[used], column[rows] * weight, rcond=None)[0]
         if not fitted.size or not np.all(np.isfinite(fitted)):
-            return None  # numbers beyond arithmetic
+            return None  # overflow
         kept = used[np.abs(fitted) > NOTHING * np.abs(fitted).max()]
         if len(kept) == len(used):
             break

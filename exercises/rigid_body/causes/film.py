@@ -11,7 +11,9 @@ from exercises.rigid_body.public.momentum import momentum_shown
 
 
 def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
-    """Nothing moves; L moves, as it does in a drawing in the body's axes; or what moves follows something else than the body."""
+    """Return the cause: nothing moves; L moves, as in a drawing in body axes; or what moves follows something
+    other than the body.
+    """
     t, R = np.asarray(inputs["t"]), np.asarray(inputs["R"])
     if moving_share(seen["frames"]) <= STILL:
         sentence = "the picture stays the same from frame to frame: does the update function change what is drawn?"

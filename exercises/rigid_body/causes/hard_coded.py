@@ -1,4 +1,4 @@
-"""Moments written into the function: three constant coefficients tell which body they belong to."""
+"""Hard-coded moments: three constant coefficients identify the body they belong to."""
 
 import numpy as np
 
@@ -12,7 +12,9 @@ AGREEMENT = 1e-9
 
 
 def same_body(found: list[Slip]) -> list[Diagnosis]:
-    """The diagnosis where all three components have the constant coefficients of one body, or of one that turns backwards."""
+    """Return the diagnosis if all three components have the constant coefficients of one body, or of one that
+    turns backwards.
+    """
     values = {s.component: s.value for s in found if s.kind in ("coefficient", "zero")}
     if len(found) != 3 or len(values) != 3 or not any(s.kind == "coefficient" for s in found):
         return []
@@ -20,9 +22,9 @@ def same_body(found: list[Slip]) -> list[Diagnosis]:
     for where, moments in KNOWN.items():
         for sign in (1, -1):
             if np.allclose(a, sign * _coefficients(np.array(moments)), rtol=AGREEMENT, atol=AGREEMENT):
-                told = [_cause(f"euler_eqs always uses the moments of {where} and ignores its argument I")]
+                cause = _cause(f"euler_eqs always uses the moments of {where} and ignores its argument I")
                 reversed_ = Diagnosis(code="sign-reversed", sentence="all three components have the opposite sign", confidence=1.0)
-                return told if sign == 1 else [*told, reversed_]
+                return [cause] if sign == 1 else [cause, reversed_]
     if abs(a.sum() + a.prod()) <= AGREEMENT and a[1] != 1:
         second = (1 + a[0]) / (1 - a[1])
         ratio = f"1 : {second:.6g} : {1 + a[1] * second:.6g}"

@@ -14,19 +14,19 @@ Array = NDArray[np.float64]
 
 AGREEMENT = 1e-10
 NEARLY = 0.03
-SINGLE, ROUNDING = 1e-6, 1e-12  # relative, of single precision and of right moments
+SINGLE, ROUNDING = 1e-6, 1e-12  # relative errors of single precision and of right moments
 DECIMALS = range(12)
 EDGES = ("a", "b", "c")
 MOMENT = ("I₁", "I₂", "I₃")
 DIAGONAL = "the diagonal of the tensor: the principal moments are its eigenvalues"
-UNFINISHED = (
-    "the sum is right, but the values are the diagonal of a tensor that is not yet diagonal: np.linalg.eigvalsh does all of it"
-)
-MASSLESS = "does not hold the mass m"
+UNFINISHED = "the sum is right, but the values are the diagonal of a tensor that is not diagonal yet: use np.linalg.eigvalsh"
+MASSLESS = "lacks the mass m"
 
 
 def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
-    """For ``box_moments``, (n, 3) for the boxes (m, a, b, c) asked: an order, a convention, or what each moment is made of."""
+    """Return the causes for ``box_moments``, (n, 3) in kg m² for the boxes (m, a, b, c): an order, a
+    convention, or its wrong terms.
+    """
     boxes = np.asarray(inputs["boxes"], dtype=float)
     truth = np.array([reference.box_moments(*row) for row in boxes])
     constant = "the same numbers for every box{}: compute them from a, b and c"
@@ -48,11 +48,11 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     found = [_read(boxes, moments[:, k], k) for k in range(3)]
     if any(cause is None for cause in found):
         return []
-    told = {c.sentence: c for cause in found if cause for c in cause}
-    massless = [cause for cause in told.values() if cause.sentence.endswith(MASSLESS)]
+    causes = {c.sentence: c for cause in found if cause for c in cause}
+    massless = [cause for cause in causes.values() if cause.sentence.endswith(MASSLESS)]
     if len(massless) == 3:
-        return [_cause("missing-term", "the moments do not hold the mass m"), *(c for c in told.values() if c not in massless)]
-    return list(told.values())
+        return [_cause("missing-term", "the moments lack the mass m"), *(c for c in causes.values() if c not in massless)]
+    return list(causes.values())
 
 
 def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]]:
@@ -60,9 +60,9 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     first, second = squares[:, [1, 0, 0]], squares[:, [2, 2, 1]]
     for order in itertools.permutations(range(3)):
         stands = ", ".join(MOMENT[k] for k in order)
-        said = f"the right moments in the wrong order: {stands}; the first belongs to the edge a"
-        yield "moment-order", said, truth[:, order]
-    sorted_ = "the right moments, but sorted: the first belongs to the edge a whatever its size"
+        sentence = f"the right moments in the wrong order: {stands}; the first belongs to the edge a"
+        yield "moment-order", sentence, truth[:, order]
+    sorted_ = "the right moments, but sorted: the first belongs to the edge a, whatever its size"
     yield "moment-order", sorted_, np.sort(truth, axis=1)
     yield "wrong-power", "the square roots of the moments instead of the moments", np.sqrt(truth)
     yield "wrong-quantity", "the inverse moments instead of the moments", 1 / truth
@@ -72,10 +72,10 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     for b, c in ((first, second), (squares[:, [1, 2, 0]], squares[:, [2, 0, 1]])):  # of I₂: a² + c², or c² + a²
         for place, value in (("m/12·b² + c²", m / 12 * b + c), ("b² + c²·m/12", b + m / 12 * c), ("m·b² + c²/12", m * b + c / 12)):
             yield "missing-brackets", f"I₁ is computed as {place}, and so on: (b² + c²) needs its brackets", value
-    unsquared = "the edges are not squared: I₁ holds b + c where b² + c² belongs"
+    unsquared = "the edges are not squared: I₁ has b + c instead of b² + c²"
     yield "wrong-power", unsquared, m / 12 * (np.sqrt(first) + np.sqrt(second))
-    yield "wrong-power", "I₁ holds 2b + 2c where b² + c² belongs: the square is b**2", m / 6 * (np.sqrt(first) + np.sqrt(second))
-    yield "wrong-power", "I₁ holds the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
+    yield "wrong-power", "I₁ has 2b + 2c instead of b² + c²: the square is b**2", m / 6 * (np.sqrt(first) + np.sqrt(second))
+    yield "wrong-power", "I₁ has the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
     volume = np.prod(boxes[:, 1:], axis=1, keepdims=True)
     yield "wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume
     yield "wrong-quantity", "the right moments over the volume abc: m is the mass, not the density", truth / volume
@@ -84,7 +84,7 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
 
 
 def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
-    """For ``principal_moments``, (n, 3) for the ``tensors`` (n, 3, 3) asked; their order is free."""
+    """Return the causes for ``principal_moments``, (n, 3) in kg m², in any order, for the ``tensors`` (n, 3, 3)."""
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
     if (known := _nothing(seen, "principal_moments") or _few_digits(seen, truth)) or _same(seen, truth):
         return known
@@ -93,7 +93,7 @@ def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
             return [_cause(code, sentence)]
     factor = float(np.sum(seen * truth / truth**2) / seen.size)
     if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
-        return [_cause("constant-factor", f"{factor:.10g} times the right value: look for a factor that does not belong")]
+        return [_cause("constant-factor", f"{factor:.10g} times the right value: look for an extra factor")]
     _, axes = np.linalg.eigh(tensors)
     sizes = np.sort(np.abs(moments), axis=1)
     for vectors in (axes, np.swapaxes(axes, 1, 2)):
@@ -103,12 +103,14 @@ def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
         return [_cause("diagonal-only", UNFINISHED)]
     off = float(np.abs(seen / truth - 1).max())
     shares = seen / np.trace(tensors, axis1=1, axis2=2)[:, None]
-    constant = _constant(shares, "the same shares of the trace for every tensor: its eigenvalues are due")
+    constant = _constant(shares, "the same shares of the trace for every tensor: return its eigenvalues")
     return [_nearly(f"within {off:.2g} of the right moments")] if off <= NEARLY else constant
 
 
 def _majorised(seen: Array, truth: Array) -> bool:
-    """Whether the sorted values (n, 3) can be the diagonal of a tensor with the eigenvalues ``truth`` (Schur and Horn)."""
+    """Return whether the sorted values (n, 3) can be the diagonal of a tensor with the eigenvalues ``truth``
+    (Schur and Horn).
+    """
     excess = np.cumsum(truth - seen, axis=1) / truth.max(axis=1, keepdims=True)
     return bool(np.all(excess <= AGREEMENT) and np.all(np.abs(excess[:, 2]) <= AGREEMENT))
 
@@ -125,15 +127,15 @@ def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, A
     yield "wrong-quantity", f"the inverse moments {instead}", 1 / truth
     yield "wrong-quantity", f"the squares of the moments {instead}", truth**2
     yield "wrong-quantity", "a third of the trace, three times: only the sum of the moments is right", third
-    yield "wrong-quantity", "the lengths of the columns of the tensor: its eigenvalues are due", np.linalg.norm(tensors, axis=1)
-    yield "wrong-quantity", "the sums of the rows of the tensor: its eigenvalues are due", tensors.sum(axis=1)
+    yield "wrong-quantity", "the lengths of the columns of the tensor: return its eigenvalues", np.linalg.norm(tensors, axis=1)
+    yield "wrong-quantity", "the sums of the rows of the tensor: return its eigenvalues", tensors.sum(axis=1)
     signless = "the eigenvalues of the absolute values of the tensor: its signs are lost"
     yield "absolute-value", signless, np.linalg.eigvalsh(np.abs(tensors))
-    opposite = "the elements off the diagonal have the opposite sign: take the tensor as it is given"
+    opposite = "the off-diagonal elements have the opposite sign: use the tensor as it is given"
     yield "sign-flipped", opposite, np.linalg.eigvalsh(np.asarray(2 * diagonal[:, None] * np.eye(3) - tensors, dtype=float))
-    second = "half the trace minus each moment, the second moments of the mass: the moments of inertia are due"
+    second = "half the trace minus each moment, the second moments of the mass: return the moments of inertia"
     yield "wrong-quantity", second, truth.sum(axis=1, keepdims=True) / 2 - truth
-    triangular = "the diagonal of a triangular factor, as of an elimination: its product alone is right; the eigenvalues are due"
+    triangular = "the diagonal of a triangular factor, as of an elimination: only its product is right; return the eigenvalues"
     yield "wrong-quantity", triangular, np.array([_pivots(tensor) for tensor in tensors])
     upper = np.array([np.diagonal(np.linalg.qr(tensor)[1]) for tensor in tensors])
     yield "wrong-quantity", triangular, upper
@@ -154,7 +156,7 @@ def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, A
 
 
 def _pivots(tensor: Array) -> Array:
-    """The pivots (3,) of an elimination without exchanges."""
+    """Return the pivots (3,) of an elimination without row exchanges."""
     minors = [np.linalg.det(tensor[:k, :k]) for k in (1, 2, 3)]
     return np.array(minors) / [1.0, *minors[:2]]
 
@@ -162,17 +164,17 @@ def _pivots(tensor: Array) -> Array:
 def _nothing(moments: Array, function: str) -> list[Diagnosis]:
     if not np.all(np.isfinite(moments)):
         return [_cause("not-finite", f"{function} returns values that are not finite")]
-    return [] if moments.any() else [_cause("returns-zero", f"{function} returns zeros whatever it is asked")]
+    return [] if moments.any() else [_cause("returns-zero", f"{function} returns zeros for all arguments")]
 
 
 def _constant(values: Array, sentence: str) -> list[Diagnosis]:
-    """The diagnosis where the rows of ``values`` (n, 3) are all the same."""
+    """Return the diagnosis if the rows of ``values`` (n, 3) are all the same."""
     same = len(values) > 1 and _same(values, np.broadcast_to(values[0], values.shape))
     return [_cause("hard-coded-moments", sentence)] if same else []
 
 
 def _few_digits(moments: Array, truth: Array) -> list[Diagnosis]:
-    """The diagnosis where the moments (n, 3) are the right ones with fewer digits."""
+    """Return the diagnosis if the moments (n, 3) are the right ones with fewer digits."""
     slack = 4 * np.finfo(float).eps * np.abs(moments)
     for decimals in DECIMALS:
         half = 0.5000001 * 10.0**-decimals + ROUNDING * truth.max(axis=1, keepdims=True)
@@ -184,7 +186,9 @@ def _few_digits(moments: Array, truth: Array) -> list[Diagnosis]:
 
 
 def _read(boxes: Array, column: Array, k: int) -> list[Diagnosis] | None:
-    """What one moment is made of: weights of the squared edges and their products, with the mass or without."""
+    """Return the errors in one moment's terms: weights of the squared edges and their products, with or
+    without the mass.
+    """
     m, edges = boxes[:, 0], boxes[:, 1:]
     if not column.any():
         return [_cause("missing-component", f"{MOMENT[k]} is always zero")]
@@ -210,27 +214,27 @@ def _weighed(weights: dict[tuple[int, int], float], k: int) -> list[Diagnosis]:
     if used == due and np.isclose(first, second, rtol=1e-9):
         return [] if np.isclose(first, 1, rtol=1e-9) else [_factor(first)]
     if used == due and np.isclose(first, -second, rtol=1e-9):
-        return [_cause("sign-flipped", f"{MOMENT[k]} holds {EDGES[i]}² − {EDGES[j]}² where {EDGES[i]}² + {EDGES[j]}² belongs")]
+        return [_cause("sign-flipped", f"{MOMENT[k]} has {EDGES[i]}² − {EDGES[j]}² instead of {EDGES[i]}² + {EDGES[j]}²")]
     if used == due:
-        by = f"{EDGES[i]}² by {first:.6g} and {EDGES[j]}² by {second:.6g}"
-        return [_cause("constant-factor", f"{MOMENT[k]} weighs {by}, in units of m/12, where both weights are 1")]
+        factors = f"{first:.6g} for {EDGES[i]}² and {second:.6g} for {EDGES[j]}²"
+        return [_cause("constant-factor", f"{MOMENT[k]} has the factors {factors}, in units of m/12, instead of 1 and 1")]
     is_ = " + ".join(f"{EDGES[a]}²" if a == b else f"{EDGES[a]}{EDGES[b]}" for a, b in sorted(used))
     code = "missing-term" if used < due else "cyclic-order" if all(a == b for a, b in used) else "extra-term"
-    return [_cause(code, f"{MOMENT[k]} is made of {is_} where {EDGES[i]}² + {EDGES[j]}² belongs")]
+    return [_cause(code, f"{MOMENT[k]} has {is_} instead of {EDGES[i]}² + {EDGES[j]}²")]
 
 
 def _factor(factor: float) -> Diagnosis:
     known = {
         12.0: "the division by 12 is missing",
         4.0: "m/12 belongs to full edges, m/3 to half edges",
-        2.0: "m/12 is due, not m/6",
+        2.0: "use m/12, not m/6",
         0.25: "m/12 belongs to full edges: were they halved?",
         2.4: "m/5 belongs to the semi-axes of an ellipsoid",
         0.6: "m/20 belongs to the axes of an ellipsoid, m/12 to the edges of a box",
     }
     if abs(factor - 1) <= NEARLY:
         return _nearly(f"{factor:.6g} times the right value")
-    hint = known.get(round(factor, 9), "look for a factor that does not belong")
+    hint = known.get(round(factor, 9), "look for an extra factor")
     return _cause("constant-factor", f"{factor:.10g} times the right value: {hint}")
 
 
@@ -240,7 +244,7 @@ def _nearly(how: str) -> Diagnosis:
 
 
 def _same(seen: Array, expected: Array) -> bool:
-    """Whether all moments (n, 3) agree, each to rounding of the largest of its body."""
+    """Return whether all moments (n, 3) agree, each to rounding of its body's largest moment."""
     with np.errstate(all="ignore"):
         return bool(np.all(np.abs(seen - expected) <= AGREEMENT * np.abs(expected).max(axis=1, keepdims=True)))
 

@@ -1,4 +1,4 @@
-"""Functions that are right somewhere, or nearly right: where that is, and what is wrong elsewhere."""
+"""Functions that are right at some points, or nearly right: where, and what is wrong elsewhere."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 import reference
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.agreement import Mask, agree
-from exercises.rigid_body.causes.errors import COMPONENT, Slip, read, told
+from exercises.rigid_body.causes.errors import COMPONENT, Slip, diagnoses_of, read
 from exercises.rigid_body.causes.sectors import described
 from exercises.rigid_body.causes.term_fit import Points
 from exercises.rigid_body.probes import scale
@@ -28,7 +28,9 @@ class Part(NamedTuple):
 
 
 def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
-    """Where each component that is not always right is right, and what is wrong with it elsewhere; else which are always right."""
+    """Return where each partly right component is right and what is wrong elsewhere; else which components
+    are always right.
+    """
     exact = reference.euler_rhs(w.T, moments.T).T
     right = agree(wdot, exact, w, moments)
     wrong = [k for k in range(3) if not right[:, k].all()]
@@ -49,7 +51,7 @@ def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 
 
 def nearly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
-    """The diagnosis where nearly all rates are within a hundredth of the right ones, but few of them right."""
+    """Return the diagnosis if nearly all rates are within 1 % of the right ones but few are right."""
     exact = reference.euler_rhs(w.T, moments.T).T
     largest, size = np.abs(exact).max(axis=1), scale(w, moments).max(axis=1)
     off = np.abs(wdot - exact).max(axis=1) / np.where(largest > 0, largest, np.where(size > 0, size, 1.0))
@@ -62,12 +64,12 @@ def nearly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 
 
 def _place(good: Mask, bad: Mask, w: Array, moments: Array) -> str | None:
-    """What holds at the points (n,) that are ``good``, right and not zero, and at none that is ``bad``."""
+    """Return what holds at the points (n,) that are ``good``, right and not zero, and at none that is ``bad``."""
     return described(good, bad, w, moments) if good.sum() >= LEAST_POINTS else None
 
 
 def _slips(k: int, bad: Mask, answers: tuple[Array, Array, Array]) -> list[Slip]:
-    """What is wrong with component ``k`` at the points ``bad`` (n,), if the shortest readings agree."""
+    """Return the errors of component ``k`` at the points ``bad`` (n,), if the shortest readings agree."""
     w, moments, column = answers
     found = read(Points(w[bad], moments[bad]).forms(column[bad]), k)
     kinds = {tuple(slip.kind for slip in slips) for slips in found if len(slips) == min(map(len, found))}
@@ -83,7 +85,7 @@ def _places(parts: list[Part]) -> list[Diagnosis]:
 
 
 def _elsewhere(parts: list[Part]) -> list[Diagnosis]:
-    found = told(slip for part in parts for slip in part.slips)
+    found = diagnoses_of(slip for part in parts for slip in part.slips)
     zeros = [Diagnosis(code="missing-component", sentence="elsewhere euler_eqs returns zeros", confidence=1.0)]
     if [cause.code for cause in found] == ["returns-zero"]:
         return zeros

@@ -15,26 +15,28 @@ Predicted = tuple[str, str, float]
 
 AGREEMENT = 1e-5
 NEARLY = 0.01
-RIGHT = 1e-3  # as the checks have it
+RIGHT = 1e-3  # the checks' tolerance
 TURNS = {
     "rate": "uneven times",
     "rate-retrograde": "backward turning at even times",
     "rate-coarse": "samples nearly half a turn apart",
     "rate-short": "less than one turn",
 }
-MOST_SAID = 2  # mistakes that predict the same number
+MOST_NAMED = 2  # mistakes that predict the same number
 FACTORS = (
     ("units", "the right rate in turns per second: multiply by 2π", 1 / (2 * np.pi)),
-    ("units", "the right rate in degrees per second: rad/s are due", 180 / np.pi),
-    ("units", "the right rate in turns per minute (rpm): rad/s are due", 60 / (2 * np.pi)),
+    ("units", "the right rate in degrees per second: return rad/s", 180 / np.pi),
+    ("units", "the right rate in turns per minute (rpm): return rad/s", 60 / (2 * np.pi)),
     ("units", "the right rate times 2π: the phase is in radians already", 2 * np.pi),
-    ("constant-factor", "half the right rate: look for a factor that does not belong", 0.5),
-    ("constant-factor", "twice the right rate: look for a factor that does not belong", 2.0),
+    ("constant-factor", "half the right rate: look for an extra factor", 0.5),
+    ("constant-factor", "twice the right rate: look for an extra factor", 2.0),
 )
 
 
 class Motion(NamedTuple):
-    """A motion given to ``precession_rate``: times (n,), ω (3, n), the exact mean rate and the ``rate`` returned, in rad/s."""
+    """A motion given to ``precession_rate``: times (n,) in s, ω (3, n), the exact mean rate and the returned
+    ``rate`` in rad/s.
+    """
 
     name: str
     t: Array
@@ -44,21 +46,23 @@ class Motion(NamedTuple):
 
 
 def causes_of_rate(answers: Answers) -> list[Diagnosis]:
-    """For ``precession_rate`` of each motion (t, w): the simplest mistake that predicts all its answers, or two of one code."""
+    """Return the simplest mistake of ``precession_rate`` that predicts all its answers, or two mistakes of
+    one code.
+    """
     motions = [_motion(scene, inputs, float(seen["rate"])) for scene, (inputs, seen) in answers.items()]
     if all(_near(m.rate, m.truth) for m in motions):
         return []
     if not any(m.rate for m in motions):
-        return [_cause("returns-zero", "precession_rate returns zero whatever it is asked")]
+        return [_cause("returns-zero", "precession_rate returns zero for all arguments")]
     mistakes = list(zip(*(_mistakes(m.t, m.w, m.truth) for m in motions), strict=True))
     found = _reproduced(mistakes, [m.rate for m in motions])
     if not found:
         reversed_ = _reproduced(mistakes, [-m.rate for m in motions])
-        found = {f"{sentence}, and of the opposite sign": code for sentence, code in reversed_.items()}
+        found = {f"{sentence}, with the opposite sign": code for sentence, code in reversed_.items()}
     if found:
         code = next(iter(found.values()))  # of the simplest mistake
-        said = [sentence for sentence, its in found.items() if its == code]
-        return [_cause(code, "; or ".join(said))] if len(said) <= MOST_SAID else []
+        named = [sentence for sentence, its in found.items() if its == code]
+        return [_cause(code, "; or ".join(named))] if len(named) <= MOST_NAMED else []
     return _proportional(motions) or _of_spectrum(motions) or _nearly(motions) or _partly(motions)
 
 
@@ -68,38 +72,36 @@ def _motion(scene: str, inputs: Inputs, rate: float) -> Motion:
 
 
 def _reproduced(mistakes: list[tuple[Predicted, ...]], rates: list[float]) -> dict[str, str]:
-    """Sentence and code of each mistake whose numbers, one for each motion, are the ``rates``."""
+    """Return sentence and code of each mistake whose numbers, one for each motion, are the ``rates``."""
     return {row[0][1]: row[0][0] for row in mistakes if all(_near(rate, each[2]) for rate, each in zip(rates, row, strict=True))}
 
 
 def _proportional(motions: list[Motion]) -> list[Diagnosis]:
-    """The diagnosis where the rates are in one ratio to ω₃, or to the right rates, in several motions."""
+    """Return the diagnosis if the rates are in one ratio to ω₃, or to the right rates, in several motions."""
     if len(motions) < 2:
         return []
-    for code, said, quantities in (
+    for code, sentence, quantities in (
         ("hard-coded-moments", "{:.6g} ω₃: the rate of one body; measure it from (ω₁, ω₂)", [m.w[2].mean() for m in motions]),
-        ("constant-factor", "{:.6g} times the right rate: look for a factor that does not belong", [m.truth for m in motions]),
+        ("constant-factor", "{:.6g} times the right rate: look for an extra factor", [m.truth for m in motions]),
     ):
         ratios = [m.rate / quantity for m, quantity in zip(motions, quantities, strict=True)]
         if ratios[0] and all(_near(ratio, ratios[0]) for ratio in ratios):
-            return [_cause(code, said.format(ratios[0]))]
+            return [_cause(code, sentence.format(ratios[0]))]
     return []
 
 
 def _of_spectrum(motions: list[Motion]) -> list[Diagnosis]:
-    """The diagnosis where each rate is a line of the record's Fourier spectrum."""
+    """Return the diagnosis if each rate is a line of the record's Fourier spectrum."""
     for spans in zip(*(_spans(m.t) for m in motions), strict=True):
         turns = np.array([m.rate * span / (2 * np.pi) for m, span in zip(motions, spans, strict=True)])
         if len(turns) > 1 and turns.any() and np.all(np.abs(turns - np.round(turns)) <= AGREEMENT * np.maximum(1.0, np.abs(turns))):
-            sentence = (
-                "a line of the Fourier spectrum, which knows the rate to 2π over the length of the record only: take the phase"
-            )
+            sentence = "a line of the Fourier spectrum, which resolves the rate only to 2π over the record's length: use the phase"
             return [_cause("wrong-quantity", sentence)]
     return []
 
 
 def _spans(t: Array) -> tuple[float, ...]:
-    """The length of a record of times (n,) in s, by each way of taking its step."""
+    """Return the length in s of a record of times (n,), by each way of taking its step."""
     step, n = np.diff(t), len(t)
     return float(t[-1] - t[0]), float(step.mean() * n), float(step[0] * n), float(np.median(step) * n)
 
@@ -113,22 +115,22 @@ def _nearly(motions: list[Motion]) -> list[Diagnosis]:
 
 
 def _partly(motions: list[Motion]) -> list[Diagnosis]:
-    """The diagnosis that names the motions whose rate is right, if there are some."""
+    """Return the diagnosis that names the motions whose rate is right, if there are any."""
     right = [m.name for m in motions if abs(m.rate - m.truth) <= RIGHT * abs(m.truth)]
     wrong = [m.name for m in motions if m.name not in right]
     return [_cause("partly-right", f"right for {' and '.join(right)}; wrong for {' and '.join(wrong)}")] if right and wrong else []
 
 
 def _mistakes(t: Array, w: Array, truth: float) -> Iterator[Predicted]:
-    """Code, sentence and number of each mistake, the simplest first, in the same order for every motion."""
-    said = "the opposite sign: Ω is positive where (ω₁, ω₂) turns from ê₁ to ê₂, so arctan2(ω₂, ω₁)"
-    yield "sign-reversed", said, -truth
-    yield "absolute-value", "the sign is lost: Ω is negative where (ω₁, ω₂) turns from ê₂ to ê₁", abs(truth)
+    """Yield code, sentence and number of each mistake, the simplest first, in the same order for every motion."""
+    sentence = "the opposite sign: Ω is positive if (ω₁, ω₂) turns from ê₁ to ê₂, so use arctan2(ω₂, ω₁)"
+    yield "sign-reversed", sentence, -truth
+    yield "absolute-value", "the sign is lost: Ω is negative if (ω₁, ω₂) turns from ê₂ to ê₁", abs(truth)
     for code, sentence, factor in FACTORS:
         yield code, sentence, factor * truth
     yield "wrong-quantity", "the period of the precession instead of its rate", 2 * np.pi / truth
-    yield "wrong-quantity", "the inverse of the rate: is the phase fitted as a function of the time?", 1 / truth
-    yield "wrong-quantity", "the inverse of the rate: is the phase fitted as a function of the time?", _slope(_phase(w, 1, 0), t)
+    yield "wrong-quantity", "the inverse of the rate: is the phase fitted as a function of time?", 1 / truth
+    yield "wrong-quantity", "the inverse of the rate: is the phase fitted as a function of time?", _slope(_phase(w, 1, 0), t)
     yield "returns-input", "the spin ω₃ itself instead of the rate at which (ω₁, ω₂) turns", float(w[2].mean())
     yield from _wrong_phases(t, w)
     yield from _wrong_steps(t, w)
@@ -137,7 +139,7 @@ def _mistakes(t: Array, w: Array, truth: float) -> Iterator[Predicted]:
 
 def _wrong_phases(t: Array, w: Array) -> Iterator[Predicted]:
     jumps = "the phase jumps by 2π and is not unwrapped before its slope is taken: see np.unwrap"
-    halves = "arctan knows no quadrants, so the phase jumps by π: use arctan2(ω₂, ω₁), and np.unwrap"
+    halves = "arctan does not distinguish quadrants, so the phase jumps by π: use arctan2(ω₂, ω₁), and np.unwrap"
     with np.errstate(all="ignore"):
         for sentence, phase in ((jumps, np.arctan2(w[1], w[0])), (jumps, np.arctan2(w[0], w[1])), (halves, np.arctan(w[1] / w[0]))):
             for value in _means(t, phase):
@@ -148,28 +150,28 @@ def _wrong_phases(t: Array, w: Array) -> Iterator[Predicted]:
         degrees = "the phase in degrees is unwrapped as if it were in radians: np.unwrap needs period=360, or radians"
         for value in _means(t, np.radians(np.unwrap(np.degrees(np.arctan2(w[1], w[0]))))):
             yield "not-unwrapped", degrees, value
-        half = "the phase is taken from one component, which covers half of the circle: use arctan2(ω₂, ω₁)"
+        half = "the phase is computed from one component, which covers half of the circle: use arctan2(ω₂, ω₁)"
         for part in (w[0], w[1]) / np.sqrt(np.mean(w[0] ** 2 + w[1] ** 2)):
             for angle in (np.arccos(np.clip(part, -1, 1)), np.arcsin(np.clip(part, -1, 1))):
                 for value in (*_means(t, np.unwrap(angle)), *_means(t, angle)):
                     yield "wrong-components", half, value
-    mixed = "samples and components are mixed up: w.reshape(-1, 3) is no transpose, use w.T"
+    mixed = "samples and components are mixed: w.reshape(-1, 3) does not transpose, use w.T"
     for value in _means(t, _phase(w.reshape(-1, 3).T, 1, 0)):
         yield "wrong-components", mixed, value
     for a, b in ((2, 0), (0, 2), (2, 1), (1, 2)):
         pair = f"ω{'₁₂₃'[a]} and ω{'₁₂₃'[b]}"
         for value in _means(t, _phase(w, a, b)):
-            yield "wrong-components", f"the phase of {pair} is taken: the precession turns (ω₁, ω₂)", value
+            yield "wrong-components", f"the phase of {pair} is used: the precession turns (ω₁, ω₂)", value
 
 
 def _wrong_steps(t: Array, w: Array) -> Iterator[Predicted]:
-    """Mistakes in the angle from one sample to the next."""
+    """Yield mistakes in the angle from one sample to the next."""
     (x, y), r = w[:2], np.hypot(w[0], w[1])
     sine = (x[:-1] * y[1:] - y[:-1] * x[1:]) / (r[:-1] * r[1:])
     forward = np.diff(np.arctan2(y, x)) % (2 * np.pi)
-    modulo = "the steps are taken modulo 2π, so that all of them turn the same way: see np.unwrap"
-    quarter = "arcsin knows angles up to a quarter of a turn only: use arctan2(ω₂, ω₁), and np.unwrap"
-    fine = "ω₁ and ω₂ are differentiated by differences, which holds for fine samples only: take the phase, arctan2(ω₂, ω₁)"
+    modulo = "the steps are computed modulo 2π, so that all of them turn the same way: see np.unwrap"
+    quarter = "arcsin gives angles up to a quarter of a turn only: use arctan2(ω₂, ω₁), and np.unwrap"
+    fine = "ω₁ and ω₂ are differentiated by differences, which needs fine samples: use the phase arctan2(ω₂, ω₁)"
     for code, sentence, steps in (
         ("not-unwrapped", modulo, forward),
         ("not-unwrapped", modulo, forward - 2 * np.pi),
@@ -189,25 +191,25 @@ def _mean_over_time(t: Array, rates: Array) -> float:
 
 def _wrong_times(t: Array, phase: Array) -> Iterator[Predicted]:
     n, whole, step, number = len(t), float(phase[-1] - phase[0]), t[1] - t[0], np.arange(float(len(t)))
-    yield "wrong-quantity", "the angle turned by, not divided by the time", whole
+    yield "wrong-quantity", "the total angle, not divided by the time", whole
     for middle in (n // 2, (n - 1) // 2):
-        half = "the turn over half of the motion, divided by the time of all of it, or the other way round"
+        half = "the angle over half of the motion, divided by the time of all of it, or the reverse"
         yield "wrong-times", half, (phase[middle] - phase[0]) / (t[-1] - t[0])
         yield "wrong-times", half, whole / (t[middle] - t[0])
     yield "wrong-quantity", "the phase at time zero, the other coefficient of the fitted line", float(np.polyfit(t, phase, 1)[1])
     for value in (whole / n, whole / (n - 1), _slope(number, phase), float(np.median(np.diff(phase)))):
-        yield "wrong-times", "the turn per sample: divide by the time between samples", value
-    origin = "the time is taken to start at zero: divide by t[-1] − t[0], and the turn is phase[-1] − phase[0]"
+        yield "wrong-times", "the angle per sample: divide by the time between samples", value
+    origin = "the time is assumed to start at zero: divide phase[-1] − phase[0] by t[-1] − t[0]"
     for value in (whole / t[-1], phase[-1] / t[-1], float(phase @ t / (t @ t)), float(np.mean(phase[1:] / t[1:]))):
         yield "wrong-times", origin, value
-    first = "the first phase is taken to be zero: the turn is phase[-1] − phase[0]"
+    first = "the first phase is assumed to be zero: the total angle is phase[-1] − phase[0]"
     yield "wrong-times", first, phase[-1] / (t[-1] - t[0])
     rates = np.diff(phase) / np.diff(t)
     gradient = np.gradient(phase, t)
     mean = whole / (t[-1] - t[0])
     for value in (rates.sum() / n, gradient[1:-1].sum() / n, gradient.sum() / (n - 1), mean * (n - 1) / n, mean * n / (n - 1)):
-        yield "wrong-times", "a sum is divided by another number than that of its terms: take np.mean", float(value)
-    even = "the times are taken to be evenly spaced: use t itself, np.polyfit(t, phase, 1) or np.gradient(phase, t)"
+        yield "wrong-times", "a sum is not divided by the number of its terms: use np.mean", float(value)
+    even = "the times are assumed to be evenly spaced: use t itself, np.polyfit(t, phase, 1) or np.gradient(phase, t)"
     fitted = (float(np.gradient(phase).mean()), _slope(number, phase))
     steps = (whole / n, whole / (n - 1))
     for spacing, turns in (

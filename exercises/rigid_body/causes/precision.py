@@ -1,4 +1,4 @@
-"""Digits lost: single precision and rounding, recognised by what remains when the same is done to the truth."""
+"""Lost digits: single precision and rounding, recognized by applying the same to the truth."""
 
 from collections.abc import Callable, Iterator
 
@@ -11,13 +11,13 @@ from exercises.rigid_body.probes import scale
 
 Array = NDArray[np.float64]
 
-SMALL = 1e-6  # of the scale of a point: beyond this noise is no loss of digits
+SMALL = 1e-6  # of the scale of a point: larger noise is not a loss of digits
 ROUNDING = 1e-13
-SINGLE = 1e-6  # what single precision leaves of agreement
+SINGLE = 1e-6  # agreement to expect in single precision
 
 
 def precision_lost(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
-    """The diagnosis where the right equations were worked out with too few digits, and with how many."""
+    """Return the diagnosis if the right equations were computed with too few digits, and with how many."""
     truth, size = reference.euler_rhs(w.T, moments.T).T, scale(w, moments)
     if not np.any(np.abs(wdot - truth) > ROUNDING * size):
         return []
@@ -40,22 +40,22 @@ def precision_lost(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
 
 
 def digits_kept(wdot: Array, w: Array, moments: Array) -> list[Diagnosis]:
-    """The diagnosis where the right equations shine through noise: how many digits agree."""
+    """Return the diagnosis if the answers are right up to noise: how many digits agree."""
     truth, size = reference.euler_rhs(w.T, moments.T).T, scale(w, moments)
     with np.errstate(divide="ignore", invalid="ignore"):
         worst = float(np.where(wdot == truth, 0.0, np.abs(wdot - truth) / size).max())
-    return [lost(f"only {int(-np.log10(worst))} of them are right")] if ROUNDING < worst < SMALL else []
+    return [lost(f"only {int(-np.log10(worst))} digits are right")] if ROUNDING < worst < SMALL else []
 
 
 def in_single(wdot: Array) -> bool:
-    """Whether no number has more digits than single precision holds."""
+    """Return whether no number has more digits than single precision holds."""
     with np.errstate(over="ignore"):
         return bool(np.array_equal(wdot, wdot.astype(np.float32)))
 
 
 def lost(how: str) -> Diagnosis:
-    """The diagnosis for digits lost in this way."""
-    sentence = f"too few digits: {how}; leave everything in double precision"
+    """Return the diagnosis for digits lost in this way."""
+    sentence = f"too few digits: {how}; keep everything in double precision"
     return Diagnosis(code="precision-loss", sentence=sentence, confidence=1.0)
 
 

@@ -1,4 +1,6 @@
-"""The likely cause behind wrong rates: the fewest slips that reproduce every number to rounding, if no other set does."""
+"""The likely cause behind wrong rates: the fewest errors that reproduce every number to rounding, if they are
+unique.
+"""
 
 import itertools
 from collections.abc import Iterator
@@ -10,7 +12,7 @@ import reference
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
 from exercises.rigid_body.causes.agreement import Mask, agree, same
-from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, Slip, read, slips, told
+from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, Slip, diagnoses_of, read, slips
 from exercises.rigid_body.causes.extra import extra_terms
 from exercises.rigid_body.causes.hard_coded import same_body
 from exercises.rigid_body.causes.partly import nearly_right, partly_right
@@ -27,7 +29,9 @@ MOST_SLIPS = 4
 
 
 def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
-    """Diagnoses for the rates (n, 3) at the probes ``inputs``; none where the truth came back or nothing singles one out."""
+    """Return diagnoses for the rates (n, 3) in rad/s² at the probes ``inputs``; none if they are right or
+    nothing singles one out.
+    """
     t, w, moments = (np.asarray(inputs[name], dtype=float) for name in ("t", "w", "I"))
     finite: Mask = np.asarray(np.all(np.isfinite(wdot), axis=1))
     if np.all(finite):
@@ -52,7 +56,7 @@ def _finite(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
     if same(wdot, reference.euler_rhs(w.T, moments.T).T, w, moments):
         return precision_lost(wdot, w, moments)
     if _depends_on_time(t, w, moments, wdot):
-        return [_cause("time-dependent", "euler_eqs answers differently at another t: torque-free equations do not depend on time")]
+        return [_cause("time-dependent", "euler_eqs depends on t: torque-free equations do not depend on time")]
     return _something_else(w, moments, wdot) or _slips(t, w, moments, wdot)
 
 
@@ -73,7 +77,7 @@ def _slips(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 
 
 def _of_the_table(w: Array, moments: Array, wdot: Array, columns: list[list[Form | None]]) -> list[Diagnosis]:
-    """Diagnoses where each component that is no form is a mistake of the table."""
+    """Return diagnoses if each component without a form is a mistake of the table."""
     mistakes, chosen = table(w, moments, wdot), list[Slip]()
     for k, forms in enumerate(columns):
         found = read(forms, k) or readings(mistakes, wdot[:, k], w, moments, k)
@@ -81,23 +85,23 @@ def _of_the_table(w: Array, moments: Array, wdot: Array, columns: list[list[Form
             return []
         shortest: list[Slip] = min(found, key=len)
         chosen += shortest
-    return told(chosen)
+    return diagnoses_of(chosen)
 
 
 def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:
-    """Slips of an answer in single precision, which agrees to six digits only."""
+    """Return the errors of an answer in single precision, which agrees to six digits only."""
     roughly = [points.forms(column, SINGLE) for column in wdot.T] if in_single(wdot) else [[]]
     return [*(_fewest(roughly) or []), lost("the answer is in single precision (float32)")] if all(roughly) else []
 
 
 def _something_else(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
     if not wdot.any():
-        return [_cause("returns-zero", "euler_eqs returns zeros whatever it is asked")]
+        return [_cause("returns-zero", "euler_eqs returns zeros for all arguments")]
     for code, sentence, answer in _whole(w, moments):
         if same(wdot, answer, w, moments):
             return [_cause(code, sentence)]
         if same(wdot, -answer, w, moments):
-            return [_cause(code, sentence), _cause("sign-reversed", "and all three components have the opposite sign")]
+            return [_cause(code, sentence), _cause("sign-reversed", "all three components have the opposite sign")]
     return []
 
 
@@ -106,18 +110,20 @@ def _whole(w: Array, moments: Array) -> Iterator[tuple[str, str, Array]]:
     for name, answer in (("ω", w), ("I", moments), ("L = Iω", momentum)):
         yield "returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", answer
     swapped = reference.euler_rhs(moments.T, w.T).T
-    yield "swapped-arguments", "w and I are exchanged: the order is euler_eqs(t, w, I)", swapped
+    yield "swapped-arguments", "w and I are swapped: the order is euler_eqs(t, w, I)", swapped
 
 
 def _sorted(moments: Array) -> Iterator[tuple[str, Array]]:
     ascending = np.sort(moments, axis=1)
-    yield "the moments are sorted: I₁, I₂, I₃ belong to the axes in the order they are given", ascending
-    yield "the moments are sorted, the largest first: they belong to the axes in the order they are given", ascending[:, ::-1]
+    yield "the moments are sorted: use I₁, I₂, I₃ in the given order", ascending
+    yield "the moments are sorted, the largest first: use I₁, I₂, I₃ in the given order", ascending[:, ::-1]
 
 
 def _fewest(columns: list[list[Form | None]]) -> list[Diagnosis] | None:
-    """The explanation with the fewest slips, then with the fewest exchanged axes; empty where two with other codes are as short,
-    None where there is none."""
+    """Return the explanation with the fewest errors, then the fewest swapped axes.
+
+    Empty if two explanations with different codes are equally short; None if there is none.
+    """
     best: list[tuple[tuple[int, int], list[Diagnosis]]] = []
     for outputs, order in itertools.product(ORDERS, ORDERS):
         chosen: list[Slip] = []
@@ -129,7 +135,7 @@ def _fewest(columns: list[list[Form | None]]) -> list[Diagnosis] | None:
             chosen += plainest
         else:
             exchanged = (outputs != SAME) + (order != SAME)
-            found = [*_exchanged(outputs, order), *(same_body(chosen) or told(_one_divisor(chosen)))]
+            found = [*_exchanged(outputs, order), *(same_body(chosen) or diagnoses_of(_one_divisor(chosen)))]
             best.append(((len(found), exchanged), found))
     if not best:
         return None
@@ -147,13 +153,11 @@ def _exchanged(outputs: Order, order: Order) -> Iterator[Diagnosis]:
         yield _cause("component-order", f"the components are returned in the wrong order: {stands}")
     if order != SAME:
         used = ", ".join(MOMENT[k] for k in order)
-        yield _cause(
-            "moment-order", f"the moments are used in the order {used}: they belong to the axes in the order they are given"
-        )
+        yield _cause("moment-order", f"the moments are used in the order {used}: use them in the given order")
 
 
 def _one_divisor(chosen: list[Slip]) -> list[Slip]:
-    """Three components divided by the same constant are not divided at all, and multiplied by its inverse."""
+    """Read three components divided by the same constant as not divided, and multiplied by its inverse."""
     constant = [s for s in chosen if s.kind == "divisor"]
     if len(constant) < 3 or len({s.value for s in constant}) > 1:
         return chosen
@@ -165,7 +169,7 @@ def _one_divisor(chosen: list[Slip]) -> list[Slip]:
 
 
 def _depends_on_time(t: Array, w: Array, moments: Array, wdot: Array) -> bool:
-    """Whether one (ω, I) asked at two times got two answers, but at the same time the same one."""
+    """Return whether one (ω, I) got two answers at two times, but the same one at the same time."""
     _, first, which = np.unique(np.column_stack([w, moments]), axis=0, return_index=True, return_inverse=True)
     first = first[which.ravel()]
     apart, later = ~agree(wdot, wdot[first], w, moments).all(axis=1), t != t[first]

@@ -1,4 +1,4 @@
-"""Where a function is right: the order of the moments, the signs and zeros of ω, or the size of something."""
+"""Where a function is right: a condition on the order of the moments, the signs and zeros of ω, or a size."""
 
 import itertools
 from collections.abc import Iterator
@@ -16,9 +16,9 @@ PLACE = ("smallest", "middle", "largest")
 
 
 def described(inside: Mask, outside: Mask, w: Array, moments: Array) -> str | None:
-    """What holds at all points ``inside`` (n,) and at none ``outside``, in words; None if nothing known does.
+    """Return in words what holds at all points ``inside`` (n,) and at none ``outside``, or None.
 
-    Of thresholds that hold alike the first two are said.
+    Of several thresholds that hold, the first two are named.
     """
     if not inside.any():
         return None
@@ -27,12 +27,12 @@ def described(inside: Mask, outside: Mask, w: Array, moments: Array) -> str | No
             return name
     if min(inside.sum(), outside.sum()) < LEAST_POINTS:
         return None
-    found = [said for name, size in _sizes(w, moments) if (said := _threshold(name, size, inside, outside))]
+    found = [text for name, size in _sizes(w, moments) if (text := _threshold(name, size, inside, outside))]
     return " or ".join(found[:2]) or None
 
 
 def _conditions(w: Array, moments: Array) -> Iterator[tuple[str, Mask]]:
-    """Named conditions at the points, the simplest first."""
+    """Yield named conditions at the points, the simplest first."""
     zero = w == 0
     yield "ω = 0", zero.all(axis=1)
     for a in range(3):
@@ -75,12 +75,12 @@ def _conditions(w: Array, moments: Array) -> Iterator[tuple[str, Mask]]:
     yield "all three moments are equal", equal.all(axis=1)
     rates = reference.euler_rhs(w.T, moments.T).T
     for a in range(3):
-        yield f"{COMPONENT[a]} is to be positive", rates[:, a] > 0
-        yield f"{COMPONENT[a]} is to be negative", rates[:, a] < 0
+        yield f"{COMPONENT[a]} should be positive", rates[:, a] > 0
+        yield f"{COMPONENT[a]} should be negative", rates[:, a] < 0
 
 
 def _sizes(w: Array, moments: Array) -> Iterator[tuple[str, Array]]:
-    """Named sizes that a threshold may cut."""
+    """Yield named sizes that a threshold may cut."""
     yield "|ω|", np.linalg.norm(w, axis=1)
     for a in range(3):
         yield f"|{SPIN[a]}|", np.abs(w[:, a])

@@ -1,7 +1,8 @@
-"""Mistakes that predict numbers: each row of the table is what one misspelling of Euler's equations gives at the probes.
+"""Mistakes that predict numbers: each row of the table holds the rates that one wrong formula gives at the
+probes.
 
-Forms (form.py) cover wrong indices, signs, factors and divisors. The table covers the rest: missing brackets, absolute values,
-floor division, clipping, normalised or inverted arguments, powers and roots.
+Forms (term_fit.py) cover wrong indices, signs, factors and divisors. The table covers the rest: missing
+brackets, absolute values, floor division, clipping, normalized or inverted arguments, powers and roots.
 """
 
 from collections.abc import Iterator
@@ -16,13 +17,15 @@ from exercises.rigid_body.causes.errors import COMPONENT, DIFFERENCE, MOMENT, SP
 
 Array = NDArray[np.float64]
 LEAST_LIMIT = 1e-9  # of rates that were clipped, not lost
-OVERWRITTEN = "{c} is computed from rates already stored in place of ω: keep ω until all three are computed"
-SMALL = tuple(10.0**-k for k in range(13))  # below which values may have been taken as zero
+OVERWRITTEN = "{c} is computed from rates that already replaced ω: keep ω until all three are computed"
+SMALL = tuple(10.0**-k for k in range(13))  # thresholds below which values may have been set to zero
 LIMITS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)  # to which ω may have been clipped
 
 
 class Mistake(NamedTuple):
-    """``values`` (n, 3) of a misspelling. ``sentence`` has the fields c, d, ii, ij, ik, wi, wj, wk: the symbols of a component."""
+    """The ``values`` (n, 3) of a wrong formula. ``sentence`` has the fields c, d, ii, ij, ik, wi, wj, wk:
+    symbols of a component.
+    """
 
     code: str
     sentence: str
@@ -30,7 +33,7 @@ class Mistake(NamedTuple):
 
 
 def table(w: Array, moments: Array, seen: Array) -> list[Mistake]:
-    """Every row, for ω and I (n, 3); the limit of clipped rates is read off the ``seen`` ones."""
+    """Return every row for ω and I (n, 3). The limit of clipped rates is read from the ``seen`` ones."""
     with np.errstate(all="ignore"):
         return [
             *_brackets(w, moments),
@@ -43,7 +46,9 @@ def table(w: Array, moments: Array, seen: Array) -> list[Mistake]:
 
 
 def readings(found: list[Mistake], column: Array, w: Array, moments: Array, k: int) -> list[list[Slip]]:
-    """The slips that reproduce the ``column`` (n,) of component ``k``: a mistake of the table, or its negative."""
+    """Return the errors that reproduce the ``column`` (n,) of component ``k``: a mistake of the table, or its
+    negative.
+    """
     readings_: dict[str, list[Slip]] = {}
     for mistake in found:
         for sign in (1.0, -1.0):
@@ -62,7 +67,7 @@ def _symbols(k: int) -> dict[str, str]:
 
 
 def _parts(w: Array, moments: Array) -> tuple[Array, Array, Array, Array]:
-    """Iᵢ, Iⱼ, ωᵢ and ωⱼ (n, 3) of each component."""
+    """Return Iᵢ, Iⱼ, ωᵢ and ωⱼ (n, 3) of each component."""
     return np.roll(moments, -1, 1), np.roll(moments, -2, 1), np.roll(w, -1, 1), np.roll(w, -2, 1)
 
 
@@ -71,7 +76,7 @@ def _exact(w: Array, moments: Array) -> Array:
 
 
 def _one_after_the_other(w: Array, moments: Array) -> Array:
-    """Rates (n, 3), each of which is stored as its ω before the next is computed."""
+    """Return rates (n, 3), each of which replaces its ω before the next is computed."""
     rates = w.copy()
     for k in range(3):
         rates[:, k] = _exact(rates, moments)[:, k]
@@ -91,7 +96,7 @@ def _brackets(w: Array, moments: Array) -> Iterator[Mistake]:
         ("({ii} − {ij})·{wj}/({ik}·{wi})", (ii - ij) * wj / (ik * wi)),
     ):
         yield Mistake(
-            "missing-brackets", "{c} is computed as " + computed + ": check the brackets, {d}·{wi}{wj}/{ik} is due", values
+            "missing-brackets", "{c} is computed as " + computed + " instead of {d}·{wi}{wj}/{ik}: check the brackets", values
         )
 
 
@@ -135,8 +140,8 @@ def _clipped(w: Array, moments: Array, seen: Array) -> Iterator[Mistake]:
 def _dropped(w: Array, moments: Array) -> Iterator[Mistake]:
     exact, rank = _exact(w, moments), np.argsort(np.argsort(np.abs(w), axis=1), axis=1)
     for place, name in enumerate(("smallest", "middle", "largest")):
-        said = f"{{c}} is zero where |{{wk}}| is the {name} of the three: the product {{wi}}{{wj}} is dropped there"
-        yield Mistake("missing-component", said, np.where(rank == place, 0.0, exact))
+        sentence = f"{{c}} is zero where |{{wk}}| is the {name} of the three: the product {{wi}}{{wj}} is dropped there"
+        yield Mistake("missing-component", sentence, np.where(rank == place, 0.0, exact))
     for least in SMALL:
         for values in (_exact(np.where(np.abs(w) < least, 0.0, w), moments), np.where(np.abs(exact) < least, 0.0, exact)):
             yield Mistake("clipped", "{c} is zero where ω or {c} itself is small: small values are cut off", values)
@@ -152,18 +157,18 @@ def _arguments(w: Array, moments: Array) -> Iterator[Mistake]:
     yield Mistake("normalised", "{c} lacks a factor |L|: L comes from a unit vector", exact / np.where(length > 0, length, 1.0))
     largest = moments.max(axis=1)
     for name, size in (("|I|", np.linalg.norm(moments, axis=1)), ("their sum", moments.sum(axis=1)), ("the largest", largest)):
-        said = f"{{c}} holds moments divided by {name} in one place and not in another"
-        yield Mistake("normalised", said, exact / size[:, None])
+        sentence = f"{{c}} has moments divided by {name} in one place and not in another"
+        yield Mistake("normalised", sentence, exact / size[:, None])
     for name, size in (("largest", moments.max(axis=1)), ("middle", np.median(moments, axis=1)), ("smallest", moments.min(axis=1))):
-        said = f"{{c}} is divided by the {name} of the moments instead of by {{ik}}"
-        yield Mistake("wrong-divisor", said, exact * moments / size[:, None])
-    yield Mistake("inverted-moments", "{c} has I and 1/I exchanged: {d}/{ik} is due", _exact(w, 1 / moments))
-    yield Mistake("wrong-power", "{c} holds the squares {wi}² and {wj}² where {wi} and {wj} are due", exact * wi * wj)
-    yield Mistake("wrong-power", "{c} holds {wi}²{wj} where {wi}{wj} belongs", exact * wi)
-    yield Mistake("wrong-power", "{c} holds {wi}{wj}² where {wi}{wj} belongs", exact * wj)
-    for said, divisor in (("", moments), (", and {ik}² where {ik} belongs", moments**2)):
-        yield Mistake("wrong-power", "{c} holds {ii}² − {ij}² where {d} belongs" + said, (ii**2 - ij**2) * wi * wj / divisor)
-    yield Mistake("wrong-power", "{c} holds {wi}{wj}{wk} where {wi}{wj} belongs", exact * w)
+        sentence = f"{{c}} is divided by the {name} of the moments instead of {{ik}}"
+        yield Mistake("wrong-divisor", sentence, exact * moments / size[:, None])
+    yield Mistake("inverted-moments", "{c} has I and 1/I swapped: use {d}/{ik}", _exact(w, 1 / moments))
+    yield Mistake("wrong-power", "{c} has the squares {wi}² and {wj}² instead of {wi} and {wj}", exact * wi * wj)
+    yield Mistake("wrong-power", "{c} has {wi}²{wj} instead of {wi}{wj}", exact * wi)
+    yield Mistake("wrong-power", "{c} has {wi}{wj}² instead of {wi}{wj}", exact * wj)
+    for more, divisor in (("", moments), (", and {ik}² instead of {ik}", moments**2)):
+        yield Mistake("wrong-power", "{c} has {ii}² − {ij}² instead of {d}" + more, (ii**2 - ij**2) * wi * wj / divisor)
+    yield Mistake("wrong-power", "{c} has {wi}{wj}{wk} instead of {wi}{wj}", exact * w)
     yield Mistake("wrong-quantity", OVERWRITTEN, _one_after_the_other(w, moments))
     yield Mistake("wrong-power", "{c} is the square of the right value, with its sign", exact * np.abs(exact))
     yield Mistake("wrong-power", "{c} is the square of the right value", exact**2)

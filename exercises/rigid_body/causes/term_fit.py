@@ -1,10 +1,11 @@
-"""One component of a student's ω̇ read as algebra: which ω it multiplies, how it weighs the moments, what it divides by.
+"""One component of a student's ω̇ read as algebra: its product of ω, its weights of the moments, and its
+divisor.
 
-Every way to get a component wrong by its indices, signs and factors is of the form
+Every component that is wrong by its indices, signs and factors has the form
 
     (α₁ I₁ + α₂ I₂ + α₃ I₃) · ωₐ ω_b / D,      D one of 1, Iₐ, Iₐ I_b, 1/Iₐ, Iₐ + I_b, I₁ + I₂ + I₃, |I|,
 
-so that one linear fit for each product and divisor finds it, whatever the slips are and however many.
+so one linear fit for each product and divisor finds it, whatever the errors and however many.
 """
 
 import functools
@@ -18,7 +19,7 @@ from exercises.rigid_body.causes.agreement import AGREEMENT
 
 Array = NDArray[np.float64]
 
-LEAST_POINTS = 10  # a fit of three weights to fewer points says too little
+LEAST_POINTS = 10  # a fit of three weights to fewer points is not conclusive
 ORDINARY = (1e-2, 1e2)  # sizes of |ω| and I to which forms are fitted; they are confirmed at all points
 PRODUCTS: tuple[tuple[int, ...], ...] = (
     *itertools.combinations_with_replacement(range(3), 2),
@@ -39,7 +40,9 @@ DIVISORS: tuple[tuple[int, ...], ...] = (
 
 
 class Form(NamedTuple):
-    """``weights`` of the three moments, or a ``constant`` where none is weighed, times the ω of ``product`` over ``divisor``."""
+    """``weights`` of the three moments, or a ``constant`` if none is weighted, times the ω of ``product``
+    over ``divisor``.
+    """
 
     product: tuple[int, ...]
     divisor: tuple[int, ...]
@@ -50,7 +53,7 @@ class Form(NamedTuple):
 class Points:
     """The probes, prepared once for all fits: ω and I (n, 3).
 
-    A fit uses the ``ordinary`` points, with each divided by |ω|² through ``weight``; every point has to confirm it.
+    A fit uses the ``ordinary`` points, each divided by |ω|² through ``weight``; every point must confirm it.
     """
 
     def __init__(self, w: Array, moments: Array) -> None:
@@ -65,7 +68,7 @@ class Points:
             self._back = np.linalg.inv(r)
 
     def forms(self, column: Array, agreement: float = AGREEMENT) -> list[Form | None]:
-        """Every form that gives ``column`` (n,) to ``agreement``; for a column of zeros None alone."""
+        """Return every form that gives ``column`` (n,) to ``agreement``; only None for a column of zeros."""
         if not column.any():
             return [None]
         if len(self.ordinary) < LEAST_POINTS:
@@ -83,7 +86,7 @@ class Points:
 
 
 def ordinary(w: Array, moments: Array) -> tuple[NDArray[np.intp], Array]:
-    """Indices (m,) of the points with ω and I of ordinary size and no ω zero; and 1/|ω|² (m,) there."""
+    """Return indices (m,) of the points with ω and I of ordinary size and no ω zero, and 1/|ω|² (m,) there."""
     low, high = ORDINARY
     speed = np.linalg.norm(w, axis=1)
     sized = (speed > low) & (speed < high) & np.all(w != 0, axis=1) & np.all((moments > low) & (moments < high), axis=1)
@@ -106,7 +109,7 @@ def _divisor(moments: Array, axes: tuple[int, ...]) -> Array:
 
 
 def _plain(product: tuple[int, ...], divisor: tuple[int, ...], fitted: Array, whole: float) -> Form:
-    """The same without what cancels: 3 I₁/I₁ is the constant 3."""
+    """Return the form without factors that cancel: 3 I₁/I₁ is the constant 3."""
     size = float(np.abs(fitted).max())
     first, second, third = (_rounded(float(x), size, whole) for x in fitted)
     weights = (first, second, third)
@@ -119,7 +122,7 @@ def _plain(product: tuple[int, ...], divisor: tuple[int, ...], fitted: Array, wh
 
 
 def _rounded(x: float, size: float, whole: float) -> float:
-    """``x``, or the 0, 1 or −1 it is to the precision of the fit; with the digits that are sure."""
+    """Return ``x``, or the 0, 1 or −1 it equals to the precision of the fit, with its significant digits."""
     if abs(x) <= whole * size:
         return 0.0
     near = float(np.sign(x))
@@ -128,7 +131,9 @@ def _rounded(x: float, size: float, whole: float) -> float:
 
 @functools.cache
 def relabelled(form: Form, order: tuple[int, int, int]) -> Form:
-    """The form as its writer saw it whose moments came in another order: their I number a was really number order[a]."""
+    """Return the form as its author wrote it if the moments came in another order: I number a was really
+    number order[a].
+    """
     if order == (0, 1, 2):
         return form
     back = {real: a for a, real in enumerate(order)}

@@ -1,7 +1,8 @@
-"""The six exercises of notebook 2.6 with the checks everybody knows: the notebook's nine lines and the exact solution.
+"""The six exercises of notebook 2.6 with their public checks: the notebook's nine lines and the exact
+solution.
 
-This folder goes into the students' kit, so that ``ecp.check`` prints the server's lines: it imports numpy, scipy, the kit and
-itself.
+This folder is part of the students' kit, so that ``ecp.check`` prints the server's lines. It imports only
+numpy, scipy, the kit and itself.
 """
 
 from .attitude import ATTITUDE

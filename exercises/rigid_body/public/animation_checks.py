@@ -1,11 +1,9 @@
-"""What an animation shows of the body: whether something drawn follows it.
+"""Whether something drawn in an animation follows the body.
 
-There are many right ways to draw it. The times of the frames are free within limits (``timing``) and so is the camera
-(``cameras``); at those times what is drawn must be the exact motion: a point of the body up to one constant shift, or a direction
-from one fixed place. L is drawn by the same camera (``momentum``).
+There are many right ways to draw it. The times of the frames are free within limits (``timing``) and so is
+the camera (``cameras``). At those times the drawing must show the exact motion: a point of the body up to one
+constant shift, or a direction from one fixed place. L is drawn by the same camera (``momentum``).
 """
-
-from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,24 +14,25 @@ from . import boxes, cameras, timing
 from .matching import Match, Motion, fewer, matched
 from .mistakes import TRANSPOSED, mistimed, otherwise, spin, transposed
 from .own_view import by_own_camera, unlabelled
-from .pictures import Picture, changed, directions, pictures, sound
+from .pictures import Picture, changed, directions, is_consistent, origins, pictures
 from .reading import PARALLEL, Shown, read, samples
 from .resembling import resembling
 
 Array = NDArray[np.float64]
 
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
-RARELY = 0.03  # share of the frames or samples: what changes at fewer shows no motion
+RARELY = 0.03  # share of the frames or samples; a drawing that changes at fewer shows no motion
 
 
 def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | None = None, *, half: Array | None = None) -> Shown:
-    """Return whether something follows body axis ``axis``, or for None any point of the body; ``R`` (n, 3, 3) at times ``t`` (n,).
+    """Return whether something follows body axis ``axis``, or for None any point of the body; ``R`` (n, 3, 3)
+    at times ``t`` (n,).
 
-    With L (3,) given, what is drawn along it must fit the same camera. Where the body is a box with half edges ``half`` (3,), its
-    corners may be drawn in any order, and what is drawn as a box has the proportions of this one.
+    If L (3,) is given, a drawing along it must fit the same camera. If the body is a box with half edges
+    ``half`` (3,), its corners may be drawn in any order, and a drawn box must have its proportions.
     """
-    if not sound(seen):
-        return Shown(False, None, "what came back does not fit together")
+    if not is_consistent(seen):
+        return Shown(False, None, "the returned arrays do not fit together")
     drawn, painted = pictures(seen), seen["cost"][4] > 0
     if not any(picture.paths for picture in drawn):
         code = "static" if any(picture.still for picture in drawn) and not painted else None
@@ -44,23 +43,24 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
     at, t, R = fewer(seen["at"], t, R)
     shown = compared(drawn, Motion(at, t, R, L, axis, half=half), at)
     if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(at), len(t)):
-        sentence = f"what is drawn changes at {changes} of {len(at)} frames only: is each frame drawn from its own sample?"
+        sentence = f"the drawing changes at only {changes} of {len(at)} frames: is each frame drawn from its own sample?"
         return Shown(False, "static", sentence)
     if painted and not shown.found:
-        return Shown(None, None, "what moves beside the painted picture says nothing about the body")
+        return Shown(None, None, "the picture is painted as pixels, and nothing else that moves shows the body")
     return shown
 
 
 def compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
-    """Return what the pictures show of the body, as it is or else by the student's own camera, at frames ``at`` (f, 3)."""
-    some = (said for picture in drawn if (said := resembling(picture, motion)))
+    """Return what the pictures show of the body, as space is or else by the student's own camera, at frames
+    ``at`` (f, 3).
+    """
+    some = (sentence for picture in drawn if (sentence := resembling(picture, motion)))
     for look in (_as_it_is, by_own_camera):
         views = [look(picture, motion, at) for picture in drawn]
         found = tuple(camera for camera, _ in views)
         right = [shown for _, shown in views if shown and shown.found]
         if right:
-            contrary = next(_contrary(drawn, views, motion, at), None)
-            return (contrary or right[0])._replace(cameras=found)
+            return (_wrong_elsewhere(drawn, views, motion, at) or right[0])._replace(cameras=found)
         wrong = [shown for _, shown in views if shown]
         if look is _as_it_is:
             wrong = [shown for picture in drawn for shown in spin(picture, motion)] + wrong
@@ -70,11 +70,13 @@ def compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:
             return wrong[0]._replace(cameras=found) if closer is None else Shown(False, "wrong-motion", closer, found)
         if box := _box(drawn, motion, known=look is by_own_camera):
             return box
-    return Shown(False, "wrong-motion", next(some, "what moves does not move with the body"))
+    return Shown(False, "wrong-motion", next(some, "nothing that moves follows the body"))
 
 
-def _contrary(drawn: list[Picture], views: list[tuple[Array | None, Shown | None]], motion: Motion, at: Array) -> Iterator[Shown]:
-    """What is wrong in one of the axes beside others that are right: coordinates, or the times of the axis."""
+def _wrong_elsewhere(
+    drawn: list[Picture], views: list[tuple[Array | None, Shown | None]], motion: Motion, at: Array
+) -> Shown | None:
+    """Return the first error in axes other than the right ones: in coordinates, or in the times of the body axis."""
     labelled = any(picture.plane for picture, (_, shown) in zip(drawn, views, strict=True) if shown and shown.found)
     for picture, (_, shown) in zip(drawn, views, strict=True):
         if shown and shown.found:
@@ -83,11 +85,12 @@ def _contrary(drawn: list[Picture], views: list[tuple[Array | None, Shown | None
         if not wrong and picture.plane and labelled and transposed(picture, motion):
             wrong = [Shown(False, "transposed-rotation", TRANSPOSED)]
         if found := wrong[0] if wrong else mistimed(picture, motion, at):
-            yield found._replace(sentence=f"one of the axes is wrong: {found.sentence}")
+            return found._replace(sentence=f"one of the axes is wrong: {found.sentence}")
+    return None
 
 
 def _as_it_is(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None, Shown | None]:
-    """The camera without which space is drawn as it is, and what is shown."""
+    """Return the camera by which space is drawn as it is, and what is shown."""
     if not len(motion.laws):
         return None, None
     wrong: tuple[Array | None, Shown | None] = (None, None)
@@ -97,7 +100,7 @@ def _as_it_is(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None
             continue
         camera = plain
         if picture.dimensions == 2 and np.all(match.points[motion.axis] < 0) and _draws_momentum(picture, -plain, motion, match):
-            camera, match = -plain, match._replace(points=-match.points)  # the paper upside down
+            camera, match = -plain, match._replace(points=-match.points)  # the drawing upside down
         shown = read(match, motion)
         if shown.found and motion.half is not None and boxes.edges(match.points) is None and boxes.rests(picture, motion.half):
             shown = Shown(False, "static", "the box itself stays where it is: draw its corners with R[k] as well")
@@ -114,16 +117,18 @@ def _as_it_is(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None
 
 
 def _draws_momentum(picture: Picture, camera: Array, motion: Motion, match: Match) -> bool:
-    """Whether something drawn stays along L as ``camera`` sees it."""
+    """Return whether something drawn stays along L as ``camera`` sees it."""
     if motion.L is None:
         return False
     L = camera @ motion.L / np.linalg.norm(motion.L)
-    some, sure = directions(picture, [path.origin for path in match.paths if path.bound])
+    some, sure = directions(picture, origins(match.paths))
     return bool(np.linalg.norm(L) > PARALLEL) and cameras.points_along(some, sure, L)
 
 
 def _agrees(picture: Picture, camera: Array, motion: Motion, match: Match) -> bool:
-    """Whether what is drawn along L fits the camera: only where L is drawn by another and not by this one it does not."""
+    """Return whether a drawing along L fits the camera. It does not only if L is drawn by another camera and
+    not by this one.
+    """
     signed = [sign * other for other in cameras.plain(picture.dimensions) for sign in (1, -1)]
     own = [camera, -camera]
     return any(_draws_momentum(picture, M, motion, match) for M in own) or not any(
@@ -132,7 +137,9 @@ def _agrees(picture: Picture, camera: Array, motion: Motion, match: Match) -> bo
 
 
 def _box(drawn: list[Picture], motion: Motion, *, known: bool) -> Shown | None:
-    """What points without order show of a box; ``known``: those with paths together, as of a perspective that no camera fits."""
+    """Return what points without order show of a box; ``known``: those with paths together, as of an unfitted
+    perspective.
+    """
     if motion.half is None or not len(motion.laws):
         return None
     for picture in drawn:

@@ -1,7 +1,9 @@
-"""The box of ``animate_tumble``: its proportions, its centre and its axes, and its corners where they are drawn in any order.
+"""The box of ``animate_tumble``: its proportions, centre and axes, and its corners if they are drawn in any
+order.
 
-Faces may be sorted by depth, or only those drawn that the viewer sees. Such points have no paths, for the artist lists others from
-frame to frame. As a set they are corners of the box in the attitude of their frame, seen by one camera.
+Faces may be sorted by depth, or only the visible ones drawn. Such points have no paths, because the artist
+lists other points from frame to frame. As a set they are corners of the box in the attitude of their frame,
+seen by one camera.
 """
 
 from functools import cache
@@ -16,19 +18,21 @@ from .pictures import Picture
 
 Array = NDArray[np.float64]
 
-TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and how many of them are fitted
+TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and the number of them that are fitted
 COARSE = 12
 ROUNDS = 6
-CORNERS = 7  # that move: of a box seen along an edge one may stay
+CORNERS = 7  # least number of moving corners: one may stay if the box is seen along an edge
 PERSPECTIVE = 2  # of the fitted cameras are tried with perspective too
-SKEW = 0.1  # sine of the angle between the line of sight and the normal of the paper
-FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is no corner
+SKEW = 0.1  # sine of the angle between the line of sight and the normal of the drawing
+FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is not a corner
 UNEVEN = 1.05  # largest ratio between the scales of two edges
-ASTRAY = 0.1  # of the diagonal: a centre that moves further, or a corner further from its place, is not meant as right
+ASTRAY = 0.1  # of the diagonal: a centre that moves further, or a corner further from its place, is wrong
 
 
 def edges(points: Array) -> Array | None:
-    """Return the half edges (3,) of the box whose corners are among body points (3, v), or None where they make no box."""
+    """Return the half edges (3,) of the box whose corners are among body points (3, v), or None if they are
+    not those of a box.
+    """
     size = np.abs(points).max(initial=0.0)
     corners = points[:, np.abs(points).min(axis=0) > FLAT * size]
     if not corners.size:
@@ -46,10 +50,12 @@ def disproportionate(drawn: Array, half: Array) -> bool:
 
 
 def displaced(match: Match, half: Array, R: Array) -> str | None:
-    """Return what is wrong with the box that the points of ``match`` make: its centre moves or its edges are not the body's axes.
+    """Return what is wrong with the box that the points of ``match`` make: its centre moves or its edges are
+    not the body's axes.
 
-    ``R`` (G, 3, 3) on the times' grid. The points of all artists or of one may be the eight corners of a box in the proportions of
-    ``half`` (3,), perhaps with one at the fixed point zero. None where one of these boxes is right or there is none.
+    ``R`` (G, 3, 3) on the times' grid. The points of all artists or of one may be the eight corners of a box
+    in the proportions of ``half`` (3,), one of them perhaps at the fixed point zero. None if one of these
+    boxes is right or there is none.
     """
     artists = np.array([path.artist for path in match.paths])
     groups = [match.points, *(match.points[:, artists == artist] for artist in np.unique(artists))]
@@ -61,7 +67,7 @@ def displaced(match: Match, half: Array, R: Array) -> str | None:
             continue
         centre, near = corners.mean(axis=0), ASTRAY * diagonal
         if np.ptp(R @ centre, axis=0).max() > near:
-            wrong.append("the box turns about another point than its centre, which stays where it is in a free body")
+            wrong.append("the box turns about a point other than its centre: the centre of a free body stays fixed")
         elif _inclined(corners - centre, half, R, near):
             wrong.append("the edges of the box are not along the axes of the body: draw R[k] @ corner, with R[k] as it is given")
         else:
@@ -70,14 +76,18 @@ def displaced(match: Match, half: Array, R: Array) -> str | None:
 
 
 def rests(picture: Picture, half: Array) -> bool:
-    """Return whether points that stay, of one artist or of all, are the corners of a box in the proportions of ``half`` (3,)."""
+    """Return whether points that stay, of one artist or of all, are the corners of a box in the proportions
+    of ``half`` (3,).
+    """
     if picture.dimensions != 3 or not picture.still:
         return False
     return any(_diagonal(_distinct(points.T), half) > 0 for points in (*picture.still, np.concatenate(picture.still)))
 
 
 def _diagonal(corners: Array, half: Array) -> float:
-    """The diagonal of the box that ``corners`` (k, 3) make in the proportions of ``half``, 0 where they make none."""
+    """Return the diagonal of the box that ``corners`` (k, 3) make in the proportions of ``half``, 0 if they
+    are not a box.
+    """
     box = _corners(half)
     if len(corners) != len(box):
         return 0.0
@@ -87,12 +97,12 @@ def _diagonal(corners: Array, half: Array) -> float:
 
 
 def _corners(half: Array) -> Array:
-    """The corners (8, 3) of a box with half edges ``half`` (3,)."""
+    """Return the corners (8, 3) of a box with half edges ``half`` (3,)."""
     return np.array(list(product((-1, 1), repeat=3))) * half
 
 
 def _distinct(points: Array) -> Array:
-    """The places (k, 3) of points (3, v), at most nine; the fixed point zero completes seven."""
+    """Return the places (k, 3) of points (3, v), at most nine; the fixed point zero completes seven."""
     near, places = 2 * MISFIT * np.abs(points).max(initial=0.0), list[Array]()
     for point in points.T:
         if len(places) <= 8 and all(np.linalg.norm(point - place) > near for place in places):
@@ -103,7 +113,7 @@ def _distinct(points: Array) -> Array:
 
 
 def _inclined(corners: Array, half: Array, R: Array, near: float) -> bool:
-    """Whether corners (8, 3) about zero are off the body axes, and not because the picture as a whole is turned."""
+    """Return whether corners (8, 3) about zero are off the body axes, and not because the whole picture is turned."""
     if np.ptp(np.abs(corners), axis=0).max() <= near:
         return False
     own = np.linalg.eigh(corners.T @ corners)[1][:, np.argsort(np.argsort(half))]  # edges along the columns
@@ -113,9 +123,9 @@ def _inclined(corners: Array, half: Array, R: Array, near: float) -> bool:
 
 
 def box_seen(sets: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
-    """Return the camera (d, 3) and times (f,) at which one of ``sets`` (f, s, d) is of corners of the box.
+    """Return the camera (d, 3) and times (f,) at which one of ``sets`` (f, s, d) shows corners of the box.
 
-    R (G, 3, 3) on the times' grid.
+    R (G, 3, 3) on the times' grid. Returns None if there is none.
     """
     corners = R @ _corners(half).T  # (G, 3, 8)
     for drawn in sets:
@@ -135,7 +145,7 @@ def together(picture: Picture) -> list[Array]:
 def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | None:
     few = np.unique(np.rint(np.linspace(0, len(drawn) - 1, COARSE)).astype(int))
     for plain in cameras.plain(drawn.shape[2]):
-        seen = np.einsum("ia,gak->gik", plain, corners)
+        seen = _seen(plain, corners)
         costs = [_off(drawn[few], seen[timing.on_grid(law[few], len(corners))], free=True).mean() for law in laws]
         if found := _fitted(drawn, corners, plain, laws[int(np.argmin(costs))]):
             return found
@@ -144,8 +154,8 @@ def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | 
     again = [law for law in laws if np.any(np.diff(law) < 0)]
     for law in (_even(laws), *again[:1]):
         some = corners[timing.on_grid(law[few], len(corners))]
-        costs = [_off(drawn[few], _seen(camera, some), free=True).mean() for camera in _around()]
-        best = [_around()[k] for k in np.argsort(costs)[:REFINED]]
+        costs = [_off(drawn[few], _seen(camera, some), free=True).mean() for camera in _all_sides()]
+        best = [_all_sides()[k] for k in np.argsort(costs)[:REFINED]]
         central = [np.block([[camera, np.zeros((2, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]) for camera in best[:PERSPECTIVE]]
         if found := next((fit for camera in (*best, *central) if (fit := _fitted(drawn, corners, camera, law))), None):
             return found
@@ -153,20 +163,22 @@ def _of_set(drawn: Array, corners: Array, laws: Array) -> tuple[Array, Array] | 
 
 
 @cache
-def _around() -> Array:
-    """Cameras (TRIED, 2, 3) from all sides."""
+def _all_sides() -> Array:
+    """Return cameras (TRIED, 2, 3) from all sides."""
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.random(TRIED, random_state=0).as_matrix()[:, :2])
 
 
 def _even(laws: Array) -> Array:
-    """The law (f,) that is nearest to an even run through all samples."""
+    """Return the law (f,) nearest to an even run through all samples."""
     return np.asarray(laws[int(np.argmin(np.abs(laws - np.linspace(0, laws.max(), laws.shape[1])).max(axis=1)))])
 
 
 def _off(drawn: Array, seen: Array, free: bool = False) -> Array:
-    """Mean square distance (f,) of points (f, s, d) to the nearest of the corners (f, d, 8), with ``free`` in any size."""
+    """Return the mean square distance (f,) of points (f, s, d) to the nearest corners (f, d, 8), with
+    ``free`` in any size.
+    """
     if free:
         seen = seen * np.sqrt(np.mean(drawn**2) / max(float(np.mean(seen**2)), 1e-300))
     distances = np.sum((drawn[:, :, :, None] - seen[:, None]) ** 2, axis=2)
@@ -174,7 +186,7 @@ def _off(drawn: Array, seen: Array, free: bool = False) -> Array:
 
 
 def _fitted(drawn: Array, corners: Array, camera: Array, law: Array) -> tuple[Array, Array] | None:
-    """Fit camera and times in turn, first in a few frames and then in all."""
+    """Fit camera and times in turn, first in a few frames and then in all. None if they do not fit."""
     few, camera = timing.sparse(len(drawn)), camera.copy()
     camera[: drawn.shape[2]] *= np.sqrt(np.mean(drawn**2) / np.mean(_seen(camera, corners) ** 2))
     whole = np.sqrt(np.mean(drawn**2))
@@ -193,7 +205,9 @@ def _fitted(drawn: Array, corners: Array, camera: Array, law: Array) -> tuple[Ar
 
 
 def _seen(camera: Array, corners: Array) -> Array:
-    """Corners (f, 3, 8) as a camera (d, 3) draws them, or one of perspective (3, 4) in homogeneous coordinates: (f, d, 8)."""
+    """Return corners (f, 3, 8) as drawn (f, d, 8) by a camera (d, 3), or by one of perspective (3, 4) in
+    homogeneous coordinates.
+    """
     if camera.shape[1] == 3:
         return np.einsum("ia,gak->gik", camera, corners)
     seen = np.einsum("ia,gak->gik", camera[:, :3], corners) + camera[:, 3:]
@@ -201,7 +215,7 @@ def _seen(camera: Array, corners: Array) -> Array:
 
 
 def _refined(drawn: Array, corners: Array, camera: Array) -> Array:
-    """The camera that fits best where each point is the corner nearest to it now."""
+    """Return the camera that fits best if each point is the corner now nearest to it."""
     seen = _seen(camera, corners)
     nearest = np.argmin(np.sum((drawn[:, :, :, None] - seen[:, None]) ** 2, axis=2), axis=2)
     own = np.take_along_axis(corners, nearest[:, None, :], axis=2)

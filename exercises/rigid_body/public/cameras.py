@@ -1,7 +1,7 @@
-"""The way space is drawn in one axes: as it is, in a plane of two coordinates, or by a camera of the student's own.
+"""Cameras: how one axes draws space, as it is, in a plane of two coordinates, or from the student's own view.
 
-A camera is a matrix (d, 3): rows of a rotation, up to a scale. Of 2-D axes it may also be oblique: two axes of space drawn as
-the axes of the paper and the third along any direction.
+A camera is a matrix (d, 3): rows of a rotation, up to a scale. In 2-D axes it may also be oblique: two axes
+of space drawn as the axes of the drawing, and the third along any direction.
 """
 
 import itertools
@@ -27,7 +27,9 @@ def plain(dimensions: int, first: tuple[int, int] | None = None) -> list[Array]:
 
 
 def straightened(matrix: Array) -> Array | None:
-    """The camera that a fitted ``matrix`` (d, 3) is, without its scale; None if it is none. A mirrored one counts."""
+    """Return the camera that a fitted ``matrix`` (d, 3) represents, without its scale; None if it is not one.
+    It may mirror.
+    """
     left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
     if sizes[0] <= 0:
         return None
@@ -51,16 +53,18 @@ def parallel(directions: Array, wanted: Array) -> bool:
 
 
 def points_along(some: Array, sure: Array, wanted: Array) -> bool:
-    """Whether a direction points along ``wanted`` (d,): a known tail decides, since matplotlib lists an arrow from its tip."""
+    """Return whether a direction points along ``wanted`` (d,). A known tail decides, since matplotlib lists
+    an arrow from its tip.
+    """
     return parallel(sure, wanted) or (parallel(some, wanted) and not parallel(sure, -wanted))
 
 
 def of_body(coefficients: Array, design: Array, drawn: Array) -> Array | None:
-    """The camera M (d, 3) where v points of the body are drawn as c + M R p, or None; of M and −M, which differ by a body that is
-    turned inside out, the one that does not mirror.
+    """Return the camera M (d, 3) by which v points of the body are drawn as c + M R p, or None.
 
-    ``coefficients`` (10, v·d) of the nine elements of R and a constant, ``design`` (f, 9) those elements at each frame, ``drawn``
-    (f, v, d). M and p are found in turn, from the dyad nearest to the coefficients.
+    M and −M differ by a body turned inside out; the one that does not mirror is returned. ``coefficients``
+    (10, v·d) belong to the nine elements of R and a constant, ``design`` (f, 9) holds those elements at each
+    frame, ``drawn`` is (f, v, d). M and p are found in turn, from the dyad nearest to the coefficients.
     """
     frames, v, d = drawn.shape
     tensor = coefficients[:9].reshape(3, 3, v, d)  # [a, b, v, i] = M[i, a] p[v, b]

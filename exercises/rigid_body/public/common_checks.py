@@ -1,4 +1,6 @@
-"""What several exercises say in the same way: places in arrays, reasons for tolerances, ω(t) against the exact motion."""
+"""Parts that several exercises share: places in arrays, reasons for tolerances, ω(t) and R(t) against the
+exact motion.
+"""
 
 import numpy as np
 
@@ -9,24 +11,26 @@ from .animation_checks import STILL, body_shown
 from .tolerance import as_closely
 
 NOTEBOOK = "the notebook's own tolerance"
-DRIVE = "the integrator, at rtol 1e-11, strays less than 1e-9 from the exact motion on this scene"
+DRIVE = "the integrator, at rtol 1e-11, stays within 1e-9 of the exact motion on this scene"
 
-SLOW = 0.3  # part of the drawing that clearing may take before it is worth a word
-PRODUCT = "rtol × (sensitivity + angle turned) × safety, worked out for each scene"
+SLOW = 0.3  # share of the drawing time spent in clearing axes above which a hint says so
+PRODUCT = "rtol × (sensitivity + angle turned) × safety, computed for each scene"
 
 
 def at_time(index: tuple[int, ...], seen: Arrays) -> str:
-    """The time of an index into a series (n,)."""
+    """Return the time of an index into a series (n,)."""
     return f"t = {seen['t'][index[0]]:.4g} s"
 
 
 def at_component(index: tuple[int, ...], seen: Arrays) -> str:
-    """Component and time of an index into ω (3, n)."""
+    """Return component and time of an index into ω (3, n)."""
     return f"ω{'₁₂₃'[index[0]]}, t = {seen['t'][index[1]]:.4g} s"
 
 
 def omega(id: str, label: str, scene: str) -> Check:
-    """ω (3, n) of a trajectory agrees with the exact motion, as closely as the scene lets any integrator come."""
+    """Check that ω (3, n) of a trajectory agrees with the exact motion, as closely as the scene allows any
+    integrator.
+    """
     return within(
         id,
         label,
@@ -41,7 +45,9 @@ def omega(id: str, label: str, scene: str) -> Check:
 
 
 def attitude(id: str, label: str, scene: str) -> Check:
-    """R (n, 3, 3) of a trajectory agrees with the exact motion, as closely as the scene lets any integrator come."""
+    """Check that R (n, 3, 3) of a trajectory agrees with the exact motion, as closely as the scene allows any
+    integrator.
+    """
     return within(
         id,
         label,
@@ -56,7 +62,7 @@ def attitude(id: str, label: str, scene: str) -> Check:
 
 
 def film(number: str, scene: str, function: str, axis: int | None, what: str) -> tuple[Check, ...]:
-    """An animation moves, and something drawn follows body axis ``axis``, or for None the body."""
+    """Check that an animation moves, and that something drawn follows body axis ``axis``, or for None the body."""
 
     def follows(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
         shown = body_shown(seen, truth["t"], truth["R"], axis, truth.get("L"), half=truth.get("half"))
@@ -76,7 +82,7 @@ def film(number: str, scene: str, function: str, axis: int | None, what: str) ->
             f"{function} draws something that follows {what}",
             scene,
             claim=follows,
-            reason="a direction from a fixed place or points of the body, to 3 % of the path, at samples within 1.5 of an even run",
+            reason="a direction from a fixed point or points of the body, to 3 % of the path; samples within 1.5 of an even run",
         ),
     )
 
@@ -93,7 +99,7 @@ def _cost(seen: Arrays) -> list[str]:
         part = "more than half" if clearing > drawing / 2 else "about a third"
         hints.append(f"clearing the axes takes {part} of the drawing time: keep the artists and set their data instead")
     if left_open:
-        hints.append("the figure stays open, and a notebook shows it once more as a still: plt.close(fig) before you return")
+        hints.append("the figure stays open, so a notebook shows an extra still: call plt.close(fig) before you return")
     if unkept:
-        hints.append("the sandbox keeps no files: your function stopped at one, so the animation that it had made is judged")
+        hints.append("the sandbox has no files: your function stopped at one, so the animation it had made was graded")
     return hints

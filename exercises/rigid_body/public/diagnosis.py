@@ -1,6 +1,7 @@
-"""The likely causes that ``ecp.check`` names: those which follow from comparing the answers of ``euler_eqs`` with the exact ones.
+"""The likely causes that ``ecp.check`` reports: those that follow from comparing the answers of ``euler_eqs``
+with the exact ones.
 
-The server knows more causes; they need the equations, which stay there.
+The server reports more causes; they need the equations, which are not part of the kit.
 """
 
 import itertools
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 
 AGREEMENT = 1e-9  # of the largest value at a point
 ROUNDING = 1e-13  # of the largest product Iω²/I at a point
-NEARLY = 0.01  # likewise
+NEARLY = 0.01  # of the largest value at a point
 COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")
 UNITS = {
     180 / np.pi: "180/π turns radians into degrees",
@@ -28,9 +29,10 @@ UNITS = {
 
 
 def diagnose(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
-    """Return the likely causes of what a scene returned, none where nothing singles one out.
+    """Return the likely causes of what a scene returned, none if nothing singles one out.
 
-    They are known for ``probes``: rates ``wdot`` (n, 3) in rad/s² at points ``w`` and ``I`` (n, 3) of ``inputs``.
+    They exist for the scene ``probes``: rates ``wdot`` (n, 3) in rad/s² at points ``w`` and ``I`` (n, 3) of
+    ``inputs``.
     """
     if scene != "probes":
         return []
@@ -50,9 +52,9 @@ def diagnose(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays)
 
 
 def _factors(got: Array, exact: Array, rounding: Array) -> list[Diagnosis]:
-    """The causes where each component is a constant times the right value."""
+    """Return the causes if each component is a constant times the right value."""
     if not got.any():
-        return [_cause("returns-zero", "euler_eqs returns zeros whatever it is asked")]
+        return [_cause("returns-zero", "euler_eqs returns zeros for all arguments")]
     found = [_factor(*column) for column in zip(got.T, exact.T, rounding.T, strict=True)]
     factors = [factor for factor in found if factor is not None]
     if len(factors) < len(found):
@@ -65,7 +67,7 @@ def _factors(got: Array, exact: Array, rounding: Array) -> list[Diagnosis]:
 
 
 def _factor(got: Array, exact: Array, rounding: Array) -> float | None:
-    """The constant ``got`` / ``exact`` (n,), None where it varies."""
+    """Return the constant ``got`` / ``exact`` (n,), None if it varies."""
     factor = float(np.median(got[exact != 0] / exact[exact != 0]))
     allowed = AGREEMENT * np.abs(got) + rounding * (1.0 + abs(factor))
     return factor if np.all(np.abs(got - factor * exact) <= allowed) else None
@@ -79,7 +81,7 @@ def _times(what: str, factor: float) -> Diagnosis:
     for unit, turns in UNITS.items():
         if abs(factor / unit - 1.0) <= AGREEMENT:
             return _cause("units", f"{what} is {factor:.6g} times the right value: {turns}")
-    return _cause("constant-factor", f"{what} is {factor:.10g} times the right value: look for a factor that does not belong")
+    return _cause("constant-factor", f"{what} is {factor:.10g} times the right value: look for an extra factor")
 
 
 def _exchanged(got: Array, exact: Array, rounding: Array) -> list[Diagnosis]:

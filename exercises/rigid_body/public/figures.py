@@ -1,6 +1,6 @@
-"""Figures of the student's own data beside the exact motion, after the kinds of Figs. 145–150 of notebook 2.6.
+"""Figures of the student's data and the exact motion, after Figs. 145–150 of notebook 2.6.
 
-A figure is drawn on a bare canvas: on the server when somebody first looks at it, in a notebook when its report is shown.
+The server draws a figure when it is first requested; a notebook draws it when the report is displayed.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ AMBER, GREY = "#c0851a", "0.55"
 EXACT: dict[str, Any] = {"color": "0.25", "ls": (0, (1, 2)), "lw": 1.6}
 HALF_BOX = np.array(BOX_NUMBERS[1:]) / 2
 BOX_AXES = (AMBER, COLORS[0], COLORS[2])  # the figure of the box has ê₁ amber
-FLOOR = 1e-17  # below one rounding error: where a log axis shows an exact zero
+FLOOR = 1e-17  # below one rounding error; a log axis shows an exact zero here
 
 
 def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -117,7 +117,7 @@ def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 
 def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
-    """All of it turned so that L is vertical."""
+    """Draw the symmetry axis around L, with L vertical."""
     run, exact = seen[0], truth[0]
     L = space_momentum(exact["R"], exact["w"], SYMMETRIC)[0]
     up = _upright(L / np.linalg.norm(L))
@@ -135,7 +135,7 @@ def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 
 def _upright(n: np.ndarray) -> np.ndarray:
-    """The rotation (3, 3) that takes the unit vector ``n`` (3,), not −ê₃, to ê₃."""
+    """Return the rotation (3, 3) that takes the unit vector ``n`` (3,), not −ê₃, to ê₃."""
     x, y, z = n
     return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]])
 
@@ -167,7 +167,7 @@ SPINS = ("spin-min", "spin-mid", "spin-max")
 BOX = Figure(
     "box",
     "The box and its principal moments",
-    "A translucent box with its axes ê₁ amber, ê₂ blue, ê₃ red, beside bars comparing your principal moments with the exact ones.",
+    "A translucent box with its axes ê₁ amber, ê₂ blue, ê₃ red, and bars comparing your principal moments with the exact ones.",
     ("tensor",),
     _box,
 )

@@ -1,4 +1,4 @@
-"""Exercise 5: spin about each axis of the book; the intermediate one lets go."""
+"""Exercise 5: spin about each axis of the book, unstable about the intermediate one."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ INTERMEDIATE = Exercise(
         ),
         close(
             "5-growth",
-            "transverse growth about each axis is the exact one",
+            "transverse growth about each axis matches the exact motion",
             "spin-min",
             "spin-mid",
             "spin-max",

@@ -1,4 +1,4 @@
-"""Finding the body among the paths of a picture: the points that follow it, a direction, or the camera it is seen by."""
+"""Finding the body in a picture: points that follow it, a direction, or the camera it is seen by."""
 
 from collections import Counter
 from typing import NamedTuple
@@ -11,19 +11,19 @@ from .pictures import MOVES, Path, Picture
 
 Array = NDArray[np.float64]
 
-MISFIT = 0.03  # root mean square, of the path's own: 1 % of ê₃'s length here; interpolating linearly costs a tenth of it
+MISFIT = 0.03  # root mean square, relative to the path's: 1 % of ê₃'s length here; linear interpolation costs a tenth of it
 HOPEFUL = 0.5  # the same before times are fitted: 1.5 samples of the fastest turn here cost a third
-TRIES = 6  # paths whose times are fitted, the most hopeful first
+TRIES = 6  # paths whose times are fitted, the best first
 REFINED = 3  # rounds in which times and perspective are fitted in turn
 NEAREST = 0.5  # inverse of the distance of a camera from the centre, in lengths of the axis
-SKEW = 0.1  # sine of the angle between the line of sight and the normal of the paper
+SKEW = 0.1  # sine of the angle between the line of sight and the normal of the drawing
 MOST_SAMPLES = 400  # of a motion: laws grow with their square
 
 
 class Motion:
-    """R (n, 3, 3) at times ``t`` (n,), with the curves and laws an animation is compared with.
+    """R (n, 3, 3) at times ``t`` (n,), with the curves and laws that an animation is compared with.
 
-    L (3,) and the half edges ``half`` (3,) of the box, where they are drawn.
+    L (3,) and the half edges ``half`` (3,) of the box are given if they are drawn.
     """
 
     def __init__(self, at: Array, t: Array, R: Array, L: Array | None, axis: int | None, *, half: Array | None = None) -> None:
@@ -39,7 +39,7 @@ class Motion:
         self.laws = timing.laws(at, t, self.turned)
 
     def _turns(self, tips: Array, L: Array) -> Array:
-        """Turns of the axis about L since the start (n,)."""
+        """Return the turns of the axis about L since the start (n,)."""
         z = L / np.linalg.norm(L)
         across = tips - np.outer(tips @ z, z)
         if np.linalg.norm(across, axis=1).min() < 1e-6:
@@ -49,7 +49,7 @@ class Motion:
         return np.asarray(np.maximum.accumulate(np.abs(angle)) / (2 * np.pi))
 
     def _angle(self) -> Array:
-        """Turns of the body since the start (n,)."""
+        """Return the turns of the body since the start (n,)."""
         speed = np.linalg.norm(self.w, axis=1)
         angle = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)])[:: timing.PER]
         return np.asarray(angle / (2 * np.pi * timing.PER))
@@ -78,7 +78,7 @@ def fewer(at: Array, t: Array, R: Array) -> tuple[Array, Array, Array]:
 
 
 def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
-    """Return the points of the body among the paths, where ``curves`` (G, d, 3) times p is how body point p is drawn."""
+    """Return the points of the body among the paths, if ``curves`` (G, d, 3) times p is how body point p is drawn."""
     fits, (kinds, shift) = [], _kinds(picture, curves)
     for bound, paths in kinds:
         if not paths:
@@ -104,14 +104,16 @@ def matched_at(picture: Picture, curves: Array, times: Array) -> Match:
 
 
 def _kinds(picture: Picture, curves: Array) -> tuple[list[tuple[bool, list[Path]]], Array]:
-    """The paths from a fixed end and the others, and the functions of time that are these's constant shift."""
+    """Return the paths from a fixed end and the others, and the functions of time that are the others'
+    constant shift.
+    """
     d = picture.dimensions
     kinds = [(bound, [path for path in picture.paths if path.bound == bound]) for bound in (True, False)]
     return kinds, np.broadcast_to(np.eye(d), (len(curves), d, d))
 
 
 def _all_at(grid: timing.Indices, kinds: list[tuple[bool, list[Path]]], curves: Array, shift: Array) -> Match:
-    """Which of the paths are points of the body at the times of ``grid``."""
+    """Return which of the paths are points of the body at the times of ``grid``."""
     points, followed = [np.zeros((3, 0))], []
     for bound, paths in kinds:
         if not paths:
@@ -145,7 +147,9 @@ def along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:
 
 
 def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
-    """Return what the most mistimed frame shows, where a path keeps to ``curve`` (G, d) but at no times that a law allows."""
+    """Return what the most mistimed frame shows, if a path keeps to ``curve`` (G, d) but at no times that a
+    law allows.
+    """
     even = at[:, 0] / np.maximum(at[:, 2] - 1, 1) * (len(curve) - 1)
     total = at[0, 2]
     for path in picture.paths:
@@ -187,10 +191,10 @@ def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Ar
 
 
 def _in_perspective(motion: Motion, drawn: Array, laws: Array) -> tuple[Array, Array] | None:
-    """A camera (2, 3) and the times of the axis, whose tip p is ``drawn`` (f, 2) as M p / (1 − q·p).
+    """Return a camera (2, 3) and the times of the axis, whose tip p is ``drawn`` (f, 2) as M p / (1 − q·p).
 
-    q points towards the viewer, which no mirror image has it do. On the cone p·L is constant: a multiple of L may be added to q,
-    and M scaled.
+    q points towards the viewer, which excludes mirror images. On the cone p·L is constant, so a multiple of L
+    may be added to q and M scaled.
     """
     if motion.L is None:
         return None
@@ -218,7 +222,9 @@ def _in_perspective(motion: Motion, drawn: Array, laws: Array) -> tuple[Array, A
 
 
 def _bodies(picture: Picture) -> list[list[Path]]:
-    """Three paths and more that may be one body's: of one artist, or of all artists that have one or two, as lines of edges."""
+    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with
+    one or two paths.
+    """
     groups: dict[tuple[str, int], list[Path]] = {}
     free = [path for path in picture.paths if not path.bound]
     owned = Counter(path.artist for path in free)

@@ -1,4 +1,4 @@
-"""The motions of exercises 2, 5 and 6 that can be played: the student's attitude R(t) as a box, beside the exact one."""
+"""The motions of exercises 2, 5 and 6 that can be played: the student's attitude R(t) and the exact one as boxes."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ from .parameters import BODY, BOX, SYMMETRIC
 
 
 def _half(I: ArrayLike) -> tuple[float, float, float]:
-    """Half edges (3,) of a uniform box whose moments are as ``I`` (3,) to one another, the longest 1."""
+    """Return half edges (3,) of a uniform box whose moments have the ratios of ``I`` (3,), the longest 1."""
     moments = np.asarray(I, dtype=float)
     edges = np.sqrt(moments.sum() / 2 - moments)
     a, b, c = (edges / edges.max()).tolist()

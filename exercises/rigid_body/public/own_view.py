@@ -1,4 +1,4 @@
-"""A picture by a camera of the student's own: turned, not mirrored, and the same for the body, for L and for the labels."""
+"""A drawing by the student's own camera: turned, not mirrored, and the same for the body, L and the labels."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,13 @@ from .reading import PARALLEL, Shown, read, samples
 
 Array = NDArray[np.float64]
 
-UNAMBIGUOUS = 0.45  # of the motion: a shorter arc of any curve looks like one of ê₃'s by some camera
+UNAMBIGUOUS = 0.45  # of the motion: some camera makes a shorter arc of any curve look like one of ê₃
 SIGNS, SWAPS = ((-1, 1, 1), (1, -1, 1), (1, 1, -1)), ([1, 0, 2], [2, 1, 0], [0, 2, 1])
 MIRRORS = [np.diag(signs) for signs in SIGNS] + [np.eye(3)[swap] for swap in SWAPS]
 
 
 def by_own_camera(picture: Picture, motion: Motion, at: Array) -> tuple[Array | None, Shown | None]:
-    """The student's own camera, and what it shows."""
+    """Return the student's own camera, and what it shows."""
     for laws in (motion.laws, timing.wrong_laws(at, motion.n)):
         if len(laws) and (own := own_camera(picture, motion, laws)):
             if laws is motion.laws and (other := unlabelled(picture, own[0])):
@@ -26,12 +26,12 @@ def by_own_camera(picture: Picture, motion: Motion, at: Array) -> tuple[Array | 
             if laws is motion.laws:
                 return _checked(picture, motion, *own)
             if np.ptp(own[1]) > UNAMBIGUOUS * motion.n or np.any(np.diff(own[1]) < 0):
-                return None, Shown(False, "wrong-frames", f"the body is drawn, but {timing.said(own[1], at, motion.n)}")
+                return None, Shown(False, "wrong-frames", f"the body is drawn, but {timing.describe(own[1], at, motion.n)}")
     return None, None
 
 
 def unlabelled(picture: Picture, camera: Array) -> str | None:
-    """Which coordinates are drawn where one of the two that the labels name has the opposite sign."""
+    """Return which coordinates are drawn if one of the two that the labels name has the opposite sign, else None."""
     if not picture.plane:
         return None
     signs = [camera[row, k] for row, k in enumerate(picture.plane)]
@@ -43,20 +43,20 @@ def unlabelled(picture: Picture, camera: Array) -> str | None:
 
 
 def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, origins: list[Array]) -> tuple[Array | None, Shown]:
-    """A camera is right if it does not mirror, if it draws L too, and if it does not turn about an L that stays."""
+    """Judge a camera: it must not mirror, must draw L too, and must not turn about an L that stays."""
     seen = samples(times, motion.n)
     if len(camera) == 3 and np.linalg.det(camera) < 0:
-        return None, Shown(False, "mirrored", f"what is drawn is a mirror image of the motion{_swapped(camera)}")
+        return None, Shown(False, "mirrored", f"the drawing is a mirror image of the motion{_swapped(camera)}")
     if motion.L is not None:
         L = motion.L / np.linalg.norm(motion.L)
         some, sure = directions(picture, origins)
         for plain in cameras.plain(len(camera)):
             if np.linalg.norm(camera @ L - plain @ L) <= PARALLEL:
-                sentence = "what is drawn is turned about L, as at another time: frame and sample do not belong together"
+                sentence = "the drawing is turned about L, as at another time: frame and sample do not match"
                 return None, Shown(False, "wrong-frames", sentence)
             kept = np.linalg.norm(plain @ L) > PARALLEL and cameras.parallel(some, plain @ L)
             if kept and not cameras.parallel(some, camera @ L) and np.linalg.norm(camera @ L) > PARALLEL:
-                return None, Shown(False, "mirrored", "the body is drawn in other coordinates than L")
+                return None, Shown(False, "mirrored", "the body and L are drawn in different coordinates")
         if len(camera) == 2 and np.linalg.norm(camera @ L) > PARALLEL and not cameras.points_along(some, sure, camera @ L):
             if cameras.parallel(some, -camera @ L):
                 return None, Shown(False, "wrong-axis", "ê₃ and L are drawn on opposite sides: one of them has the wrong sign")
@@ -65,7 +65,7 @@ def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, orig
 
 
 def _checked_box(picture: Picture, motion: Motion, camera: Array, times: Array) -> Shown:
-    """A box is centrally symmetric: its mirror image by a camera −M looks the same as the box turned by M."""
+    """Judge the camera of a box, whose mirror image by a camera −M looks the same as the box turned by M."""
     if len(camera) == 3 and any(np.abs(camera + mirror).max() <= PARALLEL for mirror in MIRRORS):
         sentence = f"a mirror image{_swapped(-camera)}? The box turned by 180° looks the same: draw x, y and z as they are"
         return Shown(None, "mirrored", sentence)

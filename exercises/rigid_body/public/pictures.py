@@ -1,4 +1,4 @@
-"""What an animation draws in each of its axes: paths of points that move, and points that stay."""
+"""The content of each axes of an animation: paths of points that move, and points that stay."""
 
 from typing import NamedTuple
 
@@ -18,7 +18,9 @@ FIRST_STILL = 3  # points of an artist that may be the fixed end of what moves
 
 
 class Path(NamedTuple):
-    """``places`` (f, d) of a point of ``artist``; ``bound``: from ``origin`` (d,), a point of the same artist that stays."""
+    """The ``places`` (f, d) of a point of ``artist``. If ``bound``, they are relative to ``origin`` (d,), a
+    fixed point of that artist.
+    """
 
     artist: int
     places: Array
@@ -27,9 +29,11 @@ class Path(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """One axes of ``dimensions`` 2 or 3: its paths, for each artist the points (s, d) that stay, and sets (f, s, d).
+    """One axes of ``dimensions`` 2 or 3: paths, for each artist the points (s, d) that stay, and sets (f, s,
+    d) without order.
 
-    ``plane``: of 2-D axes the two coordinates that the labels name, 0, 1, 2 for x, y, z, or None."""
+    ``plane``: of 2-D axes the two coordinates that the labels name, 0, 1, 2 for x, y, z, or None.
+    """
 
     dimensions: int
     paths: list[Path]
@@ -38,8 +42,8 @@ class Picture(NamedTuple):
     plane: tuple[int, int] | None
 
 
-def sound(seen: Arrays) -> bool:
-    """Return whether the arrays agree with each other: each may be forged by itself."""
+def is_consistent(seen: Arrays) -> bool:
+    """Return whether the arrays fit together. They come from the sandbox, where a submission could forge each of them."""
     tracks, owners, at = seen["tracks"], seen["owners"], seen["at"]
     small = np.all(np.abs(tracks) < LARGEST) and np.all(np.abs(at) < LARGEST) and np.all(at[:, 2] >= 1)
     return bool(tracks.shape[:2] == (len(at), len(owners)) and small)
@@ -64,14 +68,16 @@ def pictures(seen: Arrays) -> list[Picture]:
 
 
 def _directions(points: Array) -> Array:
-    """Unit vectors (p, f, 3) of points (p, f, 2) on a map whose radius is the angle from z, in degrees where it exceeds a turn."""
+    """Return unit vectors (p, f, 3) of points (p, f, 2) on a map whose radius is the angle from z, in degrees
+    if it exceeds a turn.
+    """
     radius = np.linalg.norm(points, axis=2, keepdims=True)
     angle = np.radians(radius) if radius.max() > 2 * np.pi else radius
     return np.concatenate([np.sin(angle) * points / np.where(radius > 0, radius, 1.0), np.cos(angle)], axis=2)
 
 
 def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Picture:
-    """The picture of points (p, f, d) of the ``artists`` (p,), negative for points without order."""
+    """Return the picture of points (p, f, d) of the ``artists`` (p,), negative for points without order."""
     d, paths, still = tracks.shape[2], list[Path](), list[Array]()
     for artist in np.unique(artists[artists > 0]):
         points = tracks[artists == artist]
@@ -92,7 +98,9 @@ def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Pi
 
 
 def _arrow(points: Array) -> Array:
-    """The one point (1, d) furthest from the tail at zero, where that is one of ``points`` (s, d), as of an arrow with a head."""
+    """Return the one point (1, d) furthest from the tail at zero, if that is one of ``points`` (s, d) as in
+    an arrow with a head.
+    """
     lengths = np.linalg.norm(points, axis=1)
     far = points[lengths >= 0.99 * lengths.max()]
     single = lengths.min() <= WIDE * lengths.max() and np.ptp(far, axis=0).max() <= MOVES * lengths.max()
@@ -100,7 +108,7 @@ def _arrow(points: Array) -> Array:
 
 
 def _same(places: Array, others: Array) -> bool:
-    """Whether two paths (f, d) are one: the tip of an arrow drawn once more, which then is no free point."""
+    """Return whether two paths (f, d) are one: the tip of an arrow drawn twice, which is not a free point."""
     return bool(np.abs(places - others).max() <= MOVES * np.ptp(places, axis=0).max())
 
 
@@ -112,10 +120,16 @@ def changed(drawn: list[Picture]) -> int:
     return int(np.sum(np.any(steps, axis=0)))
 
 
-def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
-    """Directions (k, d) that stay: those drawn by few points or along a line, and of these lines and arrows with a known tail.
+def origins(paths: list[Path]) -> list[Array]:
+    """Return the fixed ends of ``paths``."""
+    return [path.origin for path in paths if path.bound]
 
-    A tail is known at one of ``origins``, where what moves has its fixed end, or at the zero of the axes.
+
+def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
+    """Return directions (k, d) that stay: those of few points or of a line, and of these the lines and arrows
+    with a known tail.
+
+    A tail is known at one of ``origins``, the fixed ends of what moves, or at the zero of the axes.
     """
     some, sure = [np.zeros((0, picture.dimensions))], [np.zeros((0, picture.dimensions))]
     tails = [np.zeros(picture.dimensions), *origins]

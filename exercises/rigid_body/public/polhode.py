@@ -1,4 +1,4 @@
-"""Exercise 3: polhodes on the two ellipsoids, run through at the exact pace."""
+"""Exercise 3: polhodes on the two ellipsoids, followed at the exact rate."""
 
 import numpy as np
 
@@ -37,8 +37,8 @@ POLHODE = Exercise(
             reason=NOTEBOOK,
             locate=at_time,
         ),
-        omega("3-about-3", "polhode about ê₃ is run through at the exact pace", "polhode-3"),
-        omega("3-about-1", "polhode about ê₁ is run through at the exact pace", "polhode-1"),
+        omega("3-about-3", "ω(t) on the polhode about ê₃ follows the exact motion", "polhode-3"),
+        omega("3-about-1", "ω(t) on the polhode about ê₁ follows the exact motion", "polhode-1"),
     ),
     figures=(figures.POLHODE,),
 )

@@ -1,4 +1,4 @@
-"""What the points that follow a motion show: the axis of the body, the body, or another direction of it."""
+"""What the points that follow a motion show: the body axis, the body, or another direction of it."""
 
 from typing import NamedTuple
 
@@ -16,9 +16,11 @@ NAMES = "₁₂₃"
 
 
 class Shown(NamedTuple):
-    """``found``: True where the body is followed, False where it is not, None where what is drawn cannot be judged.
+    """``found``: True if the body is followed, False if not, None if the drawing cannot be judged.
 
-    ``code`` and ``sentence`` say what is followed instead; ``cameras``: for each picture the one found, if any."""
+    ``code`` and ``sentence`` say what is followed instead; ``cameras`` are those found for each picture, or
+    None.
+    """
 
     found: bool | None
     code: str | None
@@ -34,7 +36,7 @@ def read(match: Match, motion: Motion) -> Shown:
     if axis is None and motion.half is not None and (astray := boxes.displaced(match, motion.half, motion.R)):
         return Shown(False, "wrong-motion", astray)
     if edges is not None and motion.half is not None and boxes.disproportionate(edges, motion.half):
-        sentence = f"the box is drawn with edges as {_ratio(edges)}, but half says {_ratio(motion.half)}"
+        sentence = f"the box is drawn with edges in the ratio {_ratio(edges)}, but half has {_ratio(motion.half)}"
         return Shown(False, "wrong-proportions", sentence)
     if axis is None or np.any(units[axis] >= np.sqrt(1 - PARALLEL**2)):
         return Shown(True, None, f"drawn as it is, {seen}")
@@ -46,8 +48,11 @@ def read(match: Match, motion: Motion) -> Shown:
 
 
 def _stray_line(match: Match, axis: int) -> Array | None:
-    """The direction (3,) of a line from a fixed end that is oblique to the axis, where no artist shows the axis itself: by a
-    direction along it, or by three points and more in a plane across it."""
+    """Return the direction (3,) of a line from a fixed end that is oblique to the axis, if no artist shows
+    the axis itself.
+
+    An artist shows it by a direction along it, or by three or more points in a plane across it.
+    """
     artists, stray = np.array([path.artist for path in match.paths]), None
     for artist in np.unique(artists):
         points, bound = match.points[:, artists == artist].T, match.paths[int(np.argmax(artists == artist))].bound
@@ -77,12 +82,12 @@ def _other_direction(unit: Array, motion: Motion) -> Shown:
     k, asked = int(np.argmax(np.abs(unit))), NAMES[motion.axis]
     if np.abs(unit[k]) >= np.sqrt(1 - PARALLEL**2):
         name = f"{'−' if unit[k] < 0 else ''}ê{NAMES[k]}"
-        return Shown(False, "wrong-axis", f"what is drawn follows {name}, not ê{asked}: the axes of the body are the columns of R")
+        return Shown(False, "wrong-axis", f"the drawing follows {name}, not ê{asked}: the axes of the body are the columns of R")
     if motion.L is not None and cameras.parallel(unit[None], motion.L):
-        sentence = f"what is drawn is R·L, not ê{asked}: L is fixed in space, R belongs to the body"
+        sentence = f"the drawing shows R·L, not ê{asked}: L is fixed in space, do not apply R to it"
         return Shown(False, "moving-angular-momentum", sentence)
     inside = ", ".join(f"{round(float(x), 2) + 0.0:.2f}" for x in unit)
-    return Shown(False, "wrong-axis", f"what is drawn follows the direction ({inside}) of the body, not ê{asked}")
+    return Shown(False, "wrong-axis", f"the drawing follows the direction ({inside}) of the body, not ê{asked}")
 
 
 def samples(times: Array, n: int) -> str:

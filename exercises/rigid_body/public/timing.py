@@ -1,11 +1,12 @@
-"""Which sample of a motion each frame of an animation shows.
+"""The sample of a motion that each frame of an animation shows.
 
-A student may round indices down, repeat or skip samples, or resample to real time. So the time of a frame is free by ``SLACK``
-samples about a law (an even run from one sample to another, or the frame values read as indices or as times), but it never runs
-back. What remains is a strict comparison with the exact curve.
+A student may round indices down, repeat or skip samples, or resample to real time. So the time of a frame is
+free by ``SLACK`` samples about a law (an even run from one sample to another, or the frame values read as
+indices or as times), but it never runs back. At these times the comparison with the exact curve is strict.
 
-Times are counted in samples of the motion; a ``basis`` (G, e, m) holds m functions of time for e equations on a grid of
-``PER`` points a sample, and ``drawn`` (f, e, v) v paths in f frames: drawn ≈ basis · coefficients at the time of each frame.
+Times are counted in samples of the motion; a ``basis`` (G, e, m) holds m functions of time for e equations on
+a grid of ``PER`` points a sample, and ``drawn`` (f, e, v) v paths in f frames: drawn ≈ basis · coefficients
+at the time of each frame.
 """
 
 from typing import NamedTuple
@@ -18,17 +19,20 @@ Indices = NDArray[np.int_]
 
 PER = 8  # a sixteenth of a sample is the largest error of a time on the grid: under 1 % of any path here
 SLACK = 1.5  # samples: one for rounding and repeating, half for the spacing of the laws
-HELD = 0.25  # part of the frames that may hold the end, where the frames before do not advance by one sample each
+HELD = 0.25  # share of the frames that may hold the end, if the frames before do not advance by one sample each
 LEAST_FRAMES = 10
-FALLING = 0.25  # share of the frames at which time runs back, more than where the motion begins again
+FALLING = 0.25  # share of the frames at which time runs back: more than in a motion that begins again
 FAST = 1.3  # times the speed of an even run
 SPARSE = 48  # frames that decide between laws, before all frames are compared
-WORST = 4.0  # times the misfit of all frames: what a single frame may have
+WORST = 4.0  # times the misfit of all frames: the largest misfit of a single frame
 
 
 class Fit(NamedTuple):
-    """``times`` (f,) in samples, ``coefficients`` (m, v), ``misfit`` (v,): root mean square over frames and equations,
-    ``worst`` (v,): the largest of one frame."""
+    """A fit of all paths: ``times`` (f,) in samples, ``coefficients`` (m, v).
+
+    ``misfit`` (v,) is the root mean square over frames and equations, ``worst`` (v,) the largest of one
+    frame.
+    """
 
     times: Array
     grid: Indices
@@ -42,9 +46,11 @@ class Fit(NamedTuple):
 
 
 def laws(at: Array, t: Array, turned: Array) -> Array:
-    """Sample numbers (k, f) that the followed frames may show: all of the motion, or a part of at least one full turn.
+    """Return sample numbers (k, f) that the followed frames may show: all of the motion, or a part of at
+    least one full turn.
 
-    ``at`` (f, 3): number and value of each frame, and how many there are; ``t`` (n,); ``turned`` (n,): turns since the start.
+    ``at`` (f, 3): number and value of each frame, and the number of frames; ``t`` (n,); ``turned`` (n,):
+    turns since the start.
     """
     number, value, total = at[:, 0], at[:, 1], at[0, 2]
     n = len(t)
@@ -58,8 +64,7 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
             indices += [value, np.interp(value, t, part)]
     elif np.all(value >= 0) and _begins_again(value):
         indices.append(value)
-    one_each = abs(total - n) < 0.5  # as many frames as samples: frame k shows sample k
-    ends = np.arange(last if one_each else first_turn, last / (1 - HELD))
+    ends = np.arange(last if _one_frame_each(total, n) else first_turn, last / (1 - HELD))
     found = [end * x for x in fractions for end in ends]
     for index in indices:
         found += [np.minimum(index, last), index % n]
@@ -72,8 +77,15 @@ def laws(at: Array, t: Array, turned: Array) -> Array:
     return found[turns >= min(1.0, turned[-1])]
 
 
+def _one_frame_each(total: float, n: int) -> bool:
+    """Return whether there are as many frames as samples: frame k then shows sample k."""
+    return abs(total - n) < 0.5
+
+
 def _even(value: Array) -> bool:
-    """Whether rising values (f,) run evenly up to one step or SLACK samples, until they hold their last one."""
+    """Return whether rising values (f,) run evenly up to one step or SLACK samples, until they hold their
+    last one.
+    """
     moving = value[: int(np.argmax(value >= value[-1])) + 1]
     line = np.linspace(moving[0], moving[-1], len(moving))
     return bool(
@@ -82,7 +94,9 @@ def _even(value: Array) -> bool:
 
 
 def _begins_again(value: Array) -> bool:
-    """Whether frame values (f,) rise from the first to the last, and then again from the first: they never count down."""
+    """Return whether frame values (f,) rise from the first to the last, and then again from the first: they
+    never count down.
+    """
     steps = np.diff(value)
     falls, reach = steps < 0, 2 * steps.max(initial=0.0)
     low, high = value.min() + reach, value.max() - reach
@@ -90,12 +104,14 @@ def _begins_again(value: Array) -> bool:
 
 
 def sparse(frames: int) -> Indices:
-    """At most SPARSE of ``frames``, evenly spread."""
+    """Return at most SPARSE of ``frames``, evenly spread."""
     return np.unique(np.rint(np.linspace(0, frames - 1, min(SPARSE, frames))).astype(int))
 
 
 def screened(basis: Array, drawn: Array, laws: Array) -> Array:
-    """For each law the root mean square (k, v) that is left of each path in SPARSE frames, at the times of the law as they are."""
+    """Return for each law the root mean square residual (k, v) of each path in SPARSE frames, at the unfitted
+    times of the law.
+    """
     few = sparse(len(drawn))
     laws, drawn = laws[:, few], drawn[few]
     e, m, v = *basis.shape[1:], drawn.shape[2]
@@ -110,7 +126,9 @@ def screened(basis: Array, drawn: Array, laws: Array) -> Array:
 
 
 def found(basis: Array, drawn: Array, law: Array, limit: float) -> Fit | None:
-    """Return the fit of all paths together where it stays within ``limit``, first in a few frames and then in all."""
+    """Return the fit of all paths together if it stays within ``limit``, first in a few frames and then in
+    all; else None.
+    """
     few = sparse(len(drawn))
     whole = None
     for part in (few, np.arange(len(drawn))) if len(few) < len(drawn) else (few,):
@@ -122,7 +140,7 @@ def found(basis: Array, drawn: Array, law: Array, limit: float) -> Fit | None:
 
 
 def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
-    """Times within SLACK of the law, in order, and the coefficients that fit the paths best, in turn until neither changes."""
+    """Fit times within SLACK of the law, in order, and coefficients in turn until neither changes."""
     if law[-1] < law[0]:
         back = fitted(basis, drawn[::-1], law[::-1])
         return back._replace(times=back.times[::-1], grid=back.grid[::-1])
@@ -142,39 +160,43 @@ def fitted(basis: Array, drawn: Array, law: Array) -> Fit:
 
 
 def misfits(left: Array) -> tuple[Array, Array]:
-    """Root mean square (v,) of what is ``left`` (f, e, v), over all frames and in the worst of them."""
+    """Return the root mean square (v,) of the residuals ``left`` (f, e, v), over all frames and in the worst
+    of them.
+    """
     each = np.mean(left**2, axis=1)
     return np.sqrt(np.mean(each, axis=0)), np.sqrt(np.max(each, axis=0))
 
 
 def coefficients_at(basis: Array, drawn: Array, grid: Indices) -> Array:
-    """Coefficients (m, v) by least squares where each frame's time is given as a place on the grid."""
+    """Return coefficients (m, v) by least squares if each frame's time is the given place on the grid."""
     design = basis[grid].reshape(-1, basis.shape[2])
     return np.asarray(np.linalg.lstsq(design, drawn.reshape(-1, drawn.shape[2]), rcond=None)[0])
 
 
 def spread(drawn: Array) -> Array:
-    """Root mean square (v,) of each path about its mean, over frames and equations."""
+    """Return the root mean square (v,) of each path about its mean, over frames and equations."""
     return np.asarray(np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2, axis=(0, 1))))
 
 
 def choices(law: Array, size: int) -> Indices:
-    """Places (f, c) on the grid within SLACK of the law (f,)."""
+    """Return places (f, c) on the grid within SLACK of the law (f,)."""
     half = int(SLACK * PER)
     return np.asarray(np.clip(on_grid(law, size)[:, None] + np.arange(-half, half + 1), 0, size - 1))
 
 
 def on_grid(times: Array, size: int) -> Indices:
-    """The nearest places on the grid of ``size`` points."""
+    """Return the nearest places on the grid of ``size`` points."""
     return np.clip(np.rint(times * PER).astype(int), 0, size - 1)
 
 
 def in_order(costs: Array, choices: Indices, law: Array) -> Indices:
-    """The cheapest choice for each frame with times that never run back but where the law (f,) begins again; costs (f, c)."""
-    anew = np.concatenate([[True], np.diff(law) < 0])
+    """Return the cheapest choice for each frame with times that never run back unless the law (f,) begins
+    again; costs (f, c).
+    """
+    restarts = np.concatenate([[True], np.diff(law) < 0])
     total, came = costs[0], []
     for k in range(1, len(costs)):
-        if anew[k]:
+        if restarts[k]:
             before = np.full(costs.shape[1], int(np.argmin(total)))
         else:
             least = np.minimum.accumulate(total)
@@ -190,7 +212,9 @@ def in_order(costs: Array, choices: Indices, law: Array) -> Indices:
 
 
 def wrong_laws(at: Array, n: int) -> Array:
-    """Sample numbers (k, f) of usual mistakes: a part that is too short, a part or all of it again and again, another speed."""
+    """Return sample numbers (k, f) of usual mistakes: too short a part, a part or all of it repeated, another
+    speed.
+    """
     number, value, total = at[:, 0], at[:, 1], at[0, 2]
     last, shift = n - 1, int(2 * SLACK) + 1
     found = [end * number / max(total - 1, 1) for end in range(1, n)]
@@ -205,8 +229,8 @@ def wrong_laws(at: Array, n: int) -> Array:
     return np.clip(np.array(found), 0, last)
 
 
-def said(times: Array, at: Array, n: int) -> str:
-    """What is wrong with the ``times`` (f,) of the followed frames, for a report."""
+def describe(times: Array, at: Array, n: int) -> str:
+    """Return what is wrong with the ``times`` (f,) of the followed frames, for a report."""
     number, total = at[:, 0], int(at[0, 2])
     low, high = times.min(), times.max()
     back = np.diff(times) < 0
@@ -223,8 +247,8 @@ def said(times: Array, at: Array, n: int) -> str:
         return f"{again}: show the motion once, from its start to its end"
     first = int(np.argmax(times >= high - 0.5))
     if number[first] < (1 - HELD) * (total - 1):
-        return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, the others stand still"
-    if high - low >= n - 1 - 2 * SLACK or abs(total - n) < 0.5:
+        return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, later frames stand still"
+    if high - low >= n - 1 - 2 * SLACK or _one_frame_each(total, n):
         k = int(np.argmax(np.abs(times - (n - 1) * number / max(total - 1, 1))))
         return f"its samples are mistimed: frame {number[k]:.0f} of {total} shows sample {times[k]:.0f} of {n}"
     return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn"

@@ -1,14 +1,18 @@
-"""How far a right function's motion may be from the exact one: as far as the scene itself carries an integrator's errors."""
+"""The allowed deviation of a right function's motion from the exact one: the integrator's errors, as the
+scene magnifies them.
+"""
 
 from ecp.checks import Arrays
 from ecp.outcome import Tolerance
 
-RTOL = 1e-11  # with which plays.py integrates
-SAFETY = 10.0  # ten thousand motions of the right equations (make bench) use less than a tenth of what this allows
+RTOL = 1e-11  # of the integrations in plays.py
+SAFETY = 10.0  # ten thousand motions of the right equations (make bench) use less than a tenth of the resulting limit
 
 
 def as_closely(truth: Arrays) -> Tolerance:
-    """What is allowed for one scene: the integrator's tolerance for every radian, as magnified as the motion magnifies it."""
+    """Return the tolerance of one scene: the integrator's tolerance for every radian, magnified by the
+    motion's sensitivity.
+    """
     kappa, angle = float(truth["kappa"]), float(truth["angle"])
-    told = f"rtol {RTOL:g} × (sensitivity {kappa:.4g} + {angle:.4g} rad turned) × safety {SAFETY:g}"
-    return Tolerance(limit=float(f"{RTOL * (kappa + angle) * SAFETY:.2e}"), reason=told)
+    reason = f"rtol {RTOL:g} × (sensitivity {kappa:.4g} + {angle:.4g} rad turned) × safety {SAFETY:g}"
+    return Tolerance(limit=float(f"{RTOL * (kappa + angle) * SAFETY:.2e}"), reason=reason)

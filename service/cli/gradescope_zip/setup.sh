@@ -1,12 +1,12 @@
 #!/bin/bash
-# Gradescope runs this once, as root, when it builds the image: Python 3.11 or later, then polhode by its hashed lock.
+# Gradescope runs this once, as root, to build the image: it installs Python 3.11 or later, then polhode by its hashed lock file.
 set -euo pipefail
 cd "$(dirname "$0")"
 export DEBIAN_FRONTEND=noninteractive PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1 PIP_ROOT_USER_ACTION=ignore
-unset PYTHONDONTWRITEBYTECODE  # without bytecode every submission would compile SciPy anew
+unset PYTHONDONTWRITEBYTECODE  # without bytecode every submission would compile SciPy again
 venv=/autograder/polhode
 
-# The first released Python on the PATH that is new enough and can make a virtual environment.
+# Print the first released Python on the PATH that is new enough and can create virtual environments.
 find_python() {
     for python in python3 python3.14 python3.13 python3.12 python3.11; do
         if "$python" -c 'import ensurepip, sys, venv; sys.exit(not (sys.version_info >= (3, 11) and sys.version_info.releaselevel == "final"))' 2>/dev/null
@@ -29,4 +29,4 @@ fi
 "$python" -m venv $venv
 $venv/bin/python -m pip install --quiet --require-hashes --requirement requirements.lock
 $venv/bin/python -m pip install --quiet --no-deps --force-reinstall ./polhode-*.whl
-$venv/bin/polhode doctor || echo "polhode: the machine that built this image could not grade; see above. Others may." >&2
+$venv/bin/polhode doctor || echo "polhode: the machine that built this image cannot grade (see above); the machines that run it may still be able to." >&2

@@ -1,1 +1,1 @@
-"""Everything that crosses the wall: standard library, numpy, scipy, matplotlib and the kit, nothing else of ours."""
+"""Code that runs inside the sandbox. It imports only the standard library, numpy, scipy, matplotlib and the kit."""

@@ -18,9 +18,9 @@ MOST_AXES = 8
 
 
 class Recorder:
-    """Keeps claims with the ``cell`` they stand in; one that is too large is kept without its arrays, with the reason.
+    """Recorder of the claims in each ``cell``. A claim that is too large is kept without its arrays, with the reason.
 
-    They are sent between cells: a cell's time may run out at any moment, and a frame must go out whole.
+    Claims are sent between cells, because a cell's time may run out in the middle of a frame.
     """
 
     def __init__(self) -> None:
@@ -29,7 +29,7 @@ class Recorder:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Record the claims made within."""
+        """Record the claims made inside the ``with`` block."""
         validate.watchers.append(self._record)
         try:
             yield
@@ -38,7 +38,7 @@ class Recorder:
 
     @property
     def left_out(self) -> int:
-        """How many claims there were beyond the limit."""
+        """The number of claims beyond the limit."""
         return max(0, self._claims - MOST_CLAIMS)
 
     def _record(self, claim: Claim) -> None:
@@ -54,7 +54,7 @@ class Recorder:
         self._unsent.append((header, arrays))
 
     def send(self, write: Writer) -> None:
-        """Send what was recorded since the last time."""
+        """Send the claims recorded since the last call."""
         unsent, self._unsent = self._unsent, []
         for header, arrays in unsent:
             write.claim(header, arrays)
@@ -63,7 +63,7 @@ class Recorder:
         if any(array.ndim > MOST_AXES for array in claim.arrays.values()):
             return f"an array has more than {MOST_AXES} axes"
         if size > MOST_NUMBERS:
-            return f"{size} numbers, and at most {MOST_NUMBERS} of one check are taken"
+            return f"{size} numbers; one check may have at most {MOST_NUMBERS}"
         if self._numbers + size > MOST_IN_ALL:
             return f"all checks together have more than {MOST_IN_ALL} numbers"
         return ""

@@ -1,4 +1,4 @@
-"""Stand-ins for what only a notebook front end has, so that cells which show things run here too and show nothing."""
+"""Stubs of a notebook front end, so that cells that display something run in the sandbox and display nothing."""
 
 import types
 from collections.abc import Iterator
@@ -6,12 +6,12 @@ from typing import Any
 
 import ecp
 
-# What the kit does in a notebook only: a whole notebook that checks and submits itself is graded without doing so again.
-NOTEBOOK_ONLY = ("attempts", "check", "connect", "login", "logout", "submit")
+# Functions of the kit that do nothing here: a notebook that checks and submits itself must not do so while it is graded.
+NOTEBOOK_ONLY = ("attempts", "check", "connect", "login", "logout", "submissions", "submit")
 
 
 def stand_ins() -> dict[str, types.ModuleType]:
-    """Modules of IPython in which every name takes anything and gives nothing."""
+    """Return stubs of IPython's modules, whose every name is a function that does nothing."""
     names = ("IPython", "IPython.core", "IPython.core.display", "IPython.display")
     modules = {name: _Silent(name) for name in names}
     for name, module in modules.items():
@@ -23,7 +23,7 @@ def stand_ins() -> dict[str, types.ModuleType]:
 
 
 def install_stubs(names: dict[str, Any]) -> None:
-    """Give a notebook's namespace what IPython would; what the kit does in a notebook only, it does not do here."""
+    """Add IPython's names to a notebook's namespace, and disable the functions NOTEBOOK_ONLY of the kit."""
     names |= {"display": _nothing, "get_ipython": _nothing}
     for name in NOTEBOOK_ONLY:
         setattr(ecp, name, _nothing)
@@ -37,7 +37,7 @@ class _Silent(types.ModuleType):
 
 
 class _Nothing(int):
-    """A report nobody made, a shell that is not there: true, a number to compute with; what is asked of it is the same again."""
+    """The result of every stub: true, a number, and its every attribute, call and item is itself."""
 
     def __getattr__(self, name: str) -> "_Nothing":
         if name.startswith("__"):

@@ -1,7 +1,7 @@
-"""Landlock: no file but those named can be opened, none written, no TCP port used, no process outside signalled.
+"""Landlock rules: open only the named files, write to none, use no TCP port, signal no process outside.
 
-Kernel documentation: Documentation/userspace-api/landlock.rst; numbers: <linux/landlock.h>. Any version from 1 on serves; what an
-old one does not govern (truncation, TCP, signals) the filter of system calls refuses.
+Kernel documentation: Documentation/userspace-api/landlock.rst; numbers: <linux/landlock.h>. Version 1 suffices: what it
+does not govern (truncation, TCP, signals), the system call filter denies.
 """
 
 import ctypes
@@ -21,7 +21,7 @@ TCP, SCOPES = 0b11, 0b11  # bind and connect, from version 4; abstract sockets a
 
 
 def version() -> int:
-    """The kernel's Landlock version; 0 without Landlock."""
+    """Return the kernel's Landlock version, or 0 without Landlock."""
     try:
         return syscall(LANDLOCK_CREATE, ctypes.c_void_p(None), 0, VERSION_QUERY)
     except OSError:
@@ -29,7 +29,10 @@ def version() -> int:
 
 
 def ruleset(readable: Iterable[str], listable: Iterable[str]) -> int:
-    """A descriptor of rules that allow reading below ``readable`` and listing below ``listable``, and nothing else."""
+    """Return a descriptor of rules that allow only reading below ``readable`` and listing below ``listable``.
+
+    Raises OSError if the kernel has no Landlock.
+    """
     known = version()
     if known < 1:
         raise OSError("this kernel has no Landlock")
@@ -44,7 +47,7 @@ def ruleset(readable: Iterable[str], listable: Iterable[str]) -> int:
 
 
 def restrict(rules: int) -> None:
-    """Put the rules up for this process; needs no_new_privs."""
+    """Apply the rules to this process. Needs no_new_privs."""
     syscall(LANDLOCK_RESTRICT, rules, 0)
 
 

@@ -1,4 +1,4 @@
-"""What a child gives up before it reads a submission. Every step raises on failure: a wall that does not stand stops the play.
+"""The layers that a child applies before it reads a submission. Every step raises on failure, which ends the play.
 
 Numbers: prctl(2) options from <linux/prctl.h>, the capability header from <linux/capability.h>.
 """
@@ -22,7 +22,7 @@ LIMITS = {
     resource.RLIMIT_AS: 768 * MIB,
     resource.RLIMIT_DATA: 512 * MIB,
     resource.RLIMIT_STACK: 8 * MIB,
-    resource.RLIMIT_CPU: 200,  # seconds: a backup, the host's patience ends before
+    resource.RLIMIT_CPU: 200,  # seconds: a backup, as the host's own limit is reached first
     resource.RLIMIT_NOFILE: 32,
     resource.RLIMIT_NPROC: 1,
     resource.RLIMIT_FSIZE: 0,
@@ -34,7 +34,7 @@ KEEP_IGNORED = {signal.SIGPIPE, signal.SIGXFSZ}  # Python turns these into excep
 
 
 class Layers:
-    """The layers a child puts up, prepared once in the zygote: ``layers`` of "landlock", "seccomp" and "limits"."""
+    """The ``layers`` that each child applies, of "landlock", "seccomp" and "limits". The zygote prepares them once."""
 
     def __init__(self, layers: list[str], readable: list[str], listable: list[str]) -> None:
         self._limits = "limits" in layers
@@ -43,11 +43,14 @@ class Layers:
         self._filter: bytes | None = None
         if "seccomp" in layers:
             if self._machine is None:
-                raise OSError(f"no table of system calls for {platform.machine()}: submissions cannot be shut in here")
+                raise OSError(f"polhode has no system call filter for this processor ({platform.machine()})")
             self._filter = seccomp.program(self._machine)
 
     def apply(self, places: Mapping[int, int]) -> None:
-        """Shut this process in for good, with no open file but ``places`` (number: what is put there)."""
+        """Apply the layers to this process, which cannot undo them, and close all files except ``places``.
+
+        ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there.
+        """
         os.setsid()
         self._close_all_but(places)
         for number in set(signal.valid_signals()) - {signal.SIGKILL, signal.SIGSTOP} - KEEP_IGNORED:
@@ -68,7 +71,7 @@ class Layers:
             seccomp.install(self._machine, self._filter, os.getpid())
 
     def _close_all_but(self, places: Mapping[int, int]) -> None:
-        # First out of each other's way, then into place.
+        # Move the descriptors above all places first, so that none overwrites another.
         high = {place: _above(fd) for place, fd in places.items()}
         if self._rules is not None:
             self._rules = _above(self._rules)
@@ -82,14 +85,14 @@ class Layers:
 
 
 def die_with_parent(parent: int | None = None) -> None:
-    """SIGKILL for this process when the thread that started it ends; at once, if it is not ``parent`` any more."""
+    """Kill this process when the thread that started it ends. Exit now if its parent is not ``parent`` any more."""
     call("prctl", PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if parent is not None and os.getppid() != parent:
         os._exit(1)
 
 
 def drop_privileges(user: int | None) -> None:
-    """Become ``user``, if one is given, and keep no capability."""
+    """Change to the user id ``user``, if it is not None, and drop all capabilities."""
     if user is not None:
         os.setgroups([])
         os.setresgid(user, user, user)
@@ -99,7 +102,7 @@ def drop_privileges(user: int | None) -> None:
 
 
 def _above(fd: int) -> int:
-    """The same open file under a number that no place overwrites."""
+    """Return a duplicate of ``fd`` with a number above all places."""
     import fcntl
 
     return fcntl.fcntl(fd, fcntl.F_DUPFD, 20)

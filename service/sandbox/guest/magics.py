@@ -1,4 +1,4 @@
-"""Notebook cells as Python: magics and shell lines are taken out the way a plain interpreter needs it."""
+"""Notebook cells as plain Python: magics and shell commands are removed."""
 
 import itertools
 import re
@@ -12,7 +12,7 @@ TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
 
 
 def runnable(source: str, name: str) -> types.CodeType:
-    """The cell compiled under ``name``; only a cell that is not Python as it stands is cleaned of its magics first."""
+    """Compile a cell under the file name ``name``. Magics are removed only from a cell that is not valid Python."""
     try:
         return compile(source, name, "exec")
     except SyntaxError:
@@ -23,9 +23,9 @@ def runnable(source: str, name: str) -> types.CodeType:
 
 
 def pieces(source: str) -> list[str]:
-    """Split a py:percent file into its cells, so that one that fails does not cost the others; line numbers stay.
+    """Split a py:percent file into its cells, so that one that fails does not affect the others. Line numbers are kept.
 
-    A file that is Python is left whole where a cell of it is not: its mark stands in a string.
+    A valid Python file is not split if one of its cells is invalid: then a cell mark is part of a string.
     """
     bounds = [0, *(mark.start() for mark in MARK.finditer(source)), len(source)]
     if not 2 < len(bounds) <= MOST_PIECES:
@@ -35,14 +35,14 @@ def pieces(source: str) -> list[str]:
 
 
 def last_name(source: str) -> str:
-    """The name that a cell ends with, which a notebook shows, or an empty string."""
+    """Return the name on a cell's last line, which a notebook displays, or an empty string."""
     last = source.rstrip().rpartition("\n")[2]
     return last if last.isidentifier() else ""
 
 
 def _is_python(source: str) -> bool:
     try:
-        with warnings.catch_warnings(action="ignore"):  # given when the code runs
+        with warnings.catch_warnings(action="ignore"):  # warnings are shown when the code runs
             compile(source, "cell", "exec")
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         return False
@@ -57,6 +57,6 @@ def _without_magics(source: str) -> str:
 
 
 def _blank(line: str) -> str:
-    """``pass`` in the place of a line magic or shell command, so that line numbers and indentation stay."""
+    """Replace a line magic or shell command by ``pass``, which keeps line numbers and indentation."""
     bare = line.lstrip()
     return line[: len(line) - len(bare)] + "pass" if bare.startswith(("%", "!")) else line

@@ -1,4 +1,4 @@
-"""In the child: read the job, load the submission, play its scenes one by one, each with its own time budget."""
+"""The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
 import importlib
 import linecache
@@ -22,9 +22,9 @@ from .wire import Questions, Writer
 
 Names = dict[str, Any]
 
-WALL = 4  # times its CPU seconds: so long a budget may take by the clock, on a loaded machine or asleep
-LOOK_S = 0.2  # so often a budget is looked at once it may be spent
-PRIVATE = ("ecp.artists", "ecp.animation")  # plays have copies of their own, which a submission does not find by name
+CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
+REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
+PRIVATE = ("ecp.artists", "ecp.animation")  # plays import private copies, which a submission cannot replace
 
 
 class OutOfTime(BaseException):
@@ -32,29 +32,29 @@ class OutOfTime(BaseException):
 
 
 class Budget:
-    """``seconds`` of CPU time from now on, within WALL times as many by the clock."""
+    """A budget that starts now: ``seconds`` of CPU time and CLOCK_FACTOR times as many of wall-clock time."""
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
-        self._cpu, self._wall = process_time() + seconds, monotonic() + WALL * seconds
+        self._cpu, self._clock = process_time() + seconds, monotonic() + CLOCK_FACTOR * seconds
 
     def left(self) -> float:
-        """Seconds left of the one or the other, whichever is less."""
-        return max(0.0, min(self._cpu - process_time(), self._wall - monotonic()))
+        """Return the seconds left, of CPU time or of wall-clock time, whichever is less."""
+        return max(0.0, min(self._cpu - process_time(), self._clock - monotonic()))
 
     def sentence(self) -> str:
-        """Which limit was exceeded."""
+        """Return a sentence that names the exceeded limit."""
         if process_time() >= self._cpu:
             return f"your code used more than {self.seconds:g} s of CPU time"
-        return f"your code did not finish within {WALL * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
+        return f"your code did not finish within {CLOCK_FACTOR * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
 
 
 def run(job_fd: int, result_fd: int) -> None:
-    """Play the whole job; every scene's arrays and ending leave before the next one starts."""
+    """Play the job. Each scene's arrays and scene end are sent before the next scene starts."""
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
     plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
-    write.event("inside")
+    write.event("prepared")
     with animate.watched():
         _run(job, plays, student, questions, write)
 
@@ -63,7 +63,7 @@ def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions
     recorder = Recorder()
     with recorder.recording():
         shows = _load_submission(student, job, recorder, write)
-    student |= _adopted(plays, student, shows)
+    student |= _adopt(plays, student, shows)
     names = [name for name in job["functions"] if is_written(student.get(name))]
     write.event("defined", names=names, claims_left_out=recorder.left_out)
     finished: set[str] = set()
@@ -93,13 +93,13 @@ def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questi
         for key, array in plays[scene["play"]](student, scene["inputs"]).items():
             write.array(name, key, array)
 
-    ended = _attempt(answer, Budget(scene["budget_s"]))
+    ended = _run_limited(answer, Budget(scene["budget_s"]))
     write.event("scene", scene=name, **ended)
     return ended["ended"] == "finished"
 
 
 def _load_plays(source: str) -> Names:
-    """What plays.py defines. Its numpy, and the kit's modules that judge, are copies: what a submission replaces stays outside."""
+    """Return the names that plays.py defines. It gets its own numpy and kit modules, which a submission cannot replace."""
     public = {name: importlib.import_module(name) for name in PRIVATE}
     plays: Names = {"__name__": "plays"}
     own = types.ModuleType("numpy")
@@ -120,7 +120,7 @@ def _load_plays(source: str) -> Names:
 
 
 def _prepare(setup: str) -> Names:
-    """The namespace of a notebook after its setup cell."""
+    """Return the namespace of a notebook after its setup cell."""
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
     exec(compile(setup, "setup.py", "exec"), module.__dict__)
@@ -129,19 +129,19 @@ def _prepare(setup: str) -> Names:
     return module.__dict__
 
 
-def _adopted(plays: Names, student: Names, shows: str) -> Names:
-    """What plays.py makes of an animation that the cell ``shows`` ends with, for functions that nobody wrote."""
+def _adopt(plays: Names, student: Names, shows: str) -> Names:
+    """Return functions that plays.py makes from the animation of the cell ``shows``, for those the student did not write."""
     try:
         made = plays["adopt"](student, shows) if shows and "adopt" in plays else {}
-    except Exception:  # the notebook holds something odd: then it is as if it had shown nothing
+    except Exception:  # treat a notebook that plays.py cannot handle like one without an animation
         made = {}
     return {name: function for name, function in made.items() if not is_written(student.get(name))}
 
 
 def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> str:
-    """Run the cells one after the other, as a notebook does; a cell that fails is told and the next one goes on.
+    """Run the cells in order, as a notebook does, and report those that fail. A failure does not stop the next cell.
 
-    Returns the source of the last cell that showed an animation.
+    Return the source of the last cell that showed an animation, or an empty string.
     """
     budget, shows = Budget(job["load_budget_s"]), ""
     for name, source in job["cells"]:
@@ -154,7 +154,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                 exec(runnable(piece, name), student)
 
             before = animate.shown[:]
-            ended = _attempt(load, budget)
+            ended = _run_limited(load, budget)
             recorder.send(write)
             if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
                 animate.shown[:] = [last]
@@ -166,15 +166,15 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     return shows
 
 
-def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
-    """Run it under an alarm; how it ended, as the fields of an event."""
+def _run_limited(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
+    """Run ``action`` within ``budget``. Return its scene end as the fields of an event."""
 
-    def ring(signum: int, frame: Any) -> None:
+    def check_budget(signum: int, frame: Any) -> None:
         if not budget.left():
             raise OutOfTime
 
-    signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, max(0.01, budget.left()), LOOK_S)
+    signal.signal(signal.SIGALRM, check_budget)
+    signal.setitimer(signal.ITIMER_REAL, max(0.01, budget.left()), REPEAT_S)
     try:
         try:
             with np.errstate(all="ignore"):
@@ -184,9 +184,9 @@ def _attempt(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
     except OutOfTime:
         return {"ended": "timed-out", "code": "timeout", "sentence": budget.sentence()}
     except BaseException as error:
-        return describe_exception(error, _own)
+        return describe_exception(error, _is_of_submission)
     return {"ended": "finished", "sentence": "finished"}
 
 
-def _own(filename: str) -> bool:
+def _is_of_submission(filename: str) -> bool:
     return filename in linecache.cache and "/" not in filename and filename not in ("plays.py", "setup.py")

@@ -1,7 +1,8 @@
-"""The filter of system calls (seccomp-BPF): an allow-list, built once in the zygote and put up by each child as its last act.
+"""The system call filter (seccomp-BPF): an allow-list that the zygote builds once and each child applies as its last layer.
 
 Kernel documentation: Documentation/userspace-api/seccomp_filter.rst; instructions: <linux/bpf_common.h>. A call of another ABI
-kills the process; an unknown newer call is answered ENOSYS, so that the C library falls back; a thread EAGAIN; all else EPERM.
+kills the process. A newer, unknown call fails with ENOSYS, so that the C library falls back, a new thread with EAGAIN, and all
+others with EPERM.
 """
 
 import ctypes
@@ -14,7 +15,7 @@ LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 KILL, ALLOW, FAIL = 0x80000000, 0x7FFF0000, 0x00050000
 NUMBER, ARCHITECTURE, ARGUMENTS = 0, 4, 16  # offsets in struct seccomp_data
 SET_MODE_FILTER = 1
-ANYBODY = 0x7FFFFFF1  # stands for the child's own process id until ``install`` knows it
+ANY_PROCESS = 0x7FFFFFF1  # placeholder for the child's process id, which ``install`` fills in
 
 PR_SET_NAME, PR_GET_NAME, PR_SET_VMA = 15, 16, 0x53564D41
 TCGETS, FIOCLEX = 0x5401, 0x5451
@@ -24,7 +25,7 @@ O_ACCMODE, O_TRUNC = 0o3, 0o1000
 
 
 def program(machine: Machine) -> bytes:
-    """The filter for a machine, as an array of struct sock_filter."""
+    """Return the filter for a machine, as an array of struct sock_filter."""
     refuse = FAIL | errno.EPERM
     code = [_step(LOAD, ARCHITECTURE), _step(EQUAL, machine.audit, 1, 0), _step(RETURN, KILL), _step(LOAD, NUMBER)]
     if machine.foreign is not None:
@@ -36,7 +37,7 @@ def program(machine: Machine) -> bytes:
     code += _rule(n["clone3"], [_step(RETURN, FAIL | errno.ENOSYS)])
     code += _rule(n["clone"], [_step(RETURN, FAIL | errno.EAGAIN)])
     for name in ("kill", "tgkill"):
-        code += _rule(n[name], _only(0, (ANYBODY,), refuse))
+        code += _rule(n[name], _only(0, (ANY_PROCESS,), refuse))
     code += _rule(n["prctl"], _only(0, (PR_SET_NAME, PR_GET_NAME, PR_SET_VMA), refuse))
     code += _rule(n["ioctl"], _only(1, (TCGETS, FIOCLEX), FAIL | errno.ENOTTY))
     code += _rule(n["fcntl"], _only(1, (F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC), refuse))
@@ -50,8 +51,8 @@ def program(machine: Machine) -> bytes:
 
 
 def install(machine: Machine, filter: bytes, pid: int) -> None:
-    """Put the filter up for this process; needs no_new_privs. OSError if the kernel will not."""
-    own = filter.replace(struct.pack("<I", ANYBODY), struct.pack("<I", pid))
+    """Apply the filter to this process. Needs no_new_privs. Raises OSError if the kernel refuses."""
+    own = filter.replace(struct.pack("<I", ANY_PROCESS), struct.pack("<I", pid))
     buffer = ctypes.create_string_buffer(own, len(own))
     syscall(machine.narrow["seccomp"], SET_MODE_FILTER, 0, ctypes.byref(_Program(len(own) // 8, ctypes.addressof(buffer))))
 
@@ -67,17 +68,17 @@ def _step(code: int, k: int, if_true: int = 0, if_false: int = 0) -> bytes:
 
 
 def _rule(number: int, body: list[bytes]) -> list[bytes]:
-    """``body`` for the call of that number; it always returns, so that the number need not be loaded again."""
+    """Return the steps that run ``body`` for that system call. ``body`` always returns, so the number need not be loaded again."""
     return [_step(EQUAL, number, 0, len(body)), *body]
 
 
 def _no_truncation(argument: int) -> list[bytes]:
-    """Refuse to empty a file that is opened for reading, which Landlock before version 3 takes for reading."""
+    """Deny O_TRUNC on a file opened for reading, which Landlock before version 3 allows."""
     tests = [_step(ANY_BIT, O_TRUNC, 0, 1), _step(ANY_BIT, O_ACCMODE, 0, 1)]
     return [_step(LOAD, ARGUMENTS + 8 * argument), *tests, _step(RETURN, ALLOW), _step(RETURN, FAIL | errno.EACCES)]
 
 
 def _only(argument: int, values: tuple[int, ...], otherwise: int) -> list[bytes]:
-    """Allow the call if the low half of that argument is one of ``values``."""
+    """Return the steps that allow a call if the low half of that argument is one of ``values``."""
     tests = [_step(EQUAL, value, len(values) - i, 0) for i, value in enumerate(values)]
     return [_step(LOAD, ARGUMENTS + 8 * argument), *tests, _step(RETURN, otherwise), _step(RETURN, ALLOW)]

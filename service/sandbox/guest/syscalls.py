@@ -1,9 +1,9 @@
-"""The system calls a child may still make, by number, for each processor we know; everything else is refused.
+"""The system calls that a child may make, by number, for each supported processor. All others are denied.
 
 Numbers: Linux's arch/x86/entry/syscalls/syscall_64.tbl and include/uapi/asm-generic/unistd.h (aarch64); a test compares them with
-the kernel headers of the machine. What is missing is missing on purpose: fork, vfork, exec, sockets, ptrace, signals to others,
-anything that makes, changes or removes a file, shared memory, timers but the one a scene's budget rings, namespaces, keys, bpf,
-io_uring, userfaultfd and all that came later.
+the kernel headers of the machine. Left out on purpose: fork, vfork, exec, sockets, ptrace, signals to others, all that
+creates, changes or removes a file, shared memory, timers except the one of a scene's budget, namespaces, keys, bpf, io_uring,
+userfaultfd and every newer call.
 """
 
 import ctypes
@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 
 class Machine(NamedTuple):
-    """A processor as the filter sees it: its audit number (<linux/audit.h>) and its numbers for the calls allowed.
+    """A processor: its ``audit`` number (<linux/audit.h>) and the numbers of its ``allowed`` calls.
 
-    ``narrow`` are calls allowed for some arguments only; ``foreign`` is the first number of another ABI on the same machine.
+    ``narrow`` are calls allowed with some arguments only. ``foreign`` is the first number of another ABI on the same machine.
     """
 
     audit: int
@@ -25,7 +25,7 @@ class Machine(NamedTuple):
 
 LANDLOCK_CREATE, LANDLOCK_ADD, LANDLOCK_RESTRICT = 444, 445, 446  # the same on both
 CLOSE_RANGE = 436
-NEWEST = 470  # from this number on a call is unknown to us and answered as if the kernel had never heard of it
+NEWEST = 470  # calls from this number on are unknown here and fail like calls that the kernel does not have
 
 _X86_64 = {
     **{"read": 0, "write": 1, "close": 3, "stat": 4, "fstat": 5, "lstat": 6, "poll": 7, "lseek": 8, "mmap": 9},
@@ -69,19 +69,19 @@ _libc.syscall.restype = ctypes.c_long
 
 
 def call(name: str, *args: Any) -> None:
-    """A function of the C library that answers 0, or fails."""
+    """Call a function of the C library. Raises OSError if it does not return 0."""
     if getattr(_libc, name)(*args) != 0:
         raise _error(name)
 
 
 def syscall(number: int, *args: Any) -> int:
-    """A system call the C library has no function for."""
-    answer = int(_libc.syscall(ctypes.c_long(number), *(ctypes.c_long(a) if isinstance(a, int) else a for a in args)))
-    if answer < 0:
+    """Make a system call by number and return its result. Raises OSError if it fails."""
+    result = int(_libc.syscall(ctypes.c_long(number), *(ctypes.c_long(a) if isinstance(a, int) else a for a in args)))
+    if result < 0:
         raise _error(f"system call {number}")
-    return answer
+    return result
 
 
-def _error(what: str) -> OSError:
+def _error(call: str) -> OSError:
     number = ctypes.get_errno()
-    return OSError(number, f"{what}: {os.strerror(number)}")
+    return OSError(number, f"{call}: {os.strerror(number)}")

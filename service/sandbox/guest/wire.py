@@ -1,4 +1,4 @@
-"""Reading the job and its questions, and writing frames; the formats are described on the host's side, in job.py and wire.py."""
+"""The guest's side of the protocol: read the job and its questions, write frames. See job.py and wire.py of the host."""
 
 import fcntl
 import json
@@ -12,25 +12,25 @@ from typing import Any
 import numpy as np
 
 LENGTH = struct.Struct("<I")  # in front of the job
-QUESTION = struct.Struct("<7d")  # t, w, I of one call asked by the host; t not a number: no more questions
+QUESTION = struct.Struct("<7d")  # t, w, I of one call of the student's function; t is NaN after the last question
 ANSWER = struct.Struct("<3d")
 Asked = tuple[float, np.ndarray, np.ndarray]
 
 
 class Questions:
-    """The job, and after it the calls the host asks for one by one: t, w (3,), I (3,)."""
+    """Reader of the job and of the host's questions after it: t, w (3,), I (3,)."""
 
     def __init__(self, fd: int) -> None:
         self._fd, self._poll = fd, select.poll()
         self._poll.register(fd, select.POLLIN)
-        fcntl.fcntl(fd, fcntl.F_SETFL, os.O_NONBLOCK)  # a submission that reads here gets nothing, and waits for nothing
+        fcntl.fcntl(fd, fcntl.F_SETFL, os.O_NONBLOCK)  # a submission that reads here gets nothing and does not block
 
     def job(self) -> dict[str, Any]:
-        """The job; called once, before the submission is there."""
+        """Return the job. Call it once, before the submission is loaded."""
         return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]))
 
     def __iter__(self) -> Iterator[Asked]:
-        """The calls of one scene, until the host has no more."""
+        """Yield the questions of one scene until its last."""
         while True:
             t, *rest = QUESTION.unpack(self._read(QUESTION.size))
             if math.isnan(t):
@@ -49,27 +49,27 @@ class Questions:
 
 
 class Writer:
-    """Frames on a file descriptor, whole or not at all as far as the guest is concerned."""
+    """Writer of whole frames to a file descriptor."""
 
     def __init__(self, fd: int) -> None:
         self._fd = fd
 
     def event(self, name: str, **fields: Any) -> None:
-        """A JSON event; texts that cannot be encoded are escaped."""
+        """Write a JSON event. Characters that cannot be encoded are escaped."""
         self._frame(b"J", json.dumps({"event": name, **fields}, ensure_ascii=True).encode())
 
     def array(self, scene: str, name: str, value: Any) -> None:
-        """An array as raw little-endian numbers behind its shape."""
+        """Write an array: its shape, then raw little-endian numbers."""
         array = np.ascontiguousarray(value, dtype="u1" if value.dtype == np.uint8 else "<f8")
         self._headed(b"A", {"scene": scene, "name": name, "shape": list(value.shape)}, array.tobytes())
 
     def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-        """A claim of the notebook's own checks: its header, and its arrays as raw little-endian numbers behind their shapes."""
+        """Write a claim of the notebook's own checks: its header with the shapes of its arrays, then raw little-endian numbers."""
         raw = b"".join(np.ascontiguousarray(array, dtype="<f8").tobytes() for array in arrays.values())
         self._headed(b"C", header | {"arrays": {name: list(array.shape) for name, array in arrays.items()}}, raw)
 
     def answer(self, value: np.ndarray) -> None:
-        """Three numbers in answer to a question."""
+        """Write the answer (3,) to a question."""
         self._frame(b"R", ANSWER.pack(*value))
 
     def _headed(self, kind: bytes, header: dict[str, Any], raw: bytes) -> None:

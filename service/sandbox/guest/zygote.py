@@ -1,7 +1,9 @@
-"""A warm process that imports once and forks a fresh child for each play. It reads no submission and knows no secret.
+"""The zygote: a warm process that imports the libraries once and forks a child for each play.
 
-The host sends three descriptors per play (job, result, output) and gets back a pidfd of the child, so that it can kill just that
-one, and when the child is gone its wait status.
+It reads no submission and has no secret.
+
+For each play the host sends three descriptors (job, result, output). The zygote returns a pidfd, with which the host can kill the
+child, and after the child's exit its wait status.
 """
 
 import gc
@@ -31,15 +33,15 @@ WARM = (
 
 
 def main(control_fd: int, user: int | None, layers: list[str], readable: list[str], listable: list[str]) -> None:
-    """Serve plays from the control socket until the host closes it."""
+    """Fork a child for each play that the control socket asks for, until the host closes it."""
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges
 
     die_with_parent()
     _warm_up()
-    walls = Layers(layers, readable, listable)  # before stepping down: its paths may lie in folders of root's
+    prepared = Layers(layers, readable, listable)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
-    die_with_parent()  # again: another user's process has lost it
+    die_with_parent()  # again: the change of user has cleared it
     gc.collect()
     gc.freeze()
     control.send(b"ready")
@@ -49,7 +51,7 @@ def main(control_fd: int, user: int | None, layers: list[str], readable: list[st
             return
         child = os.fork()
         if child == 0:
-            _child(walls, *fds)
+            _child(prepared, *fds)
         for fd in fds:
             os.close(fd)
         handle = os.pidfd_open(child)
@@ -65,11 +67,11 @@ def _warm_up() -> None:
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
 
 
-def _child(walls: Any, job: int, result: int, output: int) -> None:
+def _child(layers: Any, job: int, result: int, output: int) -> None:
     code = LOCKDOWN_FAILED
     try:
-        quiet = os.open(os.devnull, os.O_RDONLY)
-        walls.apply({0: quiet, 1: output, 2: output, 3: job, 4: result})
+        devnull = os.open(os.devnull, os.O_RDONLY)
+        layers.apply({0: devnull, 1: output, 2: output, 3: job, 4: result})
         from . import run_scenes
 
         code = 1

@@ -11,13 +11,13 @@ import pytest
 
 from bench.peers import check50, gradescope, nbgrader, otter, polhode, table
 from bench.peers.__main__ import PEERS
-from bench.peers.clock import Broke, Row, Took, clock
+from bench.peers.clock import CommandFailed, Row, Timing, clock
 from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
 from bench.peers.environment import requirements
 from bench.peers.goals import ONE, SERVER, best, goals
 from bench.peers.judging import answers, sound, verdicts
-from bench.peers.peer import Command, Marks, Peer, Place, Unread, clean_environment
-from bench.peers.rounds import Case, graded, play
+from bench.peers.peer import Command, Marks, NoMarks, Peer, Workspace, clean_environment
+from bench.peers.rounds import Case, graded, measure
 from bench.peers.submissions import SAMPLES, file_name, submissions
 
 LEFT = Path(__file__).parent / "outputs"
@@ -49,12 +49,12 @@ def test_marks_are_read_from_nbgraders_export_and_our_reports():
 def test_no_answer_is_no_marks(read, text, tmp_path):
     if text is not None:
         (tmp_path / "left").write_text(text)
-    with pytest.raises(Unread):
+    with pytest.raises(NoMarks):
         read(tmp_path / "left")
 
 
 def test_a_student_who_is_not_in_the_export_has_no_marks():
-    with pytest.raises(Unread):
+    with pytest.raises(NoMarks):
         nbgrader.read(LEFT / "nbgrader.csv", "nobody")
 
 
@@ -116,7 +116,7 @@ def test_nothing_of_ours_reaches_into_a_peers_environment(monkeypatch):
 
 
 def here(tmp_path, *codes):
-    place = Place(Path(sys.executable), tmp_path, clean_environment(tmp_path, Path(sys.executable).parent))
+    place = Workspace(Path(sys.executable), tmp_path, clean_environment(tmp_path, Path(sys.executable).parent))
     return [Command([sys.executable, "-S", "-c", code], tmp_path) for code in codes], place
 
 
@@ -156,13 +156,13 @@ def test_the_clock_counts_what_nobody_waits_for(tmp_path):
 
 def test_a_command_that_fails_is_told_with_its_last_words(tmp_path):
     commands, place = here(tmp_path, "raise SystemExit('no kernel')")
-    with pytest.raises(Broke, match="ended with 1: no kernel"):
+    with pytest.raises(CommandFailed, match="ended with 1: no kernel"):
         clock(commands, place)
     clock(commands, place, codes=())
 
 
 def row(name, what, count, *walls):
-    return Row(name, what, count, [Took(w, w / 2) for w in walls])
+    return Row(name, what, count, [Timing(w, w / 2) for w in walls])
 
 
 ROWS = [
@@ -225,17 +225,17 @@ class Strict(Peer):
 
     def prepare(self, submissions):
         for name, submission in submissions.items():
-            (self.place.folder / name).write_text(submission.answer)
+            (self.workspace.folder / name).write_text(submission.answer)
         return []
 
     def one(self, name):
         code = f"text = open({name!r}).read(); print('np.max' in text or int('I1, I2, I3 = I' in text))"
-        return Command([sys.executable, "-S", "-c", code], self.place.folder, self.place.folder / f"{name}.out")
+        return Command([sys.executable, "-S", "-c", code], self.workspace.folder, self.workspace.folder / f"{name}.out")
 
     def marks(self, name):
-        text = (self.place.folder / f"{name}.out").read_text().strip()
+        text = (self.workspace.folder / f"{name}.out").read_text().strip()
         if text == "True":
-            raise Unread("np.max")
+            raise NoMarks("np.max")
         return Marks(int(text), 1)
 
 
@@ -247,14 +247,14 @@ def test_every_kind_is_judged_and_timed_ones_must_be_right(tmp_path, capsys):
     assert (given["right"], given["zeros"], given["np.max patched"]) == (Marks(1, 1), Marks(0, 1), "no answer")
     assert "strict, np.max patched: np.max" in capsys.readouterr().out
     assert len(graded(tool, [tool.one("right")], ["right"])) == 1
-    with pytest.raises(Unread, match="zeros refused"):
+    with pytest.raises(NoMarks, match="zeros rejected"):
         graded(tool, [tool.one("zeros")], ["zeros"])
 
 
 def test_a_tool_that_cannot_be_prepared_has_no_answers(tmp_path, capsys):
     class Broken(Strict):
         def prepare(self, submissions):
-            return [Command([sys.executable, "-S", "-c", "raise SystemExit('no kernel')"], self.place.folder)]
+            return [Command([sys.executable, "-S", "-c", "raise SystemExit('no kernel')"], self.workspace.folder)]
 
     given = verdicts([Broken(here(tmp_path)[1])], submissions(1))
     assert set(given["strict"].values()) == {"no answer"}
@@ -268,12 +268,12 @@ def test_rounds_take_turns_and_leave_out_what_breaks(capsys):
         def run():
             order.append(name)
             if order.count(name) == fails_at:
-                raise Broke("no kernel")
-            return [Took(1.0, 1.0)]
+                raise CommandFailed("no kernel")
+            return [Timing(1.0, 1.0)]
 
         return Case(name, ONE, 1, run)
 
-    rows = play([takes("a"), takes("b", fails_at=2), takes("c")], 3)
+    rows = measure([takes("a"), takes("b", fails_at=2), takes("c")], 3)
     assert order == ["a", "b", "c", "a", "b", "c", "a", "c"]
     assert [(r.name, len(r.taken)) for r in rows] == [("a", 3), ("c", 3)]
     assert "b, one: not measured: no kernel" in capsys.readouterr().out

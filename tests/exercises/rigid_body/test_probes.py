@@ -84,7 +84,7 @@ def test_orders_octants_axes_equal_moments_and_sizes_are_met(rigid_body):
     speed = np.linalg.norm(w, axis=1)
     assert speed.max() > 1e4 and 0 < speed[speed > 0].min() < 1e-3 and I.max() > 1e3 and I.min() < 1e-3
     assert np.all(2 * I.max(axis=1) <= I.sum(axis=1)), "only moments that a body can have"
-    assert len(w) == probes.asked(8)
+    assert len(w) == probes.number_of_points(8)
 
 
 def test_some_points_are_asked_twice_and_some_at_another_time(rigid_body):

@@ -47,7 +47,7 @@ def report(**states):
         for k, s in states.items()
     ]
     endings = [SceneEnd(s, ending, s) for s, ending in ENDINGS.items() if s in states.values()]
-    made = Provenance(seed=7, versions={"polhode": "0.1.0"}, walls="tier B")
+    made = Provenance(seed=7, versions={"polhode": "0.1.0"}, isolation="process")
     return Report("rigid-body", "1", [ExerciseReport("2", "Two", outcomes)], made, scene_ends=endings)
 
 

@@ -6,10 +6,10 @@ from service.store import workers
 from tests.support.database import run
 from tests.support.http_client import call, post
 
-REFUSAL = "POLHODE_MIN_TIER is A, and there are no namespaces here"
+REFUSAL = "POLHODE_MIN_ISOLATION is namespaces, but namespaces are not available"
 
 
-def test_where_no_worker_has_walls_no_submission_is_taken_and_everything_says_why(new_app, database_url):
+def test_where_no_worker_has_a_sandbox_no_submission_is_taken_and_everything_says_why(new_app, database_url):
     app = new_app(database_url=database_url, identity="local")
     run(database_url, lambda database: workers.register_worker(database, "w1", None, REFUSAL))
     status, _, body = call(app, "/readyz")

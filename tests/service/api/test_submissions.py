@@ -15,7 +15,7 @@ from tests.support.http_client import SUBMISSIONS, call, post
 
 ZEROS = "def euler_eqs(t, w, I):\n    return [0.0, 0.0, 0.0]\n"
 
-TIER_A = "tier A: namespaces, landlock, seccomp, limits"
+ISOLATION = "namespaces: bubblewrap, landlock, seccomp, limits"
 
 
 def form(filename, content, **fields):
@@ -47,7 +47,7 @@ def test_health(server):
     assert call(server, "/livez")[0] == 200
     assert json.loads(call(server, "/readyz")[2]) == {
         "status": "ready",
-        "checks": {"isolation": TIER_A, "walls": TIER_A, "database": "ok"},
+        "checks": {"isolation": ISOLATION, "walls": ISOLATION, "database": "ok"},
     }
 
 
@@ -60,7 +60,7 @@ def test_assignments_tell_checks_tolerances_and_reasons(server):
 
 
 def test_report_as_json_and_text(server, right):
-    assert right["status"] == "graded" and right["report"]["passed"] and right["report"]["provenance"]["walls"] == TIER_A
+    assert right["status"] == "graded" and right["report"]["passed"] and right["report"]["provenance"]["isolation"] == ISOLATION
     status, headers, body = call(server, f"/v1/submissions/{right['id']}/report.txt")
     assert status == 200 and headers["content-type"].startswith("text/plain")
     lines = [o["line"] for e in right["report"]["exercises"] for o in e["outcomes"]]

@@ -75,7 +75,7 @@ def test_a_token_that_may_only_read_or_submit_changes_nothing(server, url, boss,
             server, token, path, form(server, token, {"tokens": b"1", "which": b"all"}, (b"a.csv", b"name\nboss\n"))
         )
         assert status == 403 and "does not permit login" in page, path
-    assert sql(url, "SELECT count(*) FROM token WHERE label = 'given by roster'") == [(0,)]
+    assert sql(url, "SELECT count(*) FROM token WHERE label = 'issued with the roster'") == [(0,)]
 
 
 @pytest.mark.parametrize("name", [b"a\x00b.csv", b"\xff\xfe.csv", "é\u202e.csv".encode()])

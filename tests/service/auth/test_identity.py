@@ -203,7 +203,7 @@ def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_othe
     call(server, SLUG, ZEROS, hub.token_of("ann"))
     assert attempts({"POLHODE_SERVER": server.url + "/"}).startswith("sent ")
     for named in ({}, {"POLHODE_SERVER": "http://other.example"}):
-        assert "does not know who you are" in attempts(named) and hub.token_of("ann") not in attempts(named)
+        assert "You are not logged in at" in attempts(named) and hub.token_of("ann") not in attempts(named)
 
 
 def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_app, database_url):
@@ -247,7 +247,7 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
 
     roster, made = tmp_path / "roster.csv", tmp_path / "tokens.csv"
     roster.write_text("name,role\nGül,student\nProf. Hu,instructor\n")
-    assert polhode("roster", roster, "--tokens", made) == (0, f"2 people entered; their tokens are in {made}\n", "")
+    assert polhode("roster", roster, "--tokens", made) == (0, f"imported 2 people; their tokens are in {made}\n", "")
     assert made.stat().st_mode & 0o077 == 0 and polhode("roster", roster, "--tokens", made)[0] == 2
     of = {row["name"]: row["token"] for row in csv.DictReader(made.read_text().splitlines())}
     assert call(server, "/v1/me", token=of["Gül"])[1]["person"] == "Gül"
@@ -255,7 +255,7 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
     code, listed, _ = polhode("token", "list", "Gül")
     id = listed.split()[0]
     assert code == 0 and of["Gül"][:12] in listed and of["Gül"] not in listed
-    assert polhode("token", "revoke", id)[:2] == (0, "1 revoked\n") and call(server, "/v1/me", token=of["Gül"])[0] == 401
+    assert polhode("token", "revoke", id)[:2] == (0, "revoked 1 token(s)\n") and call(server, "/v1/me", token=of["Gül"])[0] == 401
     again = polhode("token", "give", "Gül", "--scope", "read")[1].strip()
     assert call(server, "/v1/me", token=again)[1]["scopes"] == ["read"]
     for text, why in {

@@ -15,11 +15,11 @@ WRONG = [
     (["serve"], {"POLHODE_PORT": "abc"}, "POLHODE_PORT: "),
     (["serve"], {"POLHODE_DATABASE_URL": "mysql://root:secret@host/db"}, "POLHODE_DATABASE_URL: "),
     (["queue"], {"POLHODE_DATABASE_URL": "postgresql://u:secret@127.0.0.1:1/db"}, "connection"),
-    (["regrade"], {}, "which ones"),
-    (["regrade", "--all", "--faults"], {}, "which ones"),
-    (["assign", "rigid-body", "--grace", "nan"], {}, "between 0 and"),
-    (["assign", "rigid-body", "--most", "0"], {}, "between 1 and"),
-    (["assign", "rigid-body", "--due", "tomorrow"], {}, "no time such as"),
+    (["regrade"], {}, "select submissions"),
+    (["regrade", "--all", "--faults"], {}, "select submissions"),
+    (["assign", "rigid-body", "--grace", "nan"], {}, "expected 0 to"),
+    (["assign", "rigid-body", "--most", "0"], {}, "a number from 1"),
+    (["assign", "rigid-body", "--due", "tomorrow"], {}, "a time such as"),
     (["assign", "rigid-body", "--due", "2026-12-01T12:00"], {}, "time zone"),
     (["export", "gradescope", "--out", "x.zip", "--assignment", "nope"], {}, "no assignment nope"),
     (["export", "gradescope", "--out", "x.zip", "--exercise", "9"], {}, "no exercise 9"),
@@ -27,7 +27,7 @@ WRONG = [
 ]
 # These open logs and handle signals first, which is for a process of their own.
 WRONG_FOR_LONG = [
-    (["worker"], NOWHERE, "POLHODE_DATABASE_URL is not set"),
+    (["worker"], NOWHERE, "or set POLHODE_DATABASE_URL"),
     (["serve", "--host", "203.0.113.1"], NOWHERE, "203.0.113.1 port 8000"),
 ]
 
@@ -59,6 +59,6 @@ def test_a_server_or_worker_that_cannot_start_says_why_in_a_sentence(arguments, 
 def test_regrading_what_does_not_exist_and_rules_that_are_set(monkeypatch, database_url):
     monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
     told = polhode("regrade", "00000000-0000-0000-0000-000000000001")
-    assert told.returncode == 2 and told.stdout == "queued again: 0\n" and "do not exist" in told.stderr
+    assert told.returncode == 2 and told.stdout == "queued for regrading: 0\n" and "do not exist" in told.stderr
     told = polhode("assign", "nope")
     assert told.returncode == 2 and "no assignment nope" in told.stderr

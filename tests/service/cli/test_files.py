@@ -121,7 +121,7 @@ def test_nothing_is_guessed(file, tmp_path):
     copied(course)
     with known(course):
         for source in ("x = 1", "oscillator = euler_eqs = None"):
-            with pytest.raises(NoAssignment, match="Say --assignment damped-oscillator or rigid-body"):
+            with pytest.raises(NoAssignment, match="give --assignment damped-oscillator or rigid-body"):
                 resolve_assignment(None, [file(source)])
     copied(course, "same_functions")
     with known(course), pytest.raises(NoAssignment, match="damped-oscillator or rigid-body or same-functions"):

@@ -52,8 +52,8 @@ def test_grade_exits_1_when_some_fail_and_json_is_all_of_stdout(polhode, folder)
         (["nowhere.py"], "nowhere.py"),
         (["right_terms.py", "--exercise", "9"], "no exercise 9"),
         (["right_terms.py", "--assignment", "knitting"], "no assignment knitting; known: "),
-        (["right_terms.py", "--jobs", "0"], "at least 1"),
-        (["right_terms.py", "--seed=-1"], "argument --seed: a seed is 0 or more"),
+        (["right_terms.py", "--jobs", "0"], "expected at least 1"),
+        (["right_terms.py", "--seed=-1"], "argument --seed: expected a seed of 0 or more"),
         (["right_terms.py", "--out", "/dev/null/x"], "/dev/null/x"),
     ],
 )
@@ -176,7 +176,7 @@ def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     os.kill(hands[0], signal.SIGKILL)
     stdout, stderr = running.communicate(timeout=60)
     reports = json.loads(stdout)["reports"]
-    assert running.returncode == 2 and "a process that grades was lost" in stderr
+    assert running.returncode == 2 and "a grading process was lost" in stderr
     assert any("fault" in r for r in reports) and all(bool(r["report"]) != bool(r.get("fault")) for r in reports)
 
 
@@ -243,4 +243,4 @@ def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2
     (told,) = json.loads(capsys.readouterr().out)["reports"]
-    assert told["report"] is None and "before it read the submission" in told["fault"] and "error" not in told
+    assert told["report"] is None and "before the submission ran" in told["fault"] and "error" not in told

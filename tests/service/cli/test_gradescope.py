@@ -42,7 +42,7 @@ def test_a_submission_gets_its_points(home, rigid_body):
     ("files", "said"),
     [
         ({"mine.txt": b"x"}, "no .py or .ipynb file"),
-        ({"a.py": b"x = 1", "sub/b.ipynb": b"{}"}, "2 that could be graded, a.py, sub/b.ipynb"),
+        ({"a.py": b"x = 1", "sub/b.ipynb": b"{}"}, "2 .py or .ipynb files: a.py, sub/b.ipynb"),
         ({"mine.py": b"\xff\xfe"}, "not a text file"),
     ],
 )
@@ -52,11 +52,11 @@ def test_what_is_no_submission_gets_a_sentence_for_the_student(home, files, said
 
 
 def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(home, monkeypatch, capfd):
-    monkeypatch.setenv("POLHODE_MIN_TIER", "C")
+    monkeypatch.setenv("POLHODE_MIN_ISOLATION", "C")
     assert grade(home, {"mine.py": b"x = 1"}) == (2, None)
     printed = capfd.readouterr()
-    assert "POLHODE_MIN_TIER" in printed.err
-    assert "was not graded (exit code 2)" in printed.out.splitlines()[-1]
+    assert "polhode: POLHODE_MIN_ISOLATION: " in printed.err
+    assert "system fault (exit code 2)" in printed.out.splitlines()[-1]
 
 
 def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(home):

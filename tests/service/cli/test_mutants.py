@@ -1,4 +1,4 @@
-"""The strength of the checks, on a few mutants through the real walls; `polhode mutants` does all."""
+"""The strength of the checks, on a few mutants in the real sandbox; `polhode mutants` does all."""
 
 import os
 
@@ -6,14 +6,14 @@ import pytest
 
 from exercises.mutation import Mutant, mutants_of
 from service.cli.__main__ import main
-from service.cli.mutants import OURS, MutantResult, grade_mutants, table
+from service.cli.mutants import POLHODE, MutantResult, grade_mutants, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
-def test_a_few_through_the_walls(rigid_body, monkeypatch):
+def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     found = list(grade_mutants(rigid_body, most=6))
-    assert len(found) == 6 and all(f.wrong and OURS not in f.accepted for f in found)
+    assert len(found) == 6 and all(f.wrong and POLHODE not in f.accepted for f in found)
 
 
 def test_the_command_tells_what_is_missing(capsys):
@@ -25,11 +25,11 @@ def test_table():
     one, two = Mutant("kind a", "x", ""), Mutant("kind b", "y", "")
     found = [
         MutantResult(one, True, frozenset(["some"])),
-        MutantResult(one, False, frozenset([OURS])),
+        MutantResult(one, False, frozenset([POLHODE])),
         MutantResult(two, True, frozenset()),
     ]
     assert table(found).split("\n") == [
-        "| changed functions | made | right after all | wrong, accepted by some | wrong, accepted by ours |",
+        "| changed functions | made | right after all | wrong, accepted by some | wrong, accepted by polhode |",
         "|---|---|---|---|---|",
         "| kind a | 2 | 1 | 1 | 0 |",
         "| kind b | 1 | 0 | 0 | 0 |",

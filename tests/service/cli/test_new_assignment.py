@@ -38,7 +38,7 @@ def course(tmp_path):
         made = command_line.polhode("new-assignment", "driven-pendulum", "--title", TITLE)
     assert made.returncode == 0, made.stderr
     folder = tmp_path / "exercises" / "driven_pendulum"
-    assert made.stdout == f"made {folder}\nnext: polhode verify {folder}\n"
+    assert made.stdout == f"created {folder}\nnext: polhode verify {folder}\n"
     with known(tmp_path / "exercises"):
         yield tmp_path / "exercises"
 
@@ -71,7 +71,7 @@ def tree(tmp_path_factory):
         shutil.copy(ROOT / name, tree)
     made = inside(tree, "-m", "service.cli", "new-assignment", "driven-pendulum", "--title", TITLE)
     assert made.returncode == 0, made.stderr
-    assert made.stdout == f"made {tree}/exercises/driven_pendulum\nnext: polhode verify {tree}/exercises/driven_pendulum\n"
+    assert made.stdout == f"created {tree}/exercises/driven_pendulum\nnext: polhode verify {tree}/exercises/driven_pendulum\n"
     return tree
 
 
@@ -315,14 +315,14 @@ def test_nothing_is_overwritten(tmp_path):
         into.mkdir()
         make(into / "mine")
         before = sorted(into.iterdir())
-        with pytest.raises(CannotScaffold, match="is there already"):
+        with pytest.raises(CannotScaffold, match="already exists"):
             scaffold("mine", "Mine", into)
         assert sorted(into.iterdir()) == before
 
 
 @pytest.mark.parametrize("title", ["", "  ", "two\nlines", "x" * 101, "\x1b[31m"])
 def test_what_is_no_title(tmp_path, title):
-    with pytest.raises(CannotScaffold, match="a title is one line"):
+    with pytest.raises(CannotScaffold, match="invalid title: use one line"):
         scaffold("mine", title, tmp_path)
 
 
@@ -330,7 +330,7 @@ def test_a_failure_midway_leaves_nothing(tmp_path):
     """Here a disk on which no file of 3000 bytes has room."""
     with largest_file(3000):
         told = command_line.polhode("new-assignment", "mine", "--into", tmp_path)
-    assert told.returncode == 2 and told.stderr.endswith("nothing was made\n") and not list(tmp_path.iterdir())
+    assert told.returncode == 2 and told.stderr.endswith("nothing was created\n") and not list(tmp_path.iterdir())
 
 
 def test_where_the_others_lie_is_where_it_goes(tmp_path, capsys):

@@ -56,7 +56,7 @@ GOLDEN = """\
 ✗  right_terms.py
      1-rates: expected ✗, got ✓
        ✓  oscillator is (v, −ω²x − 2γv) for any state, ω and γ   [max|Δ|/scale = 0 (limit 1e-13)]
-     codes expected, but not named: units
+     missing diagnosis codes: units
 ✗  wrong_half_damping.py
      1-energy: expected ✗, got ✓
        ✓  energy conserved without damping   [max relative drift = 4.204e-10 (limit 1e-08)]
@@ -65,12 +65,12 @@ GOLDEN = """\
             worst at t = 13.35 s
             5e+07 times the allowed difference
             likely constant-factor: half of the damping: its term is −2γv
-     1-rates: not to be made, got ✗
+     1-rates: expected no result, got ✗
        ✗  oscillator is (v, −ω²x − 2γv) for any state, ω and γ   [max|Δ|/scale = 0.431029 (limit 1e-13)]
             worst at dv/dt, probe 1 of 32
             4.31e+12 times the allowed difference
             likely constant-factor: half of the damping: its term is −2γv
-     code named, but not expected: constant-factor (half of the damping: its term is −2γv)
+     unexpected diagnosis code: constant-factor (half of the damping: its term is −2γv)
 damped-oscillator: 1 of 3 samples as expected, 3 checks
 """
 
@@ -81,9 +81,9 @@ def test_files_without_entry_and_entries_without_file(folder, capsys):
     (folder / "samples" / "wrong_text.py").write_bytes(b"\xff")
     assert verify(folder, "--only", "wrong_[nt]e[wx]*") == 1
     told = capsys.readouterr().out
-    assert 'with --write it would get\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion", "1-rates"]' in told
-    assert "wrong_text.py\n     is no submission: wrong_text.py is not a text file (UTF-8)" in told
-    assert told.endswith("right_matrix.py: expected.toml has an entry for it, but there is no such file\n")
+    assert '--write would add\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion", "1-rates"]' in told
+    assert "wrong_text.py\n     cannot be graded: wrong_text.py is not a text file (UTF-8)" in told
+    assert told.endswith("right_matrix.py: listed in expected.toml, but the file does not exist\n")
 
 
 def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
@@ -101,7 +101,7 @@ def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
     assert expected.read_text().startswith(before + "\n")
     assert list(entries(folder)) == ["wrong_half_damping.py", "right_terms.py", 'wrong_"ω".py']
     assert entries(folder)['wrong_"ω".py'] == {"exercises": ["1"], "fail": ["1-motion", "1-rates"], "codes": ["constant-factor"]}
-    assert told.count("(entry written)") == 2 and told.count("so that none is written") == 2
+    assert told.count("(entry written)") == 2 and told.count("and none can be written") == 2
     assert verify(folder, *options[1:5], "--only", "right_terms.py") == 0
 
 
@@ -154,7 +154,7 @@ def test_what_cannot_be_graded_is_no_difference(folder, capsys):
     (folder / "samples" / "expected.toml").unlink()
     assert verify(folder, "--only", "right_terms.py", "--write") == 2
     told = capsys.readouterr()
-    assert "?  right_terms.py   not graded: " in told.out and "0 of 0 samples" in told.out
+    assert "?  right_terms.py   not graded (system fault): " in told.out and "0 of 0 samples" in told.out
     assert not (folder / "samples" / "expected.toml").exists()
     with known(folder):
         assert main(["grade", str(folder / "samples" / "right_terms.py")]) == 2
@@ -166,7 +166,10 @@ def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, cap
     second = copied(folder.parent, "second")
     assert verify(folder, str(second), "--only", "right_terms.py") == 2
     told = capsys.readouterr().out
-    assert "right_terms.py   not graded: truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'" in told
+    assert (
+        "right_terms.py   not graded (system fault): truth.py line 18: AttributeError: module 'numpy' has no attribute 'sqroot'"
+        in told
+    )
     assert "second: 1 of 1 samples as expected" in told
 
 
@@ -202,5 +205,5 @@ def test_nothing_to_grade(folder, capsys):
         assert "damped-oscillator: no sample to grade" in capsys.readouterr().err
     (folder / "__init__.py").unlink()
     assert verify(folder) == 2 and "damped-oscillator: __init__.py is missing" in capsys.readouterr().err
-    assert verify(folder.parent) == 2 and f"there is no assignment in {folder.parent}" in capsys.readouterr().err
+    assert verify(folder.parent) == 2 and f"no assignment found in {folder.parent}" in capsys.readouterr().err
     assert main(["verify", "knitting"]) == 2 and "there is no assignment knitting" in capsys.readouterr().err

@@ -76,7 +76,7 @@ def test_of_many_files_each_has_its_largest_first_and_the_rest_is_counted(rigid_
     assert len(told) == MOST
     assert [about["file"] for about, _ in told[:-1]] == [f"{name}.py" for name in "abcdefgha"]
     assert all("euler_eqs" in about["title"] for about, _ in told[:8])
-    assert told[-1] == ({"title": "polhode"}, "and 7 more: GitHub shows 10 for a step, the report has them all")
+    assert told[-1] == ({"title": "polhode"}, "and 7 more: GitHub shows 10 per step, the report lists all of them")
 
 
 def test_exactly_as_many_as_are_shown_are_told_all(rigid_body):
@@ -91,8 +91,8 @@ def test_a_file_that_was_not_graded_has_one_too(rigid_body):
     )
     assert [(about["title"], data.split("\n")[0]) for about, data in told] == [
         ("no submission", "no text"),
-        ("polhode failed: this is no verdict", "disk full"),
-        ("not so: a check that counts was made", "0 of 0 points of the attempted exercises (public checks: 0 of 0)"),
+        ("system fault: not graded", "disk full"),
+        ("failed: at least one counted check was made", "0 of 0 points of the attempted exercises (public checks: 0 of 0)"),
     ]
 
 
@@ -118,7 +118,7 @@ def test_a_summary(rigid_body):
         ["b.py", "✓", "1 of 1", ""],
         ["samples/ann.py", "✗", "1 of 3", "<code>sign-flipped</code>"],
         ["c.py", "–", "no submission", ""],
-        ["d.py", "!", "polhode failed", ""],
+        ["d.py", "!", "system fault", ""],
     ):
         cells[0] = f"<code>{cells[0]}</code>"
         assert "".join(f"<td>{cell}</td>\n" for cell in cells) in page
@@ -142,5 +142,5 @@ def test_there_is_an_end_to_a_summary(rigid_body):
     for most in (MOST_BYTES, 20_000, 3000):
         told = summary(files, rigid_body, most)
         assert most // 4 < len(told.encode()) <= most
-        assert "more files have no row here" in told and "no room here for the lines of" in told
+        assert "more files are not listed" in told and "more files do not fit here" in told
         assert told.count("<details>") == told.count("</details>")

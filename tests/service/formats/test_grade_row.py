@@ -3,7 +3,7 @@
 import csv
 import io
 
-from service.formats import canvas, grades_csv, nbgrader
+from service.formats import gradebooks, grades
 from service.formats.grade_row import row, rows
 from tests.support.reports import example, graded_file, outcome, report
 
@@ -20,9 +20,10 @@ def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_bo
     fault = row(graded_file(None, "b.py", fault="disk full"), rigid_body)
     assert (refused.status, refused.points, refused.counted) == ("refused", 0, None)
     assert (fault.status, fault.points, fault.score) == ("faulted", None, None)
-    lines = list(csv.DictReader(io.StringIO(nbgrader.text([refused, fault]))))
+    lines = list(csv.DictReader(io.StringIO(gradebooks.nbgrader_csv([refused, fault]))))
     assert [(line["student_id"], line["score"]) for line in lines] == [("ann", "0.0"), ("b", "")]
-    assert "b,,,b," not in canvas.text([refused, fault], "T", 2) and "ann,,,ann,,0" in canvas.text([refused, fault], "T", 2)
+    canvas = gradebooks.canvas_csv([refused, fault], "T", 2)
+    assert "b,,,b," not in canvas and "ann,,,ann,,0" in canvas
 
 
 def test_files_of_one_name_are_no_one_student(rigid_body):
@@ -31,4 +32,4 @@ def test_files_of_one_name_are_no_one_student(rigid_body):
 
 
 def test_a_file_named_like_a_formula_is_none(rigid_body):
-    assert "\n'=1+1," in grades_csv.assignment_csv(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")
+    assert "\n'=1+1," in grades.assignment_csv(rows([graded_file(example(), "=1+1.py")], rigid_body), []).replace("\r", "")

@@ -94,8 +94,8 @@ def test_exercises_not_attempted_are_in_the_total(rigid_body):
 
 
 def test_what_is_no_submission_is_a_zero_with_the_reason(rigid_body):
-    results = told(rigid_body, graded_file(None, refused="mine.py holds no code\x00"))
-    assert results.score == 0 and results.output == "mine.py holds no code\ufffd"
+    results = told(rigid_body, graded_file(None, refused="mine.py contains no code\x00"))
+    assert results.score == 0 and results.output == "mine.py contains no code\ufffd"
     assert [(test.status, test.score, test.max_score) for test in results.tests] == [("failed", 0, rigid_body.max_points())]
 
 

@@ -89,13 +89,13 @@ def test_times_are_the_files_shared_out():
 def test_a_file_that_was_not_graded_is_an_error_and_tells_whose():
     refused, fault = junitparser.JUnitXml.fromstring(junit.text([REFUSED, FAULT], RIGID).encode())
     assert [(r.type, r.message, r.text) for case in refused for r in case] == [("refused", REFUSED.refused, REFUSED.refused)]
-    assert [(r.type, r.message) for case in fault for r in case] == [("fault", "polhode failed: the disk is full")]
+    assert [(r.type, r.message) for case in fault for r in case] == [("fault", "system fault: the disk is full")]
 
 
 @pytest.mark.parametrize("nothing", [report(), report([]), report([outcome("5-moves", "unmeasured", counted=False)])])
 def test_nothing_checked_is_no_success(nothing):
     root = valid(junit.text([graded_file(nothing)], RIGID))
-    assert root.get("errors") == "1" and root.find(".//error").get("message") == "nothing that counts was checked"
+    assert root.get("errors") == "1" and root.find(".//error").get("message") == "no counted check was made"
 
 
 def test_a_case_stands_at_the_students_line():

@@ -14,5 +14,5 @@ def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, t
         file.write_bytes(content)
     wanted = GradeOptions(replace(rigid_body, folder=tmp_path), seed=1)
     failed, refused = grade_files([GradeRequest(file, ("2",)) for file in files], wanted, choose(), jobs=1)
-    assert "before it read the submission" in failed.fault and failed.refused is None and failed.points is None
+    assert "before the submission ran" in failed.fault and failed.refused is None and failed.points is None
     assert "not a text file" in refused.refused and refused.fault is None and refused.points == 0

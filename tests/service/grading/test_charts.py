@@ -23,7 +23,7 @@ def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
     svg = (tmp_path / "work-precision-0.svg").read_text()
     assert "exercise 6" in svg and "evaluations of the right-hand side" in svg
     assert main(["chart", "work-precision", "--scene", "nowhere", "--out", str(tmp_path)]) == 2
-    assert "no scene is called" in capsys.readouterr().err
+    assert "no scene matches" in capsys.readouterr().err
 
 
 def test_the_measurement_that_comes_along_is_whole():

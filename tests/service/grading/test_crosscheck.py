@@ -48,7 +48,7 @@ def test_answers_that_differ_in_the_last_bits_are_found(source, rigid_body, sand
 
 def test_right_equations_are_certified_and_their_motion_is_the_childs(rigid_body, sandbox):
     report = grade(Submission(RIGHT), rigid_body, sandbox, 5, ["2"]).report
-    assert report.passed and "certified by probes" in report.provenance.motions["torque-free"]
+    assert report.passed and "verified by probes" in report.provenance.motions["torque-free"]
 
 
 def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
@@ -60,7 +60,7 @@ def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
 def test_a_forged_motion_is_replaced_by_the_functions_own(rigid_body, sandbox):
     """The child's integrator is made to integrate the right equations for a function that is wrong."""
     report = grade(Submission(FORGED + WRONG), rigid_body, sandbox, 5, ["2"]).report
-    assert "played by the host" in report.provenance.motions["torque-free"]
+    assert "integrated by the host" in report.provenance.motions["torque-free"]
     motion = next(o for o in report.outcomes() if o.id == "2-motion")
     assert motion.verdict is Verdict.FAIL
 
@@ -69,7 +69,7 @@ def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and
     stops = WRONG.replace("    return", "    calls.append(t)\n    return 1 / 0 if len(calls) > 200 else")
     report = grade(Submission(FORGED + "calls = []\n" + stops), rigid_body, sandbox, 5, ["2"]).report
     motion = next(o for o in report.outcomes() if o.id == "2-motion")
-    assert motion.verdict is Verdict.UNMEASURED and "called by the host, ZeroDivisionError" in motion.detail
+    assert motion.verdict is Verdict.UNMEASURED and "called by the server: ZeroDivisionError" in motion.detail
 
 
 def test_a_motion_is_not_believed_if_its_function_was_not_asked_again(rigid_body, sandbox):
@@ -79,7 +79,7 @@ def test_a_motion_is_not_believed_if_its_function_was_not_asked_again(rigid_body
     report = grade(Submission(leaves + RIGHT), rigid_body, sandbox, 5, ["2"]).report
     found = {o.id: o for o in report.outcomes()}
     assert found["2-pointwise"].verdict is found["2-motion"].verdict is Verdict.UNMEASURED
-    assert "asked again" in found["2-pointwise"].detail
+    assert "when repeated" in found["2-pointwise"].detail
 
 
 def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):

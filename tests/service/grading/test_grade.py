@@ -1,4 +1,4 @@
-"""Grading through the real walls: the nine lines, hostile submissions, repeatability."""
+"""Grading in the real sandbox: the nine lines, hostile submissions, repeatability."""
 
 import json
 
@@ -117,9 +117,9 @@ def test_the_total_has_the_points_of_exercises_that_were_not_attempted(files, ri
 
 GOLDEN = """\
 One cause explains 3 failures:
-1. likely returns-zero: euler_eqs returns zeros whatever it is asked
+1. likely returns-zero: euler_eqs returns zeros for all arguments
      exercise 2: ω(t) follows the exact motion; euler_eqs agrees with Euler's equations point by point; \
-ω(t) of a body not seen before follows the exact motion for sixty radians
+ω(t) of a new random body follows the exact motion for sixty radians
 
 Exercise 2. Euler's equations
 ✓  rotational energy conserved (torque-free)   [max relative drift = 0 (limit 1e-06)]
@@ -132,7 +132,7 @@ Exercise 2. Euler's equations
      worst at ω̇₁, ω = (-0.8238, -0.9413, 1.059), I = (1.953, 0.3448, 1.769): got 0, expected 0.727
      6.48e+12 times the allowed difference
      cause 1: returns-zero
-✗  ω(t) of a body not seen before follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
+✗  ω(t) of a new random body follows the exact motion for sixty radians   [max|Δ|/scale = 1.32851 (limit 2.35e-08)]
      worst at ω₃, t = 9.579 s
      5.65e+07 times the allowed difference
      cause 1: returns-zero

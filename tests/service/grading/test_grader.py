@@ -1,4 +1,4 @@
-"""Speed against accuracy of a submission, played behind the wall when somebody asks."""
+"""Speed against accuracy of a submission, measured in the sandbox on request."""
 
 import pytest
 

@@ -128,7 +128,7 @@ def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
     assert browser.open("/v1/me")[0] == 401 and Browser(server).send("/login", name="moe", password=PASSWORD)[0] == 200
     assert "10 to 200" in polhode("password", "moe", said="short\n")[2]
     assert polhode("password", "nobody", said=PASSWORD) == (
-        1, "", "polhode: nobody is called nobody here: polhode roster and polhode token give enter people\n",
+        1, "", "polhode: no person named nobody: add people with polhode roster or polhode token give\n",
     )  # fmt: skip
     assert sql(url, "SELECT subject FROM audit WHERE action = 'set password' AND subject = 'moe'") == [("moe",)]
 
@@ -140,7 +140,7 @@ def test_a_password_typed_at_a_terminal_is_not_shown(url, second, code):
     command, environment = [sys.executable, "-m", "service.cli", "password", name], os.environ | {"POLHODE_DATABASE_URL": url}
     started = subprocess.Popen(command, env=environment, stdin=end, stdout=end, stderr=end, start_new_session=True)
     shown = b""
-    for prompt, typed in ((f"New password of {name}: ", ANOTHER), ("The same again: ", second)):
+    for prompt, typed in ((f"New password of {name}: ", ANOTHER), ("Repeat new password: ", second)):
         while not shown.endswith(prompt.encode()):
             shown += os.read(terminal, 1000)
         os.write(terminal, typed.encode() + b"\n")

@@ -127,7 +127,7 @@ def test_a_roster_enters_people_and_may_give_tokens(looks, url):
     lines = told.splitlines()
     assert status == 200 and headers["content-disposition"] == 'attachment; filename="tokens.csv"' and len(lines) == 3
     assert lines[1].startswith("fay,polhode_") and sql(url, "SELECT count(*) FROM audit WHERE action = 'roster'")[0][0] == 2
-    sql(url, "DELETE FROM token WHERE label = 'given by roster'")
+    sql(url, "DELETE FROM token WHERE label = 'issued with the roster'")
     sql(url, "DELETE FROM member USING person p WHERE p.id = person_id AND p.name IN ('fay', '=1+1')")
 
 

@@ -196,7 +196,7 @@ def spoilt(R, kind):
         ("huge", 50, "max |RᵀR − 1| = inf"),
         ("reflected", 0, "a reflection, not a rotation"),
         ("zero", 30, "max |RᵀR − 1| = 1"),
-        ("slightly off", 80, "shown is the nearest one"),
+        ("slightly off", 80, "the nearest rotation is shown"),
     ],
 )
 def test_what_is_no_rotation_is_said_and_not_shown(rigid_body, kind, frames, words):

@@ -31,10 +31,10 @@ print(json.dumps(told))
 
 def test_network_processes_files_and_variables_of_the_machine_are_not_there(monkeypatch):
     monkeypatch.setenv("POLHODE_CANARY", "swordfish")
-    walls, files = choose("A"), ["/proc", "/etc/passwd", __file__]
+    isolation, files = choose("namespaces"), ["/proc", "/etc/passwd", __file__]
     with socket.create_server(("127.0.0.1", 0)) as listening:
         numbers = [str(listening.getsockname()[1]), str(os.getpid())]
-        command = [*walls.around, walls.inside[0], "-I", "-S", "-c", SOURCE, *numbers, *files]
+        command = [*isolation.around, isolation.inside[0], "-I", "-S", "-c", SOURCE, *numbers, *files]
         told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     found = json.loads(told)
     assert found["pid"] < 10 and found["there"] == []

@@ -24,9 +24,13 @@ def box_moments(m, a, b, c):
 """
 
 
-@pytest.mark.parametrize("walls", [lambda: choose("A"), pytest.param(process_isolation, marks=pytest.mark.slow)], ids=["A", "B"])
-def test_a_declared_package_can_be_imported_and_not_written_to(rigid_body, walls):
-    sandbox = Sandbox(with_packages(walls(), EXTRA))
+@pytest.mark.parametrize(
+    "isolation",
+    [lambda: choose("namespaces"), pytest.param(process_isolation, marks=pytest.mark.slow)],
+    ids=["namespaces", "process"],
+)
+def test_a_declared_package_can_be_imported_and_not_written_to(rigid_body, isolation):
+    sandbox = Sandbox(with_packages(isolation(), EXTRA))
     try:
         report = grade(Submission(CODE), replace(rigid_body, packages=EXTRA), sandbox, 1, ["1"]).report
     finally:

@@ -1,4 +1,4 @@
-"""Which walls are chosen, that a hole is found by the probe, and that without walls nothing is graded and everything says why."""
+"""The selected isolation level, the self-test that finds a missing layer, and a server without a sandbox."""
 
 import json
 import os
@@ -18,18 +18,18 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose
 
 
-def test_the_strongest_tier_is_chosen(monkeypatch):
-    assert choose().tier == choose("A").tier == "A"
+def test_the_strongest_level_is_chosen(monkeypatch):
+    assert choose().level == choose("namespaces").level == "namespaces"
     monkeypatch.setattr(choosing, "find_bubblewrap", lambda: None)
-    assert choose().tier == "B"
-    with pytest.raises(IsolationUnavailable, match=r"MIN_TIER is A.*not installed"):
-        choose("A")
+    assert choose().level == "process"
+    with pytest.raises(IsolationUnavailable, match=r"MIN_ISOLATION is namespaces.*not installed"):
+        choose("namespaces")
     monkeypatch.setattr(choosing, "find_bubblewrap", lambda: "/bin/false")
-    with pytest.raises(IsolationUnavailable, match="bwrap ended with 1"):
-        choose("A")
+    with pytest.raises(IsolationUnavailable, match="bwrap exited with code 1"):
+        choose("namespaces")
 
 
-def test_without_landlock_or_on_an_unknown_processor_there_are_no_walls(monkeypatch):
+def test_without_landlock_or_on_an_unknown_processor_there_is_no_isolation(monkeypatch):
     monkeypatch.setattr(choosing.landlock, "version", lambda: 0)
     with pytest.raises(IsolationUnavailable, match="Landlock"):
         choose()
@@ -47,7 +47,7 @@ def test_without_landlock_or_on_an_unknown_processor_there_are_no_walls(monkeypa
     ],
 )
 def test_the_probe_finds_the_hole_that_a_missing_layer_leaves(missing, found):
-    """Each layer stops something that no other does: without it tier B is refused."""
+    """Each layer stops something that no other does: without it the self-test fails."""
     holed = Sandbox(process_isolation([x for x in LAYERS if x != missing]))
     try:
         with pytest.raises(SystemFault, match=f"a submission could .*{found}"):
@@ -65,37 +65,39 @@ def no_bubblewrap(tmp_path):
     return {"PATH": str(tmp_path / "bin"), "PYTHONPATH": str(tmp_path)}
 
 
-def test_grade_refuses_without_the_least_tier(no_bubblewrap, tmp_path):
+def test_grade_refuses_without_the_least_level(no_bubblewrap, tmp_path):
     file = tmp_path / "x.py"
     file.write_text("def euler_eqs(t, w, I): return w")
-    environment = os.environ | no_bubblewrap | {"POLHODE_MIN_TIER": "A"}
+    environment = os.environ | no_bubblewrap | {"POLHODE_MIN_ISOLATION": "namespaces"}
     command = [sys.executable, "-m", "service.cli", "grade", str(file)]
-    told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert told.returncode == 2 and "POLHODE_MIN_TIER is A" in told.stderr and not told.stdout
+    tried = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert tried.returncode == 2 and "POLHODE_MIN_ISOLATION is namespaces" in tried.stderr and not tried.stdout
 
 
-@pytest.mark.slow  # a worker that has no walls says why: test_slot.py; then no submission is taken: test_health.py
-def test_a_server_without_walls_takes_no_submission_and_says_why(new_server, tmp_path, database_url, no_bubblewrap):
-    lonely = new_server(tmp_path / "data", "/livez", POLHODE_MIN_TIER="A", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
+@pytest.mark.slow  # a worker without a sandbox says why: test_worker.py; then no submission is taken: test_health.py
+def test_a_server_without_a_sandbox_takes_no_submission_and_says_why(new_server, tmp_path, database_url, no_bubblewrap):
+    lonely = new_server(
+        tmp_path / "data", "/livez", POLHODE_MIN_ISOLATION="namespaces", POLHODE_DATABASE_URL=database_url, **no_bubblewrap
+    )
     deadline = time.monotonic() + 20
-    while "POLHODE_MIN_TIER is A" not in (answer := _call(f"{lonely.url}/readyz"))[1]["checks"]["walls"]:
+    while "POLHODE_MIN_ISOLATION is namespaces" not in (answer := _call(f"{lonely.url}/readyz"))[1]["checks"]["isolation"]:
         assert answer[0] == 503 and time.monotonic() < deadline, answer
         time.sleep(0.1)
     status, body = _call(f"{lonely.url}/v1/assignments/rigid-body/submissions", {"source": "x = 1"})
-    assert status == 503 and body["type"] == "urn:polhode:problem:no-walls" and "POLHODE_MIN_TIER" in body["detail"]
+    assert status == 503 and body["type"] == "urn:polhode:problem:no-walls" and "POLHODE_MIN_ISOLATION" in body["detail"]
     assert _call(f"{lonely.url}/v1/assignments")[0] == 200
     lonely.stop()
 
 
-@pytest.mark.slow  # what tier B lets through is tried without a server: test_sandbox.py, test_attacks.py
-def test_a_server_without_namespaces_grades_in_tier_b(new_server, tmp_path, database_url, no_bubblewrap):
+@pytest.mark.slow  # what level process lets through is tried without a server: test_sandbox.py, test_attacks.py
+def test_a_server_without_namespaces_grades_at_level_process(new_server, tmp_path, database_url, no_bubblewrap):
     plain = new_server(tmp_path / "data", POLHODE_DATABASE_URL=database_url, **no_bubblewrap)
-    assert _call(f"{plain.url}/readyz")[1]["checks"]["walls"].startswith("tier B")
+    assert _call(f"{plain.url}/readyz")[1]["checks"]["isolation"].startswith("process:")
     source = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I"
     address = f"{plain.url}/v1/assignments/rigid-body/submissions"
     status, body = _call(address, {"source": source, "exercises": ["2"]}, Prefer="wait=60")
     assert status == 200 and body["report"]["passed"]
-    assert body["report"]["provenance"]["walls"] == "tier B: landlock, seccomp, limits"
+    assert body["report"]["provenance"]["isolation"] == "process: landlock, seccomp, limits"
 
 
 def _call(url, document=None, **headers):

@@ -31,7 +31,7 @@ LIES = {
     "no colours": FILM + 'A("film", "frames", [24, 360, 480, 0], b"")\n' + ENDED,
     "two colours": FILM + 'A("film", "frames", [2, 4, 4, 2], bytes(64))\n' + ENDED,
     "no frames": FILM + 'A("film", "frames", [0, 4, 4, 3], b"")\n' + ENDED,
-    "blames the walls": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
+    "blames the sandbox": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
     "times from the guest": "np.ascontiguousarray = lambda v, dtype=None: np.zeros(np.shape(v), dtype)\n" + RIGHT,
     "sleeps through its alarm": PRELUDE
     + "signal.signal(signal.SIGALRM, signal.SIG_IGN)\nJ(event='defined', names=5)\ntime.sleep(60)",

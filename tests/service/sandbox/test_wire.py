@@ -102,7 +102,7 @@ def test_an_answer_is_taken_once_for_each_question():
     reader.open_questions = 1
     reader.feed(answer)
     assert [one.tolist() for one in reader.answers] == [[1.0, 2.0, 3.0]]
-    with pytest.raises(ProtocolError, match="nobody asked for"):
+    with pytest.raises(ProtocolError, match=r"an answer without a question|an unexpected array"):
         reader.feed(answer)
 
 

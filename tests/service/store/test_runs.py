@@ -15,7 +15,7 @@ from tests.support.database import new, run, sql
 
 
 def report(seed=7):
-    made = Provenance(seed=seed, versions={}, walls="tier B", phases_ms={"grade": 250.0})
+    made = Provenance(seed=seed, versions={}, isolation="process", phases_ms={"grade": 250.0})
     return Report(assignment="rigid-body", version="1", exercises=[], provenance=made)
 
 

@@ -60,7 +60,7 @@ def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_
 def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting, monkeypatch):
     monkeypatch.setattr(grader, "_sandbox", None)
     grade(database_url, waiting)
-    assert sql(database_url, RUNS, waiting) == [("failed", "starting", "this worker was not started")]
+    assert sql(database_url, RUNS, waiting) == [("failed", "starting", "the sandbox of this process was not started")]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
 
 
@@ -86,20 +86,20 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
 
 
-def test_a_worker_that_has_no_walls_says_why_and_takes_nothing(database_url, monkeypatch):
+def test_a_worker_without_a_sandbox_says_why_and_takes_nothing(database_url, monkeypatch):
     def refuse(least):
-        raise IsolationUnavailable(f"no walls of {least} here")
+        raise IsolationUnavailable(f"isolation level {least} is not available")
 
     async def started(database):
-        async with worker_on(database_url, min_tier="A") as worker:
-            trying = asyncio.create_task(worker._put_up_walls())
+        async with worker_on(database_url, min_isolation="namespaces") as worker:
+            trying = asyncio.create_task(worker._start_sandbox())
             while not (known := await database.rows("SELECT isolation, unavailable_reason FROM worker")):
                 await asyncio.sleep(0.02)
             worker._stopping.set()
             return tuple(known[0]), await trying
 
     monkeypatch.setattr(worker, "choose", refuse)
-    assert run(database_url, started) == ((None, "no walls of A here"), False)
+    assert run(database_url, started) == ((None, "isolation level namespaces is not available"), False)
 
 
 async def _stubborn(grading):
@@ -126,5 +126,5 @@ def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, b
 
 
 def test_what_no_setting_changes():
-    assert (worker.ENROL_S, worker.SWEEP_S, worker.RETRY_WALLS_S) == (3.0, 30.0, 5.0)
+    assert (worker.ENROL_S, worker.SWEEP_S, worker.RETRY_SANDBOX_S) == (3.0, 30.0, 5.0)
     assert (worker.PATIENCE_S, worker.MOST_S) == (3600.0, 900.0), "a result in hand outlives an hour without database"

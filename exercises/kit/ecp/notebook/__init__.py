@@ -1,1 +1,1 @@
-"""A live notebook read as text: its cells, the statements in them, the names and codes those make."""
+"""Static analysis of a live notebook: its cells, their statements, and the names and functions they define."""

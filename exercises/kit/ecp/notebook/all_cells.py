@@ -1,4 +1,4 @@
-"""All cells that ran as one text, for a server that knows what to do with line magics."""
+"""All cells that ran, as one text for a server that handles line magics."""
 
 import ast
 from collections.abc import Sequence
@@ -7,21 +7,22 @@ from ecp.notebook.cells import SHELL_ANSWER, python_of, statements_of
 
 
 def whole(cells: Sequence[str]) -> list[str]:
-    """The cells as they ran, as texts that a server can read one by one or joined. Of a cell that ran several times the last time
-    counts, unless it builds on what it did before, as ``k = 2 * k`` does.
+    """Return the cells that ran as texts that a server can read one by one or joined.
 
-    Magics stay, where a server may turn their lines into ``pass``; what is not Python at all has become comments.
+    Of a cell that ran several times only the last run counts, unless it builds on its own results, as ``k = 2
+    * k`` does. Magics stay if a server can replace their lines by ``pass``. Cells that are not Python become
+    comments.
     """
     modules = {n for c in cells for s in statements_of(c) if isinstance(s.node, ast.Import | ast.ImportFrom) for n in s.names.bound}
     counts = [cell not in cells[place + 1 :] or _builds_on_itself(cell, modules) for place, cell in enumerate(cells)]
     last = [cell for cell, kept in zip(cells, counts, strict=True) if kept and cell.strip()]
-    # A server that looks for magics by their first character must not find it where it means something else.
+    # A server finds magics by their first character, which must then not begin a line of ordinary Python.
     keep = not any(_looks_magic(line) for cell in last for line in (python_of(cell) or "").split("\n"))
     return [_readable(cell, keep) for cell in last]
 
 
 def _builds_on_itself(cell: str, modules: set[str]) -> bool:
-    """Whether it changes what it reads, so that running it twice is not running it once."""
+    """Return whether the cell changes what it reads, so that running it twice differs from running it once."""
     statements, done = statements_of(cell), set(modules)
     bound = {name for s in statements for name in s.names.bound}
     for s in statements:

@@ -1,4 +1,4 @@
-"""The raw text of a cell as Python: magics and shell lines are taken out, the statements cut so that each stands alone."""
+"""The raw text of a cell as Python: magics and shell lines removed, and split into statements that stand alone."""
 
 import ast
 import re
@@ -10,10 +10,10 @@ from functools import lru_cache
 from ecp.notebook.names import Names, calls_on, increments, names_in, stores_into
 
 TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
-"""Cell magics with ordinary Python below them; what stands below any other is not Python of this notebook."""
+"""Cell magics with ordinary Python below them. The text below other cell magics is not Python of this notebook."""
 
 SHELL_ANSWER = "get_ipython()"
-"""Stands where a statement took its value from a shell line or magic (``files = !ls``): only the notebook can know it."""
+"""Replaces the shell line or magic from which a statement took its value (``files = !ls``): only the notebook knows the value."""
 
 DEFINITION = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 BLOCK = (ast.If, ast.For, ast.While, ast.With, ast.Try, ast.Match)
@@ -21,39 +21,43 @@ BLOCK = (ast.If, ast.For, ast.While, ast.With, ast.Try, ast.Match)
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement at the top level of a cell, or inside an ``if``, ``try``, ``with`` or loop there, as a text of its own."""
+    """One statement at the top level of a cell, or inside an ``if``, ``try``, ``with`` or loop there, as its
+    own text.
+    """
 
     text: str
     node: ast.stmt
 
     @property
     def names(self) -> Names:
-        """Its global names; what a block binds itself, such as a loop's variable, it does not need."""
+        """Return its global names. A block does not need the names it binds itself, such as a loop's variable."""
         names = names_in(self.text)
         return Names(names.now - names.bound, names.later, names.bound) if isinstance(self.node, BLOCK) else names
 
     def binds(self, name: str) -> bool:
-        """Whether it gives ``name`` a value that is not only a change of the one before."""
+        """Return whether it gives ``name`` a value that does not only change the previous one."""
         return name in self.names.bound and not increments(self.node, name)
 
     def changes(self, name: str, calls: bool = True) -> bool:
-        """Whether it changes the value ``name`` has; with ``calls``, a method called on it counts as a change."""
+        """Return whether it changes the value of ``name``; with ``calls``, a method called on it counts as a
+        change.
+        """
         return increments(self.node, name) or stores_into(self.node, name) or (calls and calls_on(self.node, name))
 
     def starts(self, name: str) -> bool:
-        """Whether the value it gives ``name`` has nothing to do with the one before."""
+        """Return whether it gives ``name`` a value that does not depend on the previous one."""
         return self.binds(name) and not isinstance(self.node, BLOCK) and name not in self.names.now
 
 
 def python_of(cell: str) -> str | None:
-    """The cell's Python, line for line: a magic has become ``pass``. None where the cell is not Python."""
+    """Return the cell's Python, line for line, with magics replaced by ``pass``. None if the cell is not Python."""
     read = _read(cell)
     return read[0] if read else None
 
 
 @lru_cache(maxsize=2048)
 def statements_of(cell: str) -> tuple[Statement, ...]:
-    """The top-level statements of a cell; none where it is not Python."""
+    """Return the top-level statements of a cell; empty if it is not Python."""
     read = _read(cell)
     if read is None:
         return ()
@@ -64,7 +68,7 @@ def statements_of(cell: str) -> tuple[Statement, ...]:
 
 
 def unfold(statement: Statement) -> Iterator[Statement]:
-    """The statement, or those inside it if it is a block."""
+    """Yield the statement, or those inside it if it is a block."""
     if not isinstance(statement.node, BLOCK):
         yield statement
         return
@@ -85,13 +89,13 @@ def _read(cell: str) -> tuple[str, ast.Module] | None:
             return text, ast.parse(text)
         except (SyntaxError, ValueError) as error:
             # Only the line at which Python stopped can be a magic: a % may also continue an expression or stand in a string.
-            if not _take_out(lines, (getattr(error, "lineno", None) or 1) - 1):
+            if not _replace_magic(lines, (getattr(error, "lineno", None) or 1) - 1):
                 return None
     return None
 
 
-def _take_out(lines: list[str], at: int) -> bool:
-    """Replace the magic in that line by Python; False where there is none."""
+def _replace_magic(lines: list[str], at: int) -> bool:
+    """Replace the magic in that line by Python. Return False if there is none."""
     line = lines[at] if at < len(lines) else ""
     bare = line.lstrip()
     indent = line[: len(line) - len(bare)]
@@ -111,7 +115,7 @@ def _take_out(lines: list[str], at: int) -> bool:
 
 
 def _cut(lines: list[str], node: ast.stmt) -> str:
-    """The statement's own lines, as they stand; one that is indented gets an ``if True:`` above it."""
+    """Return the statement's own lines. An indented one gets an ``if True:`` above it."""
     first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
     block = lines[first - 1 : node.end_lineno]
     if isinstance(node, DEFINITION + BLOCK):

@@ -1,4 +1,4 @@
-"""Following names from the functions asked for, and putting what was found in an order that works."""
+"""The names that the requested functions depend on, and an order of their sources that runs."""
 
 import ast
 from collections.abc import Collection, Iterable, Iterator
@@ -9,14 +9,14 @@ from ecp.notebook.sources import Missing, Source, Sources
 _OUTSIDE = {"open", "input", "get_ipython", "os", "io", "pathlib", "Path", "shutil", "glob", "tempfile", "subprocess", "sqlite3"}
 _OUTSIDE |= {"socket", "ssl", "urllib", "http", "requests", "urlopen", "urlretrieve", "imread", "imsave", "loadtxt", "genfromtxt"}
 _OUTSIDE_METHODS = {"load", "fromfile", "memmap", "loadmat", "savemat", "save", "savez", "savetxt", "savefig", "tofile", "to_csv"}
-"""Words of files and the network. A statement that uses one, or runs code that does, is not run again."""
+"""Names that reach files or the network. A statement that uses one, or runs code that does, is not sent."""
 
-_REMEDY = "compute it in a cell instead, or write the numbers that are needed into one"
+_REMEDY = "compute it in a cell instead, or write the needed numbers into one"
 _AGAIN = "run its cell again, or write it there as a def"
 
 
 class Bundling:
-    """What the names asked for need, found and ``missing`` (name → sentence)."""
+    """The sources that the names ``asked`` for need, and the names that are ``missing`` (name → sentence)."""
 
     def __init__(self, sources: Sources, asked: Collection[str], given: Collection[str]) -> None:
         self._sources, self._asked, self._given = sources, asked, given
@@ -24,23 +24,23 @@ class Bundling:
         self.missing: dict[str, str] = {}
         self._follow()
         while lost := {name: why for name, source in self._found.items() if (why := self._refusal(source))}:
-            # The cause is told first; what only depends on it falls in the next round.
+            # Report the cause first; names that only depend on it are dropped in the next round.
             causes = [name for name in lost if not self._reached(self._found[name].names.now) & lost.keys() - {name}] or list(lost)
             for name in causes:
                 self.missing[name] = lost[name]
                 del self._found[name]
 
     def left_out(self) -> Iterator[tuple[str, str, str]]:
-        """Name, who needs it, and why it is not sent: of what is needed by something that is sent."""
-        told: set[str] = set()
+        """Yield each missing name that a sent source needs: the name, the source's name, and why it is not sent."""
+        reported: set[str] = set()
         for source in self._sent():
-            for name in sorted(_needs(source) & self.missing.keys() - told):
-                told.add(name)
+            for name in sorted(_needs(source) & self.missing.keys() - reported):
+                reported.add(name)
                 instead = f" (the server's own `{name}` is used)" if name in self._given else ""
                 yield name, source.name, self.missing[name] + instead
 
     def text(self) -> str:
-        """Imports, then values and definitions, each after what it needs while it runs."""
+        """Return imports, then values and definitions, each after what it needs when it runs."""
         sent = self._sent()
         imports = {s.text for s in sent if s.kind == "import"}
         ordered = list(dict.fromkeys(s.text for s in self._in_order([s for s in sent if s.kind != "import"])))
@@ -62,13 +62,13 @@ class Bundling:
             if isinstance(found, Missing):
                 self.missing[name] = found.sentence
             elif found is None and name in self._asked:
-                self.missing[name] = f"`{name}` is Python's or the notebook's own: define a function of that name in a cell"
+                self.missing[name] = f"`{name}` belongs to Python or the notebook: define a function of that name in a cell"
             elif found:
                 self._found[name] = found
                 waiting += sorted(_needs(found))
 
     def _refusal(self, source: Source) -> str | None:
-        """Why running this text would fail, or would not make the value there is now."""
+        """Return why running this text would fail or would not give the current value; None if it would."""
         runs = self._reached(source.names.now) if source.kind == "statement" else source.names.now
         lost = sorted(name for name in runs if name in self.missing and name not in self._given)
         if lost:
@@ -77,9 +77,9 @@ class Bundling:
             return None
         texts = [source.text, *(self._found[name].text for name in sorted(runs & self._found.keys()))]
         if source.kind == "statement" and any(_reaches_outside(text) for text in texts):
-            return f"`{source.name}` is made by reading or writing files, or with the network, which the server has not: " + _REMEDY
+            return f"`{source.name}` is made with files or the network, which the server does not have: {_REMEDY}"
         if self._sources.is_outdated(source, texts):
-            return f"`{source.name}` is not what its cell would make now, something in it was changed later: {_AGAIN}"
+            return f"`{source.name}` is not what its cell would make now, because something in it changed later: {_AGAIN}"
         return None
 
     def _reached(self, names: Iterable[str]) -> set[str]:
@@ -93,7 +93,7 @@ class Bundling:
         return reached
 
     def _sent(self) -> list[Source]:
-        """What is reached from the names asked for, helpers before those who use them."""
+        """Return the sources reached from the requested names, each helper before the functions that use it."""
         done: dict[str, Source] = {}
         entered: set[str] = set()
 
@@ -110,7 +110,10 @@ class Bundling:
         return sorted(done.values(), key=lambda source: source.kind != "value")
 
     def _in_order(self, sources: list[Source]) -> Iterator[Source]:
-        """The given order, changed only where something must run first: what a text runs, and who else binds the name."""
+        """Yield the sources in the given order, changed only where one must run before another.
+
+        A text comes after the names it runs, and after other texts that bind its name.
+        """
         waiting = {s.name: s for s in sources}
         first: dict[str, set[str]] = {}
         for s in sources:

@@ -1,4 +1,4 @@
-"""Which text made a function or class: compiled code is compared, wherever in a notebook the text stood."""
+"""Match functions and classes to the text that defined them, by comparing compiled code."""
 
 import __future__
 
@@ -11,7 +11,7 @@ from types import CellType, CodeType, FunctionType
 from typing import Any
 
 Print = tuple[Any, ...]
-"""What two codes have in common when they do the same: line numbers and file names are left out."""
+"""Equal for codes that do the same; excludes line numbers and file names."""
 
 _HOLDERS = ("__wrapped__", "py_func", "pyfunc", "func", "__func__")
 _VARIADIC = 0x04 | 0x08
@@ -21,17 +21,23 @@ _JUMPS = {*dis.hasjabs, *dis.hasjrel}
 
 
 def makes(text: str, value: Any) -> bool:
-    """Whether running this ``def``, ``class`` or ``name = lambda`` makes such a function, or a class with such methods."""
+    """Return whether running this ``def``, ``class`` or ``name = lambda`` makes such a function, or a class
+    with such methods.
+    """
     if isinstance(value, FunctionType):
         return fingerprint(value.__code__) in _prints(text)[0]
     own = [m.__func__ if isinstance(m, staticmethod | classmethod) else m for m in vars(value).values()]
-    # What dataclass and decorators put into a class is not written there.
+    # Methods that dataclass or a decorator added to a class are not in its text.
     written = [m for m in own if isinstance(m, FunctionType) and m.__code__.co_qualname == f"{value.__qualname__}.{m.__name__}"]
-    return bool(re.search(rf"\bclass\s+{value.__name__}\b", text)) and {fingerprint(m.__code__) for m in written} <= prints_in(text)
+    return bool(re.search(rf"\bclass\s+{value.__name__}\b", text)) and {
+        fingerprint(m.__code__) for m in written
+    } <= fingerprints_in(text)
 
 
 def same_defaults(text: str, function: FunctionType, values: Mapping[str, Any]) -> bool:
-    """Whether the text, run with these values, gives the function the defaults it has; only plain names and constants are seen."""
+    """Return whether the text, run with these values, gives the function its defaults. Reads plain names and
+    constants only.
+    """
     made = next((node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef | ast.Lambda)), None)
     if made is None:  # a second name
         return True
@@ -40,13 +46,15 @@ def same_defaults(text: str, function: FunctionType, values: Mapping[str, Any]) 
     return len(written) == len(held) and all(_may_be(*pair, values) for pair in zip(written, held, strict=True))
 
 
-def prints_in(text: str) -> frozenset[Print]:
-    """The fingerprints of all functions in a text, also of those inside others."""
+def fingerprints_in(text: str) -> frozenset[Print]:
+    """Return the fingerprints of all functions in a text, nested ones included."""
     return _prints(text)[1]
 
 
 def functions_of(value: Any) -> Iterator[FunctionType]:
-    """The functions a value holds: itself, what it wraps, closes over or, as an instance of a notebook's class, has."""
+    """Yield the functions a value holds: itself, and what it wraps, closes over or, as an instance of a
+    notebook's class, has.
+    """
     seen: set[int] = set()
     waiting = [value]
     while waiting:
@@ -61,7 +69,7 @@ def functions_of(value: Any) -> Iterator[FunctionType]:
 
 @lru_cache(maxsize=2048)
 def fingerprint(code: CodeType) -> Print:
-    """Equal for codes that do the same."""
+    """Return a key that is equal for codes that do the same."""
     inside = tuple(_constant(c) for c in code.co_consts)
     shape = (code.co_name, code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags & _VARIADIC)
     names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
@@ -79,17 +87,17 @@ def _may_be(written: ast.expr, held: Any, values: Mapping[str, Any]) -> bool:
 
 
 def _steps(code: CodeType) -> Print:
-    """Its instructions. Whether a module was imported in the same cell changes how its functions are called: that is left out."""
+    """Return its instructions, without those that depend on whether a module was imported in the same cell."""
     kept: list[dis.Instruction] = []
     place: dict[int, int] = {}
     for step in dis.get_instructions(code):
         place[step.offset] = len(kept)
         kept += [] if step.opname in _CALLING else [step]
     named = [_PLAIN.get(step.opname, step.opname) for step in kept]
-    return tuple(zip(named, [place.get(s.argval) if s.opcode in _JUMPS else _said(s) for s in kept], strict=True))
+    return tuple(zip(named, [place.get(s.argval) if s.opcode in _JUMPS else _argument(s) for s in kept], strict=True))
 
 
-def _said(step: dis.Instruction) -> Any:
+def _argument(step: dis.Instruction) -> Any:
     return None if step.opcode in dis.hasconst else repr(step.argval)
 
 
@@ -113,16 +121,16 @@ def _parts(item: Any) -> list[Any]:
 def _content(cell: CellType) -> Any:
     try:
         return cell.cell_contents
-    except ValueError:  # nothing was ever put into it
+    except ValueError:  # an empty cell
         return None
 
 
 @lru_cache(maxsize=2048)
 def _prints(text: str) -> tuple[frozenset[Print], frozenset[Print]]:
-    """Fingerprints of the functions at the top of a text, and of all functions in it."""
+    """Return the fingerprints of the functions at the top of a text, and of all functions in it."""
     top: set[Print] = set()
     every: set[Print] = set()
-    for flags in (0, __future__.annotations.compiler_flag):  # a notebook keeps on compiling as its __future__ imports say
+    for flags in (0, __future__.annotations.compiler_flag):  # a notebook's __future__ imports hold for later cells
         code = compile(text, "cell", "exec", flags=flags, dont_inherit=True)
         top |= {fingerprint(c) for c in _inside(code)}
         waiting = [code]

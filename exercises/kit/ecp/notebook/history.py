@@ -1,4 +1,4 @@
-"""The cells of a notebook in the order they ran, asked for what they say about a name."""
+"""The cells of a notebook in the order they ran, searched by name."""
 
 import ast
 import re
@@ -10,17 +10,19 @@ from ecp.notebook.cells import DEFINITION, Statement, statements_of, unfold
 
 
 class History:
-    """The cells in the order they ran, the oldest first."""
+    """The cells in the order they ran, oldest first."""
 
     def __init__(self, cells: Sequence[str]) -> None:
         self._cells = cells
 
     def statements(self, name: str) -> list[Statement]:
-        """Top-level statements in whose text ``name`` occurs, oldest first."""
+        """Return the top-level statements whose text mentions ``name``, oldest first."""
         return [s for cell in self._cells if _mentions(cell, name) for s in statements_of(cell) if _mentions(s.text, name)]
 
     def definitions(self, name: str) -> Iterator[tuple[Statement, list[Statement]]]:
-        """Every ``def name``, ``class name`` and ``name = lambda``, also in blocks, newest first, and what follows each."""
+        """Yield every ``def name``, ``class name`` and ``name = lambda``, in blocks too, newest first, each
+        with the statements after it.
+        """
         every = self.statements(name)
         for place in reversed(range(len(every))):
             for inner in reversed(list(unfold(every[place]))):
@@ -29,25 +31,25 @@ class History:
 
     @cached_property
     def imports(self) -> list[ast.Import | ast.ImportFrom]:
-        """Every import outside functions, newest first."""
+        """Return every import outside functions, newest first."""
         found = [s.node for cell in self._cells if "import" in cell for top in statements_of(cell) for s in unfold(top)]
         return [node for node in reversed(found) if isinstance(node, ast.Import | ast.ImportFrom)]
 
     @cached_property
     def modules(self) -> set[str]:
-        """The full names of all modules that are imported, or imported from."""
+        """Return the full names of all modules that are imported or imported from."""
         plain = {alias.name for node in self.imports if isinstance(node, ast.Import) for alias in node.names}
         return plain | {node.module for node in self.imports if isinstance(node, ast.ImportFrom) and node.module}
 
     @cached_property
     def futures(self) -> list[str]:
-        """The imports from ``__future__``: they hold for all cells that follow."""
+        """Return the imports from ``__future__``: they hold for all later cells."""
         found = [node for node in self.imports if isinstance(node, ast.ImportFrom) and node.module == "__future__"]
         return sorted({ast.unparse(node) for node in found})
 
 
 def _mentions(text: str, name: str) -> bool:
-    """A quick look before anything is parsed. Python reads identifiers in normal form: φ and ϕ are one name."""
+    """Return whether ``name`` occurs, without parsing. Python normalizes identifiers: φ and ϕ are one name."""
     plain = text if text.isascii() else unicodedata.normalize("NFKC", text)
     return name in plain and re.search(rf"\b{name}\b", plain) is not None
 

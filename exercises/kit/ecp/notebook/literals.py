@@ -1,4 +1,4 @@
-"""How a value found in a notebook is written as text: as an import where it comes from a module, as a literal where it is data."""
+"""A notebook's value as text: an import if it comes from a module, a literal if it is data."""
 
 import ast
 import math
@@ -13,14 +13,16 @@ import numpy as np
 LARGEST = 4096
 """Values with more elements than this are not written out."""
 
-_SAYS_ITSELF = (int, bool, type(None), type(...), range)
+_EXACT_REPR = (int, bool, type(None), type(...), range)
 _PLAIN_SCALARS = (int, bool, float, complex, str, bytes)
 
 
 def literal(value: Any, numpy: str = "np") -> str | None:
-    """An expression with exactly this value, NaN and infinity included; None where there is none of at most 4096 elements.
+    """Return an expression with exactly this value, NaN and infinity included; None if it has more than
+    LARGEST elements or no literal.
 
-    Numbers, text, tuples, lists, sets, dicts and numpy arrays of them; ``numpy`` is what numpy is called in the expression.
+    Numbers, text, tuples, lists, sets, dicts and numpy arrays of them have one. ``numpy`` is the name of
+    numpy in the expression.
     """
     try:
         return _Writer(numpy).write(value)
@@ -29,7 +31,9 @@ def literal(value: Any, numpy: str = "np") -> str | None:
 
 
 def import_line(name: str, value: Any, imports: Iterable[ast.Import | ast.ImportFrom] = ()) -> str | None:
-    """The import that gives ``name`` this value: as one of ``imports`` has it, else from the public module that offers it."""
+    """Return the import that gives ``name`` this value: as in ``imports``, else from the public module that
+    offers it. None if there is none.
+    """
     for node in imports:
         for alias in node.names:
             if isinstance(node, ast.Import):
@@ -50,8 +54,9 @@ def import_line(name: str, value: Any, imports: Iterable[ast.Import | ast.Import
 
 
 def own_file(line: str) -> str | None:
-    """The name of the file if an import takes from one that is neither installed nor Python's own: somebody's file beside the
-    notebook."""
+    """Return the name of the student's own file that an import line reads, None for an installed or standard
+    module.
+    """
     top = line.split()[1].partition(".")[0]
     module = _loaded(top)
     places = [getattr(module, "__file__", None), *getattr(module, "__path__", [])]
@@ -67,13 +72,13 @@ class _NoLiteral(Exception):
 
 class _Writer:
     def __init__(self, numpy: str) -> None:
-        self._numpy, self._room = numpy, LARGEST
+        self._numpy, self._left = numpy, LARGEST
 
     def write(self, value: Any) -> str:
         kind = type(value)
         if kind not in (list, tuple, dict, set, frozenset, np.ndarray):
             self._spend(1 + len(value) // 64 if isinstance(value, str | bytes) else 1)
-        if kind in _SAYS_ITSELF or kind in (str, bytes):
+        if kind in _EXACT_REPR or kind in (str, bytes):
             return repr(value)
         if kind is float:
             return repr(value) if math.isfinite(value) else f'float("{value}")'
@@ -103,7 +108,7 @@ class _Writer:
 
     def _array(self, value: Any) -> str:
         exact = value.dtype.kind in "biufcSU" and type(np.zeros(1, value.dtype).tolist()[0]) in _PLAIN_SCALARS
-        if value.size > self._room or not exact:
+        if value.size > self._left or not exact:
             raise _NoLiteral
         if not value.size:
             return f'{self._numpy}.empty({value.shape}, dtype="{value.dtype}")'
@@ -111,8 +116,8 @@ class _Writer:
         return f"{self._numpy}.array({self.write(value.tolist())}" + (")" if kept else f', dtype="{value.dtype}")')
 
     def _spend(self, elements: int) -> None:
-        self._room -= elements
-        if self._room < 0:
+        self._left -= elements
+        if self._left < 0:
             raise _NoLiteral
 
 
@@ -129,7 +134,9 @@ def _offered(module: str, name: str) -> Any:
 
 
 def _offering(value: Any) -> Iterator[str]:
-    """Modules that may offer a value: the public ones around the one that defines it, the nearest first, then that one."""
+    """Yield modules that may offer a value: the public ones around the defining module, the nearest first,
+    then that module.
+    """
     for home in (getattr(value, "__module__", None), type(value).__module__):
         if isinstance(home, str) and home != "__main__":
             parts = home.split(".")

@@ -1,4 +1,4 @@
-"""Which names of a notebook a text reads, binds and changes; local names and attributes do not count."""
+"""The global names that a text reads, binds and changes. Local names and attributes do not count."""
 
 import ast
 import symtable
@@ -12,7 +12,7 @@ _COMPREHENSIONS = ("listcomp", "setcomp", "dictcomp", "genexpr")
 
 @dataclass(frozen=True)
 class Names:
-    """Global names of a text: read while it runs, read later by its functions, bound by it."""
+    """Global names of a text: ``now`` are read while it runs, ``later`` by its functions, ``bound`` are assigned."""
 
     now: frozenset[str] = frozenset()
     later: frozenset[str] = frozenset()
@@ -21,7 +21,7 @@ class Names:
 
 @lru_cache(maxsize=4096)
 def names_in(text: str) -> Names:
-    """The global names of a text; none where it is not Python."""
+    """Return the global names of a text; none if it is not Python."""
     try:
         table = symtable.symtable(text, "cell", "exec")
     except SyntaxError:
@@ -34,7 +34,7 @@ def names_in(text: str) -> Names:
 
 
 def own_nodes(node: ast.AST) -> Iterator[ast.AST]:
-    """The node and what runs with it: functions inside are left out."""
+    """Yield the node and the nodes that run with it, without nested functions."""
     if isinstance(node, _FUNCTION):
         return
     yield node
@@ -43,19 +43,19 @@ def own_nodes(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def increments(node: ast.AST, name: str) -> bool:
-    """``name += …``"""
+    """Return whether the node contains ``name += …``."""
     own = [n.target for n in own_nodes(node) if isinstance(n, ast.AugAssign)]
     return any(isinstance(target, ast.Name) and target.id == name for target in own)
 
 
 def stores_into(node: ast.AST, name: str) -> bool:
-    """``name.x = …`` or ``name[k] = …``"""
+    """Return whether the node contains ``name.x = …`` or ``name[k] = …``."""
     own = [n for n in own_nodes(node) if isinstance(n, ast.Attribute | ast.Subscript) and isinstance(n.ctx, ast.Store)]
     return any(_root(target) == name for target in own)
 
 
 def calls_on(node: ast.AST, name: str) -> bool:
-    """``name.method(…)`` as a statement of its own."""
+    """Return whether the node contains ``name.method(…)`` as a statement."""
     calls = [n.value for n in own_nodes(node) if isinstance(n, ast.Expr) and isinstance(n.value, ast.Call)]
     return any(isinstance(call.func, ast.Attribute) and _root(call.func) == name for call in calls)
 

@@ -1,4 +1,4 @@
-"""One exercise: the equation of a damped oscillator, judged by its closed form."""
+"""One exercise: the equation of motion of a damped oscillator, checked against its closed-form solution."""
 
 from pathlib import Path
 
@@ -9,9 +9,9 @@ from .hidden_checks import EXERCISES
 from .scenes import SCENES
 
 ASSIGNMENT = Assignment(
-    slug="damped-oscillator",  # as the folder is called
+    slug="damped-oscillator",  # the folder name, with - for _
     title="The damped oscillator",
-    version="1",  # another one when a check, a scene or a tolerance changes: reports name it
+    version="1",  # change it with every change of a check, scene or tolerance; reports contain it
     folder=Path(__file__).parent,
     scenes=SCENES,
     exercises=EXERCISES,

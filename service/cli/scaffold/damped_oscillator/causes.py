@@ -1,4 +1,4 @@
-"""Likely causes: known mistakes written out. One is told if it alone gives the student's numbers to rounding."""
+"""Diagnoses: known mistakes written out. One is reported if it alone reproduces the student's numbers to rounding."""
 
 from collections.abc import Callable
 
@@ -13,26 +13,26 @@ Array = NDArray[np.float64]
 Wrong = Callable[[Array, Array, Array, Array], tuple[Array, Array]]
 
 AGREEMENT = 1e-12  # of the largest value
-# Code, sentence for the student, and dx/dt and dv/dt of x, v, ω, γ as somebody would write them who makes that mistake.
+# Code, sentence for the student, and (dx/dt, dv/dt) of x, v, ω, γ with the mistake.
 MISTAKES: tuple[tuple[str, str, Wrong], ...] = (
-    ("returns-zero", "oscillator returns zeros whatever it is asked", lambda x, v, w, g: (0 * x, 0 * v)),
+    ("returns-zero", "oscillator returns zeros for all arguments", lambda x, v, w, g: (0 * x, 0 * v)),
     ("component-order", "the components are returned as (dv/dt, dx/dt)", lambda x, v, w, g: (-(w**2) * x - 2 * g * v, v)),
     ("sign-flipped", "the spring pushes away from rest: its term is −ω²x", lambda x, v, w, g: (v, w**2 * x - 2 * g * v)),
-    ("sign-flipped", "the damping drives: its term is −2γv", lambda x, v, w, g: (v, -(w**2) * x + 2 * g * v)),
-    ("missing-term", "there is no damping: −2γv is missing", lambda x, v, w, g: (v, -(w**2) * x)),
-    ("constant-factor", "half of the damping: its term is −2γv", lambda x, v, w, g: (v, -(w**2) * x - g * v)),
-    ("wrong-quantity", "ω where its square belongs", lambda x, v, w, g: (v, -w * x - 2 * g * v)),
+    ("sign-flipped", "the damping adds energy: its term is −2γv", lambda x, v, w, g: (v, -(w**2) * x + 2 * g * v)),
+    ("missing-term", "the damping term −2γv is missing", lambda x, v, w, g: (v, -(w**2) * x)),
+    ("constant-factor", "the damping is half as large: its term is −2γv", lambda x, v, w, g: (v, -(w**2) * x - g * v)),
+    ("wrong-quantity", "ω is used instead of ω²", lambda x, v, w, g: (v, -w * x - 2 * g * v)),
 )
 CODES = (*dict.fromkeys(code for code, _, _ in MISTAKES), "not-finite", "returns-nothing", "wrong-shape", "signature")
 
 
 def diagnose(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
-    """The likely cause behind the numbers of a scene."""
+    """Return the diagnosis of a scene's numbers, or an empty list."""
     if scene != "probes":
         return []
     rate, (x, v), (w, g) = seen["rate"], np.asarray(inputs["y"]).T, (np.asarray(inputs[name]) for name in ("omega", "gamma"))
-    told = [(code, said) for code, said, wrong in MISTAKES if _same(rate, np.column_stack(wrong(x, v, w, g)))]
-    return [Diagnosis(code=code, sentence=said, confidence=1.0) for code, said in told] if len(told) == 1 else []
+    matches = [(code, sentence) for code, sentence, wrong in MISTAKES if _same(rate, np.column_stack(wrong(x, v, w, g)))]
+    return [Diagnosis(code=code, sentence=sentence, confidence=1.0) for code, sentence in matches] if len(matches) == 1 else []
 
 
 def _same(rate: Array, wrong: Array) -> bool:

@@ -1,4 +1,4 @@
-"""The checks whose numbers nobody knows beforehand, behind the public ones."""
+"""The hidden checks, added to the public ones."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ RATES = within(
     expected=lambda truth: truth["rate"],
     scale=lambda truth: truth["scale"],
     limit=1e-13,
-    reason="of ω²|x| + 2γ|v|: a few roundings, 2.2e-16 each, separate two spellings; a hundred times that",
+    reason="of ω²|x| + 2γ|v|: correct formulas differ by a few roundings of 2.2e-16; the limit is over 100 times that",
     locate=lambda index, seen: f"{('dx/dt', 'dv/dt')[index[1]]}, probe {index[0] + 1} of {len(seen['rate'])}",
 )
 

@@ -1,7 +1,9 @@
-"""What is done with a submission's functions, inside the wall: numbers in, arrays out, no judgement and no truth.
+"""Code that calls the submission's functions inside the sandbox and returns arrays. It contains no checks and no
+exact answers.
 
-Each play takes the submission's names and a scene's inputs and returns arrays by name. It uses its own integrator, bound
-before the submission runs, so that replacing ``solve_ivp`` changes nothing here. It goes into the students' kit as well.
+Each play takes the submission's names and a scene's inputs and returns arrays by name. It uses its own
+integrator, imported before the submission runs, so that a submission cannot replace ``solve_ivp``. The file is
+also part of the students' kit.
 """
 
 import math
@@ -9,21 +11,21 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ecp.return_value import WrongAnswer, real_array, takes
+from ecp.return_value import WrongAnswer, check_signature, real_array
 
-RTOL, ATOL, MOST_CALLS = 1e-10, 1e-12, 20_000  # a right submission needs under 2000 calls
+RTOL, ATOL, MOST_CALLS = 1e-10, 1e-12, 20_000  # a correct submission needs fewer than 2000 calls
 CALLED = ("t", "y", "omega", "gamma")
 
 
 def rates(student, inputs):
-    """``oscillator`` asked once for each row of t (n,), y (n, 2), omega (n,) and gamma (n,)."""
-    takes(student["oscillator"], CALLED, "oscillator")
+    """Return ``rate`` (n, 2): oscillator called once for each row of t (n,), y (n, 2), omega (n,) and gamma (n,)."""
+    check_signature(student["oscillator"], CALLED, "oscillator")
     rows = zip(inputs["t"], np.asarray(inputs["y"]), inputs["omega"], inputs["gamma"], strict=True)
     return {"rate": np.array([_rate(student, *row) for row in rows])}
 
 
 def motion(student, inputs):
-    """The motion y (2, n) that ``oscillator`` drives, at even times from 0 to t_end."""
+    """Return ``y`` (2, n): the integrated motion at n equidistant times from 0 to t_end."""
     calls = 0
 
     def rate(t, y):

@@ -1,4 +1,4 @@
-"""The scenes: which function is called with which numbers, what comes back, and the exact answer."""
+"""The scenes: which function is called with which inputs, what it returns, and the exact answer."""
 
 from collections.abc import Mapping
 
@@ -16,14 +16,14 @@ PROBES = 32
 
 
 def _probes(rng: np.random.Generator) -> Inputs:
-    """Questions nobody knows beforehand, a row each; γ < ω."""
+    """Draw random arguments, one call per row, with γ < ω."""
     omega = rng.uniform(0.5, 4.0, PROBES)
     y = rng.uniform(-2.0, 2.0, (PROBES, 2))
     return {"t": rng.uniform(0.0, 20.0, PROBES), "y": y, "omega": omega, "gamma": omega * rng.uniform(0.05, 0.9, PROBES)}
 
 
 def _exact_rates(inputs: Inputs) -> Mapping[str, Array]:
-    """The rates, and beside them the size of what is summed up: its rounding is what spellings may differ by."""
+    """Return the exact rates, and the size of the summed terms, to which rounding errors are relative."""
     y, omega, gamma = (np.asarray(inputs[name]) for name in ("y", "omega", "gamma"))
     summed = omega**2 * np.abs(y[:, 0]) + 2 * gamma * np.abs(y[:, 1])
     return {"rate": truth.rates(y, omega, gamma), "scale": np.column_stack([np.abs(y[:, 1]), summed])}
@@ -40,7 +40,7 @@ def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
 
 
 SCENES = (
-    # Asked twice, in two children and two orders: answers that depend on anything but the arguments do not agree.
+    # Called twice, in two processes and two orders: results that depend on anything but the arguments differ.
     Scene("probes", "rates", "oscillator", _probes, {"rate": ArraySpec((PROBES, 2))}, _exact_rates, 2.0, twice=True),
     _motion("damped", *DAMPED),
     _motion("undamped", *UNDAMPED),

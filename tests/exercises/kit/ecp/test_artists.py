@@ -18,12 +18,12 @@ from ecp.return_value import WrongAnswer
 
 def test_takes_and_exchanged():
     names = ("t", "w", "I")
-    return_value.takes(lambda t, w, I: 0, names, "f")
-    return_value.takes(lambda *args: 0, names, "f")
-    return_value.takes(lambda t, w, I, extra=1: 0, names, "f")
-    return_value.takes(min, names, "f")  # tells nothing about its arguments
+    return_value.check_signature(lambda t, w, I: 0, names, "f")
+    return_value.check_signature(lambda *args: 0, names, "f")
+    return_value.check_signature(lambda t, w, I, extra=1: 0, names, "f")
+    return_value.check_signature(min, names, "f")  # has no signature
     with pytest.raises(WrongAnswer, match=r"f is called as f\(t, w, I\); yours is f\(w, I\)") as caught:
-        return_value.takes(lambda w, I: 0, names, "f")
+        return_value.check_signature(lambda w, I: 0, names, "f")
     assert caught.value.code == "signature"
     assert return_value.exchanged(lambda w, t, I: 0, names) == "(w, t, I)"
     assert return_value.exchanged(lambda t, w, I: 0, names) is None and return_value.exchanged(lambda a, b, c: 0, names) is None

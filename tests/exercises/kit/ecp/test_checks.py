@@ -1,6 +1,9 @@
+import doctest
+
 import numpy as np
 import pytest
 
+from ecp import checks, validate
 from ecp.checks import below, close, conserved, holds
 from ecp.judge import Verdict
 
@@ -68,3 +71,15 @@ def test_unmeasured_carries_its_cause():
     outcome = holds("a", "l", "s", claim=lambda s: (True, ""), reason="r").unmeasured("it did not finish")
     assert outcome.verdict is Verdict.UNMEASURED and outcome.cause == "it did not finish"
     assert outcome.line == "–  l   [not measured: it did not finish]"
+
+
+@pytest.mark.parametrize("module", [checks, validate])
+def test_the_examples_of_the_check_words_are_what_they_print(module):
+    examples = {test.name.rpartition(".")[2] for test in doctest.DocTestFinder().find(module) if test.examples}
+    words = (
+        {"close", "within", "conserved", "below", "holds", "shows"}
+        if module is checks
+        else {"close", "conserved", "check", "positive", "below"}
+    )
+    results = doctest.testmod(module)
+    assert examples == words and results.attempted > 0 and results.failed == 0

@@ -265,7 +265,7 @@ def test_two_functions_from_one_statement(notebook):
 
 def test_a_function_made_by_exec_cannot_be_sent(notebook):
     notebook.run("exec('def f(x):\\n    return x')", "def g(x):\n    return f(x)")
-    with pytest.raises(CannotSend, match=r"(?s)`f` was written.*submit\(file=...\)"):
+    with pytest.raises(CannotSend, match=r"(?s)source of `f` was not found.*submit\(file=...\)"):
         notebook.gather("f")
     (out,) = notebook.gather("g").left_out
     assert (out.name, out.needed_by) == ("f", "g")

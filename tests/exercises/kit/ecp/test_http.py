@@ -15,7 +15,7 @@ import trustme
 from ecp import errors, http, http_sockets, pyodide
 from ecp.errors import retry_after
 from ecp.http import Event, HTTPError, Unreachable, call, events
-from ecp.sse import parsed
+from ecp.sse import parse_events
 from tests.support.fake_server import Scripted, browser, cuts, event, hangs_up, problem, says, streams
 
 TOKEN = "secret-token-123456"
@@ -202,27 +202,27 @@ def test_a_students_random_numbers_stay_the_same(start):
 @pytest.mark.parametrize(
     ("step", "kind", "sentence"),
     [
-        (problem(401, "nobody", "unknown token"), "nobody", "does not know who you are (unknown token): run ecp.login()"),
-        (says(401, b"<p>", "text/html"), "nobody", "does not know who you are: run ecp.login()"),
-        (problem(401, "revoked", "it was revoked"), "revoked", "does not know who you are (it was revoked)"),
-        (problem(403, "deadline-over", "it was at noon"), "deadline-over", "The deadline is over (it was at noon)"),
-        (problem(403, "none-left", "all 3 are used"), "none-left", "You have no submission left (all 3 are used)"),
+        (problem(401, "nobody", "unknown token"), "nobody", "(unknown token): run ecp.login()"),
+        (says(401, b"<p>", "text/html"), "nobody", "run ecp.login() and try again"),
+        (problem(401, "revoked", "it was revoked"), "revoked", "(it was revoked): run ecp.login()"),
+        (problem(403, "deadline-over", "it was at noon"), "deadline-over", "The deadline has passed (it was at noon)"),
+        (problem(403, "none-left", "all 3 are used"), "none-left", "You have no submissions left (all 3 are used)"),
         (problem(413, "too-large", "at most 256 KiB"), "too-large", "too large for the server"),
         (says(413, b"<p>", "text/html"), "too-large", "too large for the server"),
-        (problem(503, "busy", "the database does not answer"), "busy", "is busy and does not take this now (the database does not"),
+        (problem(503, "busy", "the database does not answer"), "busy", "is busy (the database does not"),
         (says(503, b"<p>", "text/html"), "busy", "is busy"),
         (says(429, b""), "busy", "is busy"),
         (problem(503, "no-walls", "none is taken: x"), "no-walls", "None is taken: x."),
         (problem(422, "bad-submission", "line 3 is wrong"), "bad-submission", "Line 3 is wrong."),
         (problem(404, "not-found", "there is no assignment x"), "not-found", "There is no assignment x."),
-        (problem(500, "fault", "it failed", X_Request_Id="ab-1\u00e9<"), "fault", "not by your mistake (request ab-1): try again"),
-        (says(500, b"<p>", "text/html"), "fault", "not by your mistake: try again"),
+        (problem(500, "fault", "it failed", X_Request_Id="ab-1\u00e9<"), "fault", "not your mistake (request ab-1): try again"),
+        (says(500, b"<p>", "text/html"), "fault", "not your mistake: try again"),
         (says(404, b"<p>", "text/html"), "not-polhode", "There is no polhode server at http://127.0.0.1:{port}, something else"),
         (says(404, {"detail": "Not Found"}), "not-polhode", "something else answered (404): check the address."),
-        (says(200, b"<p>", "text/html; charset=utf-8"), "not-polhode", "answered (200, a web page, perhaps one to log in)"),
-        (says(418, b""), "", "refused this (418)."),
-        (says(403, b"not json", "application/problem+json"), "", "refused this (403)."),
-        (says(302, b"", Location="/"), "moved", "in circles"),
+        (says(200, b"<p>", "text/html; charset=utf-8"), "not-polhode", "answered (200, a web page, perhaps a login page)"),
+        (says(418, b""), "", "refused the request (418)."),
+        (says(403, b"not json", "application/problem+json"), "", "refused the request (403)."),
+        (says(302, b"", Location="/"), "moved", "Too many redirects"),
     ],
 )
 def test_refusals_in_words(start, step, kind, sentence):
@@ -280,7 +280,7 @@ def test_a_certificate_that_is_not_trusted_is_not_tried_again(start, tmp_path, m
 
 def test_https_asked_of_a_server_without_it(start):
     server = start(says())
-    assert "not reached securely" in str(trouble(server.url.replace("http:", "https:")))
+    assert "No secure connection" in str(trouble(server.url.replace("http:", "https:")))
 
 
 def test_something_that_does_not_speak_http(start):
@@ -320,7 +320,7 @@ def test_an_answer_too_long_is_not_read_to_its_end(start, monkeypatch):
     + ["http://a..b/", "http://ω.example/", f"https://me:{TOKEN}@a.example/", "http://a/\r\nX: y", "http://[::1", "javascript:1"],
 )
 def test_what_is_no_address_is_told_at_once(url):
-    assert "is not the address of a server" in str(trouble(url, patience=60.0))
+    assert "is not a server address" in str(trouble(url, patience=60.0))
 
 
 @pytest.mark.parametrize("token", [f"{TOKEN}\nX: y", f"{TOKEN}\u00e9", f"{TOKEN}\x00"])
@@ -357,14 +357,14 @@ def test_a_redirect_within_the_server_is_followed_with_method_body_and_token(sta
 def test_a_redirect_to_another_host_is_not_followed(start, status):
     other = start(says())
     server = start(says(status, b"", Location=f"{other.url}/x?y"))
-    assert f"sends us on to {other.url}." in str(trouble(server.url))
+    assert f"redirects to {other.url}:" in str(trouble(server.url))
     assert other.seen == []
 
 
 def test_a_redirect_to_another_scheme_or_nowhere_is_not_followed(start):
     server = start(says(302, b"", Location="file:///etc/passwd"), says(302, b"", Location=f"https://127.0.0.1:{closed_port()}/"))
-    assert "is not the address" in str(trouble(server.url))
-    assert "sends us on to https://127.0.0.1" in str(trouble(server.url))
+    assert "is not a server address" in str(trouble(server.url))
+    assert "redirects to https://127.0.0.1" in str(trouble(server.url))
 
 
 def test_a_proxy_of_the_environment_is_used_but_not_for_loopback(start, monkeypatch):
@@ -509,8 +509,8 @@ def test_events_in_any_pieces_are_the_same_events():
     text = first + b'data: [1]\n\ndata: no\n\nid: \xc3\xa9\ndata: {"k": "\xc3\xa9"}\n\ndata: {}'
     whole = [Event("a", "1", {"k": 1}), Event("message", "", {"k": "é"})]
     for size in (1, 2, 7, len(text)):
-        assert list(parsed(text[i : i + size] for i in range(0, len(text), size))) == whole
-    assert list(parsed([b"x" * 2**20, b"y", b"\n\ndata: {}\n\n"])) == []
+        assert list(parse_events(text[i : i + size] for i in range(0, len(text), size))) == whole
+    assert list(parse_events([b"x" * 2**20, b"y", b"\n\ndata: {}\n\n"])) == []
 
 
 # ---- in a browser
@@ -529,7 +529,7 @@ class TestInABrowser:
 
     def test_refusals_are_the_same(self, start):
         server = start(problem(403, "deadline-over", "it was at noon"))
-        assert "The deadline is over (it was at noon)" in str(trouble(server.url))
+        assert "The deadline has passed (it was at noon)" in str(trouble(server.url))
 
     def test_who_is_not_reached_is_told_with_what_may_be_wrong(self):
         assert "Your browser did not reach http://127.0.0.1" in str(trouble(f"http://127.0.0.1:{closed_port()}/"))
@@ -545,7 +545,7 @@ class TestInABrowser:
     def test_what_another_host_answers_after_a_redirect_is_not_taken(self, start):
         other = start(says())
         server = start(says(307, b"", Location=f"{other.url}/x"))
-        assert f"sends us on to {other.url}." in str(trouble(server.url))
+        assert f"redirects to {other.url}:" in str(trouble(server.url))
         assert "authorization" not in other.seen[0].headers
 
     def test_an_answer_too_long_is_refused(self, start, monkeypatch):

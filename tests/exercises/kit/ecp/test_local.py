@@ -112,7 +112,7 @@ def test_the_text_tells_where_and_how_far_off_and_the_html_shows_figures(shown):
     told = shown["zeros"]
     assert "worst at ω₁, t = 8.093 s" in told["text"] and "worst at" not in told["lines"]
     assert told["html"].count("data:image/png;base64,") == 2 and "<script" not in told["html"]
-    assert told["remark"] == "Checked here. The server makes 2 more checks, with numbers drawn anew for each attempt."
+    assert told["remark"] == "Checked locally. The server makes 2 more checks, with new random inputs for each submission."
 
 
 def test_what_stops_the_code_is_told_with_its_own_line(shown):

@@ -54,5 +54,8 @@ def test_renamed_fields_are_written_under_both_names_and_read_under_either():
     older = {key: value for key, value in written.items() if key != "scene_ends"}
     older["endings"] = [{key: value for key, value in one.items() if key != "ended"} for one in written["endings"]]
     assert read(Report, older).scene_ends == read(Report, written).scene_ends == [end]
+    assert written["provenance"]["walls"] == written["provenance"]["isolation"] == report.provenance.isolation
+    del older["provenance"]["isolation"]
+    assert read(Report, older).provenance == report.provenance
     with pytest.raises(NotADocument, match="lacks ended"):
         read(SceneEnd, {"scene": "torque-free", "sentence": "too slow"})

@@ -20,13 +20,13 @@ SECOND = {
     "(I[2] - I[0]) // I[1] * w[2] * w[0]": ("floor-division", "divide by I₂ with /"),
     "max((I[2] - I[0]) * w[2] * w[0] / I[1], 0.0)": ("clipped", "ω̇₂ is never negative"),
     "min(max((I[2] - I[0]) * w[2] * w[0] / I[1], -0.7), 0.7)": ("clipped", "limited to ±0.7"),
-    "(1 / I[2] - 1 / I[0]) * w[2] * w[0] * I[1]": ("inverted-moments", "I and 1/I exchanged"),
+    "(1 / I[2] - 1 / I[0]) * w[2] * w[0] * I[1]": ("inverted-moments", "I and 1/I swapped"),
     "(I[2] - I[0]) * w[2] ** 2 * w[0] ** 2 / I[1]": ("wrong-power", "squares ω₃² and ω₁²"),
-    "(I[2] ** 2 - I[0] ** 2) * w[2] * w[0] / I[1]": ("wrong-power", "ω̇₂ holds I₃² − I₁² where (I₃ − I₁) belongs"),
-    "(I[2] ** 2 - I[0] ** 2) * w[2] * w[0] / I[1] ** 2": ("wrong-power", "and I₂² where I₂ belongs"),
-    "(I[2] - I[0]) * w[2] * w[0] * w[1] / I[1]": ("wrong-power", "ω̇₂ holds ω₃ω₁ω₂ where ω₃ω₁ belongs"),
-    "(I[2] - I[0]) * w[2] * w[0] ** 2 / I[1]": ("wrong-power", "ω̇₂ holds ω₃ω₁² where ω₃ω₁ belongs"),
-    "(I[2] - I[0]) * w[2] * TERM1 / I[1]": ("wrong-quantity", "ω̇₂ is computed from rates already stored"),
+    "(I[2] ** 2 - I[0] ** 2) * w[2] * w[0] / I[1]": ("wrong-power", "ω̇₂ has I₃² − I₁² instead of (I₃ − I₁)"),
+    "(I[2] ** 2 - I[0] ** 2) * w[2] * w[0] / I[1] ** 2": ("wrong-power", "and I₂² instead of I₂"),
+    "(I[2] - I[0]) * w[2] * w[0] * w[1] / I[1]": ("wrong-power", "ω̇₂ has ω₃ω₁ω₂ instead of ω₃ω₁"),
+    "(I[2] - I[0]) * w[2] * w[0] ** 2 / I[1]": ("wrong-power", "ω̇₂ has ω₃ω₁² instead of ω₃ω₁"),
+    "(I[2] - I[0]) * w[2] * TERM1 / I[1]": ("wrong-quantity", "ω̇₂ is computed from rates that already replaced ω"),
     "TERM2 if abs(w[1]) < max(abs(w)) else 0.0": ("missing-component", "ω̇₂ is zero where |ω₂| is the largest of the three"),
     "(I[2] - I[0]) * np.prod(np.where(abs(w[::2]) < 1e-3, 0.0, w[::2])) / I[1]": ("clipped", "small values are cut off"),
     "TERM2 * (abs(TERM2) > 1e-6)": ("clipped", "small values are cut off"),
@@ -70,7 +70,7 @@ def test_three_misspellings_are_all_named(inputs):
 def test_all_components_at_once(name, inputs):
     change, code = WHOLE[name]
     (cause,) = diagnose_scene("probes", inputs, {"wdot": change(exact(inputs))})
-    assert cause.code == code and cause.sentence.endswith("; and so in the other two components")
+    assert cause.code == code and cause.sentence.endswith("; likewise in the other two components")
 
 
 def test_a_normalised_spin_is_named_and_so_is_where_it_has_no_value(inputs):

@@ -202,21 +202,21 @@ WRONG = {
     "e2": (R[:, :, 1], "wrong-axis", "follows ê₂, not ê₃"),
     "minus": (-TIP, "wrong-axis", "follows −ê₃, not ê₃"),
     "other": (R @ np.array([0.6, 0.0, 0.8]), "wrong-axis", "the direction (0.60, 0.00, 0.80) of the body"),
-    "R L": (R @ UNIT, "moving-angular-momentum", "what is drawn is R·L"),
+    "R L": (R @ UNIT, "moving-angular-momentum", "the drawing shows R·L"),
     "transposed": (R[:, 2, :], "transposed-rotation", "transposed R"),
     "omega": (L / 1.25 - 0.3 * TIP, "wrong-motion", "follows ω"),
     "backwards": (TIP[::-1], "wrong-motion", "backwards in time"),
-    "noise": (np.random.default_rng(3).normal(size=TIP.shape), "wrong-motion", "does not move with the body"),
+    "noise": (np.random.default_rng(3).normal(size=TIP.shape), "wrong-motion", "nothing that moves follows the body"),
     "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "wrong-motion", ""),
     "swapped": (TIP[:, [1, 0, 2]], "mirrored", "x and y are swapped"),
     "mirrored": (TIP * [1, -1, 1], "mirrored", "the sign of a coordinate is wrong"),
     "cyclic": (TIP[:, [1, 2, 0]], "mirrored", "other coordinates than L"),
     "turned": (TIP @ Rotation.from_rotvec(0.7 * UNIT).as_matrix().T, "wrong-frames", "samples are mistimed"),
-    "shifted": (TIP + [0, 0.2, 0.4], "wrong-motion", "does not move with the body"),
+    "shifted": (TIP + [0, 0.2, 0.4], "wrong-motion", "nothing that moves follows the body"),
     "first ten": (TIP[ALL % 10], "wrong-frames", "shows only samples 0–9 of 96 again and again"),
     "first tenth": (TIP[ALL // 10], "wrong-frames", "shows only samples 0–9 of 96"),
     "half speed": (TIP[ALL // 2], "wrong-frames", "shows only samples 0–47 of 96"),
-    "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, the others stand still"),
+    "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, later frames stand still"),
     "twice": (TIP[2 * ALL % 96], "wrong-frames", "begins again after frame"),
     "late": (TIP[(ALL + 40) % 96], "wrong-frames", "begins again after frame"),
     "shuffled": (TIP[np.random.default_rng(0).permutation(96)], "wrong-frames", "its samples are mistimed: frame"),
@@ -265,7 +265,7 @@ def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
 
 def test_what_changes_once_is_static():
     seldom = body_shown(scene(TIP[[0] + (N - 1) * [N - 1]]), T, R, 2, L)
-    assert seldom.found is False and seldom.code == "static" and "at 1 of 96 frames only" in seldom.sentence, seldom
+    assert seldom.found is False and seldom.code == "static" and "at only 1 of 96 frames" in seldom.sentence, seldom
     assert body_shown(scene(TIP * [1, 1, 0] + [0, 0, 0.3]), T, R, 2, L).code != "static"
 
 
@@ -358,7 +358,7 @@ def test_a_box_has_the_given_proportions_and_another_body_any(camera):
         return body_shown(frames(list(np.einsum("ia,fab,cb->cfi", camera, TUMBLE, corners))), T, TUMBLE, None, half=HALF)
 
     swapped = shown(CORNERS[:, ::-1])
-    assert swapped.code == "wrong-proportions" and "0.2 : 0.7 : 1, but half says 1 : 0.7 : 0.2" in swapped.sentence
+    assert swapped.code == "wrong-proportions" and "0.2 : 0.7 : 1, but half has 1 : 0.7 : 0.2" in swapped.sentence
     assert shown(3 * CORNERS).found is True and shown(np.eye(3)).found is True
     assert shown(np.array([[1, 0.2, 0.1], [-0.3, 0.8, 0.1], [0.2, 0.3, -0.9], [-0.9, 0.1, 0.4]])).found is True
 
@@ -375,7 +375,7 @@ def test_a_box_turns_about_its_centre_with_its_edges_along_the_body_axes(camera)
     for aside in (HALF, [0, 0, HALF[2]], [2, 0, 0]):
         wrong = shown(0.8 * (CORNERS + aside))
         own = camera is VIEW or camera is ISOMETRIC  # found from points that all move
-        assert wrong.code == "wrong-motion" and ("another point than its centre" in wrong.sentence or own), wrong
+        assert wrong.code == "wrong-motion" and ("a point other than its centre" in wrong.sentence or own), wrong
     assert shown(CORNERS + HALF, edges=True).found is False
     for turned in (CORNERS @ TUMBLE[0], CORNERS @ VIEW):
         wrong = shown(turned)
@@ -455,7 +455,7 @@ def test_a_fixed_line_that_is_not_L(direction, sentence):
 
 def test_drawn_in_the_axes_of_the_body():
     moving, still = np.einsum("fji,j->fi", R, UNIT), [line(np.tile(axis, (N, 1))) for axis in np.eye(3)]
-    assert "drawn in the body's own axes" in momentum_shown(frames(line(moving), *still), T, R, L).sentence
+    assert "drawn in body axes" in momentum_shown(frames(line(moving), *still), T, R, L).sentence
 
 
 def cone(angle):

@@ -28,7 +28,7 @@ def answer(name, call, *arguments, audit=None):
     """What the filter of that machine says to a call (a name or a number)."""
     machine = MACHINES[name]
     number = call if isinstance(call, int) else (machine.allowed | machine.narrow)[call]
-    code = seccomp.program(machine).replace(struct.pack("<I", seccomp.ANYBODY), struct.pack("<I", ME))
+    code = seccomp.program(machine).replace(struct.pack("<I", seccomp.ANY_PROCESS), struct.pack("<I", ME))
     given = (*arguments, 0, 0, 0, 0, 0, 0)[:6]
     data = struct.pack("<iIQ6Q", number, audit or machine.audit, 0, *(a % 2**64 for a in given))
     at, value = 0, 0

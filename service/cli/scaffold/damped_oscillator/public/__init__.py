@@ -1,7 +1,7 @@
-"""The exercise with the checks that everybody knows.
+"""The exercise with its public checks.
 
-This folder goes into the students' kit, so that ``ecp.check`` prints the server's lines: it imports numpy, scipy, the kit and
-itself, by relative imports, and holds no solution.
+This folder becomes part of the students' kit, so that ``ecp.check`` prints the same lines as the server. It may
+import numpy, scipy, the kit, and its own modules (relatively), and must not contain the solution.
 """
 
 import numpy as np
@@ -27,14 +27,14 @@ OSCILLATOR = Exercise(
     "The equation of motion",
     ("oscillator",),
     (
-        # Accepts a function that returns zeros: a check of what is conserved is never enough by itself.
+        # A conservation check alone is never enough: a function that returns zeros passes it.
         conserved(
             "1-energy",
             "energy conserved without damping",
             "undamped",
             series=_energy,
             limit=1e-8,
-            reason="the integrator, at rtol 1e-10, loses 4.2e-10 of the energy in 40 rad: over twenty times that",
+            reason="the integrator (rtol 1e-10) loses 4.2e-10 of the energy in 40 rad; the limit is over 20 times that",
             locate=_at_time,
         ),
         within(
@@ -45,7 +45,7 @@ OSCILLATOR = Exercise(
             expected=lambda truth: truth["y"],
             scale=lambda truth: 1.0,
             limit=1e-8,
-            reason="the integrator, at rtol 1e-10, is off by 2.4e-10 after 40 rad: forty times that",
+            reason="the integrator's error (rtol 1e-10) is 2.4e-10 after 40 rad; the limit is 40 times that",
             locate=_at_time,
         ),
     ),

@@ -1,4 +1,4 @@
-"""The numbers of the scenes that everybody knows, in SI units."""
+"""The parameters of the public scenes, in SI units."""
 
 START = (1.0, 0.0)  # x and v at t = 0
 DAMPED = (2.0, 0.1)  # ω and γ

@@ -6,7 +6,7 @@ import io
 import json
 from pathlib import Path
 
-from service.formats import grades_csv, grades_json
+from service.formats import grades
 from tests.support.grade_rows import CHECKS, CLASS, row
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -17,18 +17,18 @@ def golden(name, text):
 
 
 def test_an_assignment():
-    golden("grades.csv", grades_csv.assignment_csv(CLASS, [*CHECKS, "9-of-old"]))
+    golden("grades.csv", grades.assignment_csv(CLASS, [*CHECKS, "9-of-old"]))
 
 
 def test_a_course():
     other = [
         dataclasses.replace(one, assignment="tops", points=None if one.points is None else 10, max_points=10) for one in CLASS[:3]
     ]
-    golden("course.csv", grades_csv.course_csv([*CLASS, *other]))
+    golden("course.csv", grades.course_csv([*CLASS, *other]))
 
 
 def test_it_is_read_back_by_name_of_column():
-    lines = list(csv.DictReader(io.StringIO(grades_csv.assignment_csv(CLASS, CHECKS).removeprefix("\ufeff"), newline="")))
+    lines = list(csv.DictReader(io.StringIO(grades.assignment_csv(CLASS, CHECKS).removeprefix("\ufeff"), newline="")))
     assert [line["points"] for line in lines] == ["2", "1", "1", "", ""]
     assert [line["percent"] for line in lines] == ["100.0", "50.0", "50.0", "", ""]
     assert lines[2]["2-energy"] == "pass (override)" and lines[2]["2-motion"] == "timeout" and lines[2]["overridden"] == "yes"
@@ -38,7 +38,7 @@ def test_it_is_read_back_by_name_of_column():
 
 def test_json_has_numbers_null_and_texts_as_they_are():
     evil = row("=1", 2, full_name="＝cmd|' /C calc'!A0\n\u202e", email="@x")
-    students = json.loads(grades_json.text({"assignment": "rigid-body"}, [*CLASS, evil]))["students"]
+    students = json.loads(grades.assignment_json({"assignment": "rigid-body"}, [*CLASS, evil]))["students"]
     assert [s["points"] for s in students] == [2, 1, 1, None, None, 2]
     assert (students[5]["student"], students[5]["full_name"], students[5]["email"]) == (evil.student, evil.full_name, evil.email)
     assert students[2]["checks"] == {"2-energy": {"state": "fail", "given": 1}, "2-motion": {"state": "timeout", "given": None}}

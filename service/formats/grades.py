@@ -1,6 +1,8 @@
-"""Our own CSV: an assignment with a column for each check, and the whole course."""
+"""Grades in polhode's own CSV and JSON files."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from service.formats.csv import BYTE_ORDER_MARK, Value, table
 from service.formats.grade_row import GradeRow, moment
@@ -8,15 +10,25 @@ from service.formats.grade_row import GradeRow, moment
 PERSON = ("student", "full_name", "email", "student_id")
 GRADE = ("points", "max_points", "percent", "late", "submitted_at", "graded_at", "attempts", "overridden", "grader", "submission")
 MORE = ("status", "score", "counted")
+JSON_FIELDS = (
+    "student", "full_name", "email", "student_id", "status", "attempts", "submission", "late", "score", "points", "counted",
+    "percent", "overridden",
+)  # fmt: skip
 
 
 def assignment_csv(rows: Sequence[GradeRow], checks: Sequence[str]) -> str:
-    """A line for each student of one assignment; a check's state is followed by "(override)" where somebody gave it."""
+    """Return one assignment's grades as CSV: one line per student, with one column per check id.
+
+    A check's cell holds its state, followed by "(override)" where a grader overrode it.
+    """
     return BYTE_ORDER_MARK + table([*PERSON, *GRADE, *MORE, *checks], [[*_grade(row), *_states(row, checks)] for row in rows])
 
 
 def course_csv(rows: Sequence[GradeRow]) -> str:
-    """A line for each student, with points and most points of every assignment, from the rows of all assignments."""
+    """Return the course's grades as CSV: one line per student, with points and maximum points of every assignment.
+
+    ``rows`` holds the rows of all assignments.
+    """
     slugs = list(dict.fromkeys(row.assignment for row in rows))
     header = [*PERSON, *(f"{slug} {what}" for slug in slugs for what in ("points", "max_points"))]
     by_student: dict[str, dict[str, GradeRow]] = {}
@@ -24,6 +36,14 @@ def course_csv(rows: Sequence[GradeRow]) -> str:
         by_student.setdefault(row.student, {})[row.assignment] = row
     lines = [[*_person(next(iter(of.values()))), *_pairs(of, slugs)] for of in by_student.values()]
     return BYTE_ORDER_MARK + table(header, lines)
+
+
+def assignment_json(about: Mapping[str, Any], rows: Sequence[GradeRow]) -> str:
+    """Return one assignment's grades as a JSON document: the fields of ``about`` and the list ``students``.
+
+    Missing values are null. Texts are not escaped for spreadsheets.
+    """
+    return json.dumps({**about, "students": [_student(row) for row in rows]}, ensure_ascii=False, allow_nan=False)
 
 
 def _person(row: GradeRow) -> list[Value]:
@@ -37,9 +57,15 @@ def _grade(row: GradeRow) -> list[Value]:
 
 
 def _states(row: GradeRow, checks: Sequence[str]) -> list[Value]:
-    shown = {check: row.state(check) for check in checks}
-    return [f"{state} (override)" if state and check in row.given else state for check, state in shown.items()]
+    states = {check: row.state(check) for check in checks}
+    return [f"{state} (override)" if state and check in row.given else state for check, state in states.items()]
 
 
 def _pairs(of: dict[str, GradeRow], slugs: Sequence[str]) -> list[Value]:
     return [value for slug in slugs for value in ((of[slug].points, of[slug].max_points) if slug in of else (None, None))]
+
+
+def _student(row: GradeRow) -> dict[str, Any]:
+    times = {"submitted_at": moment(row.submitted_at), "graded_at": moment(row.graded_at)}
+    checks = {check: {"state": state, "given": row.given.get(check)} for check, state in row.checks.items()}
+    return {name: getattr(row, name) for name in JSON_FIELDS} | times | {"grader": row.grader or None, "checks": checks}

@@ -1,6 +1,6 @@
-"""What the walls cost: a warm child against a cold bwrap and Python per submission, in the same run; rates, memory, kill latency.
+"""Cost of the sandbox: a warm child against a cold bwrap and Python per submission; rates, memory, kill latency.
 
-The goals are issue 4's; they hold on an idle machine with two cores.
+The goals hold for an idle machine with two cores.
 """
 
 import os
@@ -17,7 +17,7 @@ import numpy as np
 from exercises.assignment import ArraySpec
 from exercises.catalogue import assignments
 from exercises.rigid_body import host_integration
-from service.grading.crosscheck import Attempt, cross_check
+from service.grading.crosscheck import PlayedJob, cross_check
 from service.grading.grade import draw_inputs, truth
 from service.sandbox import session
 from service.sandbox.isolation import process_isolation
@@ -48,20 +48,20 @@ def f(x):
 
 
 def main() -> None:
-    """Measure and print, a line each."""
-    walls = choose()
-    first, second = Sandbox(walls), Sandbox(walls)
+    """Measure and print one line per measurement."""
+    isolation = choose()
+    first, second = Sandbox(isolation), Sandbox(isolation)
     for sandbox in (first, second):
         sandbox.self_test()
-    print(f"\nwalls: {walls.name}")
+    print(f"\nisolation: {isolation.name}")
     warm = latency(first, "trivial play")
     bare = Sandbox(process_isolation(()))
     bare.start()
-    latency(bare, "the same without any wall")
+    latency(bare, "the same without any layer")
     bare.close()
-    latency(in_tier_b := Sandbox(process_isolation()), "the same in tier B")
-    in_tier_b.close()
-    cold = statistics.median(timed(lambda: _cold(walls)) for _ in range(5))
+    latency(without_namespaces := Sandbox(process_isolation()), "the same without namespaces")
+    without_namespaces.close()
+    cold = statistics.median(timed(lambda: _cold(isolation)) for _ in range(5))
     print(f"{'cold bwrap and Python per submission':44} {1e3 * cold:8.0f} ms   {cold / warm:.0f} times the warm play")
     print(f"{'trivial plays, two zygotes':44} {rate([first, second], lambda s: s.play(TRIVIAL)):8.0f} /s      goal 100")
     job, inputs, truths = _probing()
@@ -76,13 +76,13 @@ def main() -> None:
 
 
 def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
-    """Median time of a play, and until the submission's first line ran."""
+    """Print the median time to the submission's first line and of a whole play. Return the latter in seconds."""
     first_line, whole = [], []
     for _ in range(plays):
         began = time.clock_gettime(time.CLOCK_MONOTONIC)
-        seen = sandbox.play(TRIVIAL)
+        result = sandbox.play(TRIVIAL)
         whole.append(time.clock_gettime(time.CLOCK_MONOTONIC) - began)
-        first_line.append(float(seen.stdout) - began)
+        first_line.append(float(result.stdout) - began)
     start, total = (1e3 * statistics.median(x) for x in (first_line, whole))
     high = 1e3 * statistics.quantiles(whole, n=20)[-1]
     print(f"{name:44} {start:8.1f} ms to the student's first line (goal 10), {total:.1f} ms in all (goal 20), p95 {high:.1f}")
@@ -90,7 +90,7 @@ def latency(sandbox: Sandbox, name: str, plays: int = 100) -> float:
 
 
 def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: float = 3.0) -> float:
-    """How often a second, with all sandboxes at work."""
+    """Return the plays per second with all sandboxes at work."""
     counts, until = [0] * len(sandboxes), time.monotonic() + seconds
 
     def work(k: int) -> None:
@@ -107,7 +107,7 @@ def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: f
 
 
 def memory(sandbox: Sandbox) -> None:
-    """Resident size of the zygote, and private memory of a child that computes and of one that has drawn a figure."""
+    """Print the resident size of the zygote, and the private memory of a child that computes and of one that draws."""
     pid = sandbox._zygote._process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
         pid = int(children[0])
@@ -126,7 +126,7 @@ def memory(sandbox: Sandbox) -> None:
 
 
 def kill_latency(sandbox: Sandbox) -> None:
-    """From the end of the host's patience until the child is buried."""
+    """Print the time from the end of the budget until the child is reaped."""
     session.GRACE_S = 0.0
     source = "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [14])\ndef f(x):\n    while True: pass"
     job = replace(TRIVIAL, cells=(Cell("submission.py", source),), scenes=(replace(TRIVIAL.scenes[0], budget_s=0.3),))
@@ -135,24 +135,24 @@ def kill_latency(sandbox: Sandbox) -> None:
 
 
 def timed(run: Callable[[], object]) -> float:
-    """Wall time of one call."""
+    """Return the wall time of one call in seconds."""
     began = time.perf_counter()
     run()
     return time.perf_counter() - began
 
 
-def _cold(walls) -> None:
-    command = [*walls.around, walls.inside[0], "-I", "-S", "-B", "-c", _IMPORTS.format(path=_path(walls))]
-    subprocess.run(command, env=dict(walls.environment), check=True)
+def _cold(isolation) -> None:
+    command = [*isolation.around, isolation.inside[0], "-I", "-S", "-B", "-c", _IMPORTS.format(path=_path(isolation))]
+    subprocess.run(command, env=dict(isolation.environment), check=True)
 
 
 _IMPORTS = "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, ecp.animation"
 
 
-def _path(walls) -> list[str]:
+def _path(isolation) -> list[str]:
     import json
 
-    return json.loads(walls.inside[-1])["path"]
+    return json.loads(isolation.inside[-1])["path"]
 
 
 def _probing():
@@ -167,9 +167,9 @@ def _probing():
 
 def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
     alone = replace(job, scenes=job.scenes[:1])
-    seen = sandbox.play(alone)
-    found = cross_check(assignments()["rigid-body"], Attempt(alone, inputs, truths, seen), sandbox, 1)
-    assert not found.unsteady and seen.finished("probes")
+    result = sandbox.play(alone)
+    checked = cross_check(assignments()["rigid-body"], PlayedJob(alone, inputs, truths, result), sandbox, 1)
+    assert not checked.unsteady and result.finished("probes")
 
 
 def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
@@ -180,7 +180,7 @@ def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
 
 
 def _memory(pid: int, kind: str) -> float:
-    """KiB by /proc/pid/smaps_rollup; 0 once it is gone."""
+    """Return the KiB of ``kind`` in /proc/pid/smaps_rollup, 0 for a process that has ended."""
     try:
         text = Path(f"/proc/{pid}/smaps_rollup").read_text()
     except OSError:

@@ -823,8 +823,8 @@ WEB = [
     Breakage(
         "a session goes on although it was ended or is over",
         "service/auth/identity.py",
-        "if known is None or known.over is not None:",
-        "if known is None:",
+        "if info is None or info.over is not None:",
+        "if info is None:",
         ("tests/service/pages/test_account.py::test_logging_out_everywhere_ends_every_browser_and_no_token",),
     ),
     Breakage(

@@ -211,7 +211,7 @@ def test_metrics(front, url):
     graded = rows(url, "SELECT count(*) FROM result WHERE report IS NOT NULL")[0][0]
     assert float(told['polhode_results_total{status="graded"}']) == graded > 0
     assert float(told["polhode_wait_seconds_count"]) >= graded and float(told['polhode_workers{state="ready"}']) >= 2
-    assert float(told['polhode_runs{ended="finished"}']) == graded
+    assert float(told['polhode_runs{ending="finished"}']) == graded
     assert 'polhode_http_requests_total{method="POST",route="/v1/assignments/{slug}/submissions",status="200"}' in told
     assert not any("/v1/submissions/" in name and "{id}" not in name for name in told)  # templates, not addresses
 

@@ -18,7 +18,7 @@ def test_a_check_that_finds_something_exits_with_1_and_says_what(database, capsy
     assert main(["db", "check"]) == 0 and "✗" not in capsys.readouterr().out
     sql(database, "INSERT INTO artefact VALUES ('0123', 'x')")
     assert main(["db", "check"]) == 1
-    assert "✗  1 artefacts that do not have the content their name says" in capsys.readouterr().out
+    assert "✗  1 artefacts whose content does not match its hash" in capsys.readouterr().out
 
 
 def test_a_backup_is_restored_only_where_nothing_is_lost(database, tmp_path, capsys):

@@ -30,8 +30,10 @@ SAMPLES = (
 )
 EXERCISES = ("2", "3", "4", "5")
 LINES = {
-    "the notebook's two lines of exercise 2": frozenset(["2-energy", "2-momentum"]),
-    "all its seven lines": frozenset(["2-energy", "2-momentum", "3-energy", "3-momentum", "4-constant", "4-rate", "5-notebook"]),
+    "the notebook's two checks of exercise 2": frozenset(["2-energy", "2-momentum"]),
+    "the notebook's seven checks": frozenset(
+        ["2-energy", "2-momentum", "3-energy", "3-momentum", "4-constant", "4-rate", "5-notebook"]
+    ),
 }
 POINTS, ROUNDING, PATIENCE = 400, 1e-11, 5
 

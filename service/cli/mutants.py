@@ -62,7 +62,7 @@ def grade_mutants(assignment: Assignment, most: int | None = None) -> Iterator[M
 
 
 def table(found: Sequence[MutantResult]) -> str:
-    """Return a Markdown table: for each kind of mutant the number made, the number that is right after all, and
+    """Return a Markdown table: for each kind of mutant the number made, the number that turned out correct, and
     how many wrong ones each set of checks accepts.
     """
     kinds = list(dict.fromkeys(f.mutant.kind for f in found))
@@ -70,7 +70,7 @@ def table(found: Sequence[MutantResult]) -> str:
         {name for f in found for name in f.accepted} | {POLHODE}, key=lambda name: (name == POLHODE, -_accepted(found, name))
     )
     rows = [_row(kind, [f for f in found if f.mutant.kind == kind], judges) for kind in kinds]
-    head = f"| changed functions | made | right after all | {' | '.join(f'wrong, accepted by {name}' for name in judges)} |"
+    head = f"| changed functions | made | turned out correct | {' | '.join(f'wrong, accepted by {name}' for name in judges)} |"
     return "\n".join([head, "|---" * (3 + len(judges)) + "|", *rows, _row("all", found, judges)])
 
 

@@ -179,7 +179,7 @@ def test_a_roster_that_is_none_is_told_with_its_line(seen_by, tmp_path):
     prof.locator("summary", has_text="Import roster").click()
     prof.get_by_label("Roster file").set_input_files(file)
     prof.get_by_role("button", name="Import").click()
-    assert "bad.csv, line 2: a role is" in prof.get_by_role("alert").inner_text()
+    assert "bad.csv, line 2: a role must be one of student" in prof.get_by_role("alert").inner_text()
 
 
 def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(seen_by, sent):

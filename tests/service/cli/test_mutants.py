@@ -29,7 +29,7 @@ def test_table():
         MutantResult(two, True, frozenset()),
     ]
     assert table(found).split("\n") == [
-        "| changed functions | made | right after all | wrong, accepted by some | wrong, accepted by polhode |",
+        "| changed functions | made | turned out correct | wrong, accepted by some | wrong, accepted by polhode |",
         "|---|---|---|---|---|",
         "| kind a | 2 | 1 | 1 | 0 |",
         "| kind b | 1 | 0 | 0 | 0 |",

@@ -12,6 +12,7 @@ from service.store.course import deadlines, overrides, tokens
 from service.store.database import migrate
 from service.store.postgres import backup
 from service.store.postgres.backup import BackupError
+from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.postgres.server import EmbeddedPostgres, find_programs
 from service.store.submissions import accept
 from tests.support.database import new, run, sql
@@ -100,7 +101,7 @@ def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     migrate(before.url)
     run(before.url, lambda d: accept(d, new()))
     before.stop()
-    with pytest.raises(BackupError, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"):
+    with pytest.raises(DatabaseUnavailable, match=r"POLHODE_POSTGRES=/usr/lib/postgresql/\d+/bin polhode db backup"):
         EmbeddedPostgres(tmp_path / "data").start()
     before.start()
     backup.backup(before.url, old[0].parent, tmp_path / "old.dump")

@@ -11,7 +11,7 @@ from fastapi import Request, Response
 from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
 from service.http.requests import public_address
-from service.store.course import people, tokens
+from service.store.course import audit, tokens
 
 COOKIE = "polhode_session"  # the session's secret, signed
 KNOWN = "polhode_known"  # the person that last logged in with this browser
@@ -43,7 +43,7 @@ async def start_session(request: Request, response: Response, name: str, method:
         label = f"{_browser(request)}, by {method}"
         secret = await tokens.create_session(connection, name, label=label, seconds=SESSION_S)
         if method == "password":
-            await people.record_audit(connection, name, "log in", name, {"by": method})
+            await audit.record(connection, name, "log in", name, {"by": method})
     set_cookie(request, response, COOKIE, _signer(request).sign(secret).decode(), max_age=SESSION_S)
     set_cookie(request, response, KNOWN, serializer(request, "known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S)
     response.delete_cookie(VISIT)

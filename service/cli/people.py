@@ -61,12 +61,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 @report_errors
 def _roster(arguments: argparse.Namespace) -> int:
-    from service.store.course import people, tokens
-    from service.store.course import people as rosters
+    from service.store.course import audit, people, tokens
 
     try:
-        roster = rosters.read(arguments.file.read_bytes(), str(arguments.file))
-    except rosters.BadRoster as error:
+        roster = people.read(arguments.file.read_bytes(), str(arguments.file))
+    except people.BadRoster as error:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
@@ -76,7 +75,7 @@ def _roster(arguments: argparse.Namespace) -> int:
         async with database.begin() as connection:
             await people.enroll(connection, roster)
             rows = await tokens.create_all(connection, [entry.name for entry in roster], **terms)
-            await people.record_audit(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
+            await audit.record(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
             target.write(table(("name", "token"), rows))
             target.flush()
 
@@ -93,7 +92,7 @@ def _roster(arguments: argparse.Namespace) -> int:
 
 @report_errors
 def _give(arguments: argparse.Namespace) -> int:
-    from service.store.course import people, tokens
+    from service.store.course import audit, people, tokens
 
     try:
         name = people.normalize_name(arguments.name)
@@ -104,7 +103,7 @@ def _give(arguments: argparse.Namespace) -> int:
     async def create(database: "Database") -> str:
         seconds, scopes = arguments.days * tokens.DAY_S, arguments.scope or tokens.SCOPES
         async with database.begin() as connection:
-            await people.record_audit(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
+            await audit.record(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
             return await tokens.create(connection, name, label=arguments.label, scopes=scopes, seconds=seconds)
 
     with database_url(Settings()) as url:
@@ -124,7 +123,7 @@ def _list(arguments: argparse.Namespace) -> int:
 
 @report_errors
 def _revoke(arguments: argparse.Namespace) -> int:
-    from service.store.course import people, tokens
+    from service.store.course import audit, tokens
 
     if (arguments.id is None) == (arguments.person is None):
         print("polhode: give exactly one of an id and --person NAME", file=sys.stderr)
@@ -134,7 +133,7 @@ def _revoke(arguments: argparse.Namespace) -> int:
         async with database.begin() as connection:
             count = await tokens.revoke(connection, id=arguments.id, person=arguments.person)
             subject = str(arguments.id or arguments.person)
-            await people.record_audit(connection, getpass.getuser(), "revoke token", subject, {"count": count})
+            await audit.record(connection, getpass.getuser(), "revoke token", subject, {"count": count})
         return count
 
     with database_url(Settings()) as url:

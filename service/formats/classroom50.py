@@ -11,7 +11,8 @@ from datetime import UTC, datetime
 from typing import Any
 
 from ecp.judge import Verdict
-from ecp.report import ExerciseReport, Report
+from ecp.outcome import ExerciseReport
+from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
 from service.grading.result import GradedFile, state

@@ -10,8 +10,8 @@ from html import escape
 from typing import Any
 
 from ecp.judge import Verdict
-from ecp.outcome import Outcome
-from ecp.report import ExerciseReport, Picture, Report
+from ecp.outcome import ExerciseReport, Outcome, Picture
+from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
 from service.grading.result import GradedFile, state

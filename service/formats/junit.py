@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ecp.judge import Verdict
-from ecp.outcome import Outcome
-from ecp.report import ExerciseReport, Report
+from ecp.outcome import ExerciseReport, Outcome
+from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
 from service.formats.source_lines import SourceLines

@@ -14,8 +14,8 @@ from ecp.checks import Arrays, Check
 from ecp.claims import Claim, NotebookCheck
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd
-from ecp.report import ExerciseReport, Provenance, Report, pictures
+from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
+from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check

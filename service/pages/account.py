@@ -12,7 +12,7 @@ from service.auth.rate_limit import BY_NAME
 from service.auth.roles import CurrentUser
 from service.http.errors import Problem, wants_page
 from service.http.templating import templates
-from service.store.course import credentials, people, tokens
+from service.store.course import audit, credentials, people, tokens
 
 router = APIRouter()
 DONE = {
@@ -61,7 +61,7 @@ async def revoke(request: Request, person: CurrentUser, form: Form) -> Response:
             raise Problem(
                 404, "not-found", "no active token or session with this id: it was revoked or has expired, reload the page"
             )
-        await people.record_audit(connection, person.name, "revoke token", str(id), {"count": 1})
+        await audit.record(connection, person.name, "revoke token", str(id), {"count": 1})
     return RedirectResponse("/account?done=revoked", 303)
 
 
@@ -71,7 +71,7 @@ async def logout_everywhere(request: Request, person: CurrentUser, form: Form) -
     await _check_account(request)
     async with request.app.state.database.begin() as connection:
         count = await tokens.end_sessions(connection, person.name)
-        await people.record_audit(connection, person.name, "log out everywhere", person.name, {"count": count})
+        await audit.record(connection, person.name, "log out everywhere", person.name, {"count": count})
     return sessions.clear_session(RedirectResponse("/login?out=1", 303))
 
 

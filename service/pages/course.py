@@ -12,7 +12,7 @@ from service.auth.roles import CurrentUser, Instructor, Staff
 from service.formats.csv import table
 from service.http.errors import Problem
 from service.http.templating import templates
-from service.store.course import gradebook, people, tokens
+from service.store.course import audit, gradebook, people, tokens
 from service.store.course.audit import MOST, entries
 from service.store.records import recent
 
@@ -68,7 +68,7 @@ async def import_roster(request: Request, person: Instructor, form: forms.Form) 
         await people.enroll(connection, entries)
         options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
         created = await tokens.create_all(connection, names, **options) if names else []
-        await people.record_audit(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(created)})
+        await audit.record(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(created)})
     return _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(entries)}", 303)
 
 

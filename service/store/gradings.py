@@ -8,7 +8,7 @@ from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.store import runs
-from service.store.course.people import record_audit
+from service.store.course import audit
 from service.store.database import Database
 from service.store.queue import lock_person, send_next
 from service.store.tables import result
@@ -33,7 +33,7 @@ async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
         await connection.execute(_FORGET_JOBS, {"gradings": [str(grading)]})
         await send_next(connection, grading, found.submission)
         detail = {"person": found.person, "grading": found.number, "preview": found.preview}
-        await record_audit(connection, actor, "cancel", str(found.submission), detail)
+        await audit.record(connection, actor, "cancel", str(found.submission), detail)
         await runs.notify_in(connection, found.submission)
     submission: UUID = found.submission
     return submission

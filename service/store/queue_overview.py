@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import Row, text, update
 
 from service.store import runs
-from service.store.course.people import record_audit
+from service.store.course import audit
 from service.store.database import Database
 from service.store.queue import lock_person
 from service.store.submissions import add_grading
@@ -59,7 +59,7 @@ async def regrade(database: Database, which: Sequence[UUID] | str, actor: str, *
             if row is None:
                 continue
             await add_grading(connection, row.id, "regrade", row.seed)
-            await record_audit(connection, actor, "regrade", str(row.id), {"fault": row.fault})
+            await audit.record(connection, actor, "regrade", str(row.id), {"fault": row.fault})
             await runs.notify_in(connection, row.id)
             count += 1
     return count
@@ -72,7 +72,7 @@ async def set_rules(database: Database, slug: str, rules: Rules, actor: str) -> 
         if not changed:
             return False
         detail = {name: str(value) for name, value in asdict(rules).items()}
-        await record_audit(connection, actor, "rules", slug, detail)
+        await audit.record(connection, actor, "rules", slug, detail)
     return True
 
 

@@ -9,8 +9,7 @@ from uuid import UUID
 from sqlalchemy import Row, delete, text
 
 from service.store import runs
-from service.store.course import grades
-from service.store.course.people import record_audit
+from service.store.course import audit, grades
 from service.store.database import Database
 from service.store.gradings import cancel_all_of
 from service.store.queue import lock_persons, send_gradings
@@ -76,7 +75,7 @@ async def create(
         count += await _add(database, id, selected[start : start + BATCH])
     async with database.begin() as connection:
         if count:
-            await record_audit(
+            await audit.record(
                 connection, actor, "regrade begun", str(id), {"assignment": slug, "what": description, "submissions": count}
             )
             return UUID(str(id))
@@ -119,7 +118,7 @@ async def apply(database: Database, id: UUID, actor: str) -> int:
         if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():
             raise RegradeIncomplete(f"{open} of its submissions have not been graded yet")
         changed = (await connection.execute(_RELEASE, {"id": id})).all()
-        await record_audit(connection, actor, "regrade applied", str(id), {"submissions": len(changed)})
+        await audit.record(connection, actor, "regrade applied", str(id), {"submissions": len(changed)})
         for row in changed:
             await runs.notify_in(connection, row.submission_id)
     return len(changed)
@@ -134,7 +133,7 @@ async def drop(database: Database, id: UUID, actor: str) -> int:
         if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "actor": actor})).rowcount:
             raise RegradeClosed(await _decision(database, id))
         cancelled = await cancel_all_of(connection, id, actor)
-        await record_audit(connection, actor, "regrade dropped", str(id), {"cancelled": cancelled})
+        await audit.record(connection, actor, "regrade dropped", str(id), {"cancelled": cancelled})
     return cancelled
 
 

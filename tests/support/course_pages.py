@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 from service.grading.submission import Submission
 from service.store import gradings, queue_overview, regrades, runs, workers
-from service.store.course import deadlines, overrides, people
+from service.store.course import audit, deadlines, overrides, people
 from service.store.records import NewSubmission
 from service.store.submissions import accept
 from tests.support import submissions
@@ -36,7 +36,7 @@ async def _fill(database, url, sandbox, source, texts):
     staff = [("prof", "instructor"), ("tutor", "assistant"), ("ben", "student", texts["full_name"])]
     async with database.begin() as connection:
         await people.enroll(connection, [*staff, (name, "student", texts["full_name"], "ann@example.org", "0042")])
-        await people.record_audit(connection, "prof", "roster", words, {"people": 4, words: words})
+        await audit.record(connection, "prof", "roster", words, {"people": 4, words: words})
     first = await hand_in(database, name, {"2-energy": "✓", "2-momentum": ("✓", 1.5)}, days_ago=2.0)
     real = await _played(database, name, source, texts["filename"], sandbox)
     bad = await hand_in(database, "ben", {"2-energy": ("✗", 1e-3), "2-momentum": "⏱", "2-motion": "!"}, filename=texts["filename"])

@@ -4,8 +4,7 @@ from hypothesis import strategies as st
 
 from ecp.claims import NotebookCheck
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd
-from ecp.report import Picture
+from ecp.outcome import Diagnosis, Ended, Outcome, Picture, SceneEnd
 from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
 HOSTILE = (

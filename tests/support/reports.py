@@ -4,8 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd, Tolerance
-from ecp.report import ExerciseReport, Picture, Provenance, Report
+from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
+from ecp.report import Provenance, Report
 from exercises.catalogue import assignments
 from service.grading.result import GradedFile
 

@@ -6,6 +6,7 @@ import pytest
 
 from ecp.document import document
 from ecp.judge import Verdict
+from ecp.report_html import html
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.course_notebook import FILE, LABELS, as_ipynb, as_percent, code
@@ -65,7 +66,7 @@ def test_forged_claims_are_lines_and_nothing_else(rigid_body, sandbox):
     plain = graded(EULER.encode(), "a.py", rigid_body, sandbox)
     forged = graded((FORGED + "claim(label='<b>x</b>')\n" + EULER).encode(), "a.py", rigid_body, sandbox)
     assert [check.line for check in forged.notebook_checks] == ["✓  <b>x</b>   [True]"]
-    assert "<b>x" not in forged._repr_html_() and "&lt;b&gt;x" in forged._repr_html_()
+    assert "<b>x" not in html(forged) and "&lt;b&gt;x" in html(forged)
     alone = document(forged) | {"notebook_checks": []}
     assert alone == document(plain) and plain.notebook_checks == []
 

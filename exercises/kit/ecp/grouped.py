@@ -2,13 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Outcome
-
-if TYPE_CHECKING:
-    from ecp.report import ExerciseReport
+from ecp.outcome import Diagnosis, ExerciseReport, Outcome
 
 
 @dataclass(frozen=True)
@@ -33,7 +29,7 @@ class Cause:
         return [f"exercise {number}: {'; '.join(o.label for o in outcomes)}" for number, outcomes in self.explains.items()]
 
 
-def causes(exercises: Iterable["ExerciseReport"]) -> list[Cause]:
+def causes(exercises: Iterable[ExerciseReport]) -> list[Cause]:
     """Return the diagnoses of all counted outcomes that did not pass, the one that explains most first."""
     found: dict[str, tuple[Diagnosis, dict[str, list[Outcome]]]] = {}
     for exercise in exercises:

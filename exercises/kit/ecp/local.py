@@ -18,8 +18,9 @@ from ecp.checks import Arrays, Check
 from ecp.course import PublicAssignment, PublicScene, UnknownCourse
 from ecp.exercise import Exercise, attempted
 from ecp.judge import Verdict
-from ecp.outcome import Diagnosis, Ended, Outcome, SceneEnd
-from ecp.report import ExerciseReport, Provenance, Report, pictures
+from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
+from ecp.report import Provenance, Report, pictures
+from ecp.report_html import html
 from ecp.return_value import describe_exception, is_written
 from ecp.time_limit import OutOfTime, limited
 
@@ -46,7 +47,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
         played = _play(_needed(chosen, checks, known), known, names)
     sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True)
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True, html=html)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
     report.not_attempted = [e.number for e in missed]
     report.total = report.max_score + sum(len(e.applicable_checks(e.functions, function_of)) for e in missed)

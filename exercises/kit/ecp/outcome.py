@@ -150,3 +150,28 @@ class SweepResult:
     scene: str
     points: list[SweptPoint]
     line: str
+
+
+@dataclass
+class ExerciseReport:
+    """The outcomes of one exercise, in the order of its declaration."""
+
+    number: str
+    title: str
+    outcomes: list[Outcome]
+
+    def text(self, numbers: Mapping[str, int]) -> str:
+        """Return the exercise's lines. ``numbers`` maps sentences of causes at the top of the report to their
+        numbers.
+        """
+        return "\n".join([f"Exercise {self.number}. {self.title}", *(outcome.text(numbers) for outcome in self.outcomes)])
+
+
+@dataclass
+class Picture:
+    """A figure or animation that can be requested by its ``name``."""
+
+    name: str
+    exercise: str
+    title: str
+    alt: str

@@ -15,6 +15,7 @@ from ecp.http import CONTACT_S, Event, RequestError, call, events
 from ecp.identity import JSON, authorization
 from ecp.progress import Line
 from ecp.report import Report
+from ecp.report_html import html
 from ecp.return_value import is_empty
 
 PATIENCE_S = 300.0  # with a server that stored the submission: it may restart meanwhile
@@ -56,7 +57,8 @@ def submit(
     with _final_text_on_error(line, f"submitted, see {page}"):
         url = f"{where}/v1/submissions/{accepted['id']}"
         report = _report(_wait(url, headers, line, page), page)
-    report.sent, report.address, report.drawn = sent, page, _pictures(report, url, headers, line).get
+    report.sent, report.address, report.html = sent, page, html
+    report.drawn = _pictures(report, url, headers, line).get
     remarks = [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
     remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server graded a different text than the one sent.")
     report.remark = " ".join(filter(None, [*remarks, _outdated(where, slug)]))

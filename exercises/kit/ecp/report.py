@@ -1,6 +1,6 @@
 """The report of a grading, or of ``ecp.check``: outcomes by exercise, provenance, figures and scene ends."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -9,40 +9,15 @@ from ecp.claims import NotebookCheck
 from ecp.exercise import Exercise
 from ecp.grouped import Cause
 from ecp.judge import Verdict
-from ecp.outcome import Ended, Outcome, SceneEnd, SweepResult
+from ecp.outcome import Ended, ExerciseReport, Outcome, Picture, SceneEnd, SweepResult
 
 OWN_CHECKS = "The notebook's own checks (self-reported, no points)"
-
-
-@dataclass
-class Picture:
-    """A figure or animation that can be requested by its ``name``."""
-
-    name: str
-    exercise: str
-    title: str
-    alt: str
 
 
 def pictures(exercises: Sequence[Exercise], shown: Collection[str]) -> tuple[list[Picture], list[Picture]]:
     """Return figures and animations of the exercises whose scenes are all among those ``shown``."""
     figures = [Picture(f.name, e.number, f.title, f.alt) for e in exercises for f in e.figures if set(f.scenes) <= set(shown)]
     return figures, [Picture(a.name, e.number, a.title, a.alt) for e in exercises for a in e.animations if a.scene in shown]
-
-
-@dataclass
-class ExerciseReport:
-    """The outcomes of one exercise, in the order of its declaration."""
-
-    number: str
-    title: str
-    outcomes: list[Outcome]
-
-    def text(self, numbers: Mapping[str, int]) -> str:
-        """Return the exercise's lines. ``numbers`` maps sentences of causes at the top of the report to their
-        numbers.
-        """
-        return "\n".join([f"Exercise {self.number}. {self.title}", *(outcome.text(numbers) for outcome in self.outcomes)])
 
 
 @dataclass
@@ -68,9 +43,9 @@ class Report:
     ``total`` is the number of points of every exercise that was to be graded, including those
     ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
 
-    A notebook displays it as HTML; ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only there
-    it has pictures ``drawn`` (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page,
-    and a ``remark``. A ``local`` report comes from ``ecp.check`` and has the public checks only.
+    ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures ``drawn``
+    (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, a ``remark``, and the
+    function ``html`` that renders it there. A ``local`` report comes from ``ecp.check`` and has the public checks only.
     """
 
     assignment: str
@@ -90,6 +65,7 @@ class Report:
     sent: Any = field(default=None, metadata={"local_only": True}, compare=False)
     address: str | None = field(default=None, metadata={"local_only": True}, compare=False)
     remark: str = field(default="", metadata={"local_only": True}, compare=False)
+    html: Callable[["Report"], str] | None = field(default=None, metadata={"local_only": True}, compare=False)
 
     COMPUTED_FIELDS: ClassVar = ("score", "max_score", "passed")
 
@@ -158,10 +134,8 @@ class Report:
     def __str__(self) -> str:
         return self.text()
 
-    def _repr_html_(self) -> str:
-        from ecp.report_html import html
-
-        return html(self)
+    def _repr_html_(self) -> str | None:
+        return None if self.html is None else self.html(self)
 
 
 def _note(scene_end: SceneEnd) -> str | None:

@@ -9,8 +9,8 @@ from html import escape
 
 from ecp import grouped
 from ecp.grouped import Cause
-from ecp.outcome import Outcome
-from ecp.report import OWN_CHECKS, ExerciseReport, Picture, Report
+from ecp.outcome import ExerciseReport, Outcome, Picture
+from ecp.report import OWN_CHECKS, Report
 
 # Light by default; dark if the front end says so, or if it says nothing and the system is dark.
 # ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.

@@ -1,13 +1,20 @@
-"""Read the audit log."""
+"""The audit log: record who did what, and read it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import Row
+from sqlalchemy import Row, insert
+from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.store.database import Database
+from service.store.tables import audit as audit_table
 
 MOST = 200
+
+
+async def record(connection: AsyncConnection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
+    """Add an entry to the audit log: ``actor`` did ``action`` to ``subject``."""
+    await connection.execute(insert(audit_table).values(actor=actor, action=action, subject=subject, detail=dict(detail)))
 
 
 async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:

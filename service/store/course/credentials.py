@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import Row, text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from service.store.course import people, tokens
+from service.store.course import audit, people, tokens
 from service.store.database import Database
 
 
@@ -35,7 +35,7 @@ async def set_password(connection: AsyncConnection, name: str, new_hash: str, *,
     if not (await connection.execute(_SET, {"name": name, "hash": new_hash})).all():
         return False
     await tokens.end_sessions(connection, name, but=but)
-    await people.record_audit(connection, by, "set password", name, {})
+    await audit.record(connection, by, "set password", name, {})
     return True
 
 
@@ -65,7 +65,7 @@ async def signed_in(connection: AsyncConnection, account: tuple[str, str], name:
     if has_password and present != name:
         raise NameTaken(f"{name} has a password here: log in with it, then connect this sign-in on your account page")
     await connection.execute(_LINK, {"issuer": issuer, "subject": subject, "person": person})
-    await people.record_audit(connection, name, "connect sign-in", name, {"issuer": issuer, "subject": subject})
+    await audit.record(connection, name, "connect sign-in", name, {"issuer": issuer, "subject": subject})
     return name
 
 
@@ -74,7 +74,7 @@ async def unlink(connection: AsyncConnection, name: str, *, by: str) -> bool:
     if not (await connection.execute(_UNLINK, {"name": name})).all():
         return False
     await tokens.end_sessions(connection, name)
-    await people.record_audit(connection, by, "disconnect sign-in", name, {})
+    await audit.record(connection, by, "disconnect sign-in", name, {})
     return True
 
 

@@ -6,7 +6,8 @@ from typing import Any
 
 from sqlalchemy import Row, text
 
-from service.store.course.people import COURSE, record_audit
+from service.store.course import audit
+from service.store.course.people import COURSE
 from service.store.database import Database
 
 
@@ -17,7 +18,7 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
         if (await connection.execute(_EXTEND, values)).first() is None:
             return False
         detail = {"assignment": slug, "due": due_at.isoformat(), "reason": reason}
-        await record_audit(connection, by, "extension", name, detail)
+        await audit.record(connection, by, "extension", name, detail)
     return True
 
 
@@ -26,7 +27,7 @@ async def remove_extension(database: Database, slug: str, name: str, by: str) ->
     async with database.begin() as connection:
         removed = (await connection.execute(_REMOVE, {"slug": slug, "name": name, "course": COURSE})).first() is not None
         if removed:
-            await record_audit(connection, by, "extension taken back", name, {"assignment": slug})
+            await audit.record(connection, by, "extension taken back", name, {"assignment": slug})
     return removed
 
 

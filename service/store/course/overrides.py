@@ -14,7 +14,7 @@ from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.store import runs
-from service.store.course.people import record_audit
+from service.store.course import audit
 from service.store.database import Database
 from service.store.records import SHOWN
 from service.store.tables import override
@@ -136,7 +136,7 @@ async def _record_change(
     after = (await connection.execute(_SHOWN, {"id": submission})).one()
     action = change.pop("action")
     detail = {"person": before.person, **change, "points": [before.points, after.points]}
-    await record_audit(connection, actor, action, str(submission), detail)
+    await audit.record(connection, actor, action, str(submission), detail)
     await runs.notify_in(connection, submission)
 
 

@@ -3,7 +3,7 @@
 import csv
 import io
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 from uuid import UUID
 
@@ -12,7 +12,7 @@ from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.store.database import Database
-from service.store.tables import audit, course, member, person
+from service.store.tables import course, member, person
 
 COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
@@ -54,11 +54,6 @@ async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | No
     values = {name: list(column) for name, column in columns.items()} | {"course": COURSE}
     for statement in (_ENTER_ALL, _MEMBERS, _ROLES, _ABOUT) if entries else ():
         await connection.execute(statement, values)
-
-
-async def record_audit(connection: AsyncConnection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
-    """Add an entry to the audit log: ``actor`` did ``action`` to ``subject``."""
-    await connection.execute(insert(audit).values(actor=actor, action=action, subject=subject, detail=dict(detail)))
 
 
 async def role(database: Database, name: str) -> str:

@@ -13,8 +13,8 @@ from dataclasses import replace
 import pytest
 
 from ecp.judge import Verdict
-from ecp.outcome import Ended, Outcome, SceneEnd, Tolerance
-from ecp.report import ExerciseReport, Provenance, Report
+from ecp.outcome import Ended, ExerciseReport, Outcome, SceneEnd, Tolerance
+from ecp.report import Provenance, Report
 from service.grading.submission import Submission
 from service.store import runs
 from service.store.course import people, tokens

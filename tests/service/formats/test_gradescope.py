@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-from ecp.report import Picture
+from ecp.outcome import Picture
 from service.formats.check_text import NoVerdict
 from service.formats.gradescope import MOST_PICTURES, VISIBILITIES, document
 from tests.support.reports import example, graded_file, outcome, report

@@ -12,8 +12,7 @@ import uuid
 import numpy as np
 import pytest
 
-from ecp.outcome import Diagnosis, Ended, SceneEnd
-from ecp.report import ExerciseReport
+from ecp.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from exercises import validation
 from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations

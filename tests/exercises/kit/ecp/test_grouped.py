@@ -1,6 +1,7 @@
 """Failures grouped by diagnosis: what is counted, in which order, and how lines refer to it."""
 
 from ecp.outcome import Diagnosis
+from ecp.report_html import html
 from tests.support.reports import outcome, report
 
 SIGN = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign", 1.0)
@@ -52,6 +53,6 @@ def test_nothing_is_grouped_without_a_diagnosis_of_a_check_that_counts():
 
 
 def test_the_html_states_each_cause_once_and_escapes_it():
-    html = report([failed("a", ORDER), failed("b", ORDER)])._repr_html_()
-    assert html.count("One cause explains 2 failures:") == html.count("ω̇₁ &amp; ω̇₂ are swapped") == 1
-    assert html.index("cyclic-order") < html.index("Exercise 1.") and html.count("cause 1: <b>cyclic-order</b>") == 2
+    page = html(report([failed("a", ORDER), failed("b", ORDER)]))
+    assert page.count("One cause explains 2 failures:") == page.count("ω̇₁ &amp; ω̇₂ are swapped") == 1
+    assert page.index("cyclic-order") < page.index("Exercise 1.") and page.count("cause 1: <b>cyclic-order</b>") == 2

@@ -43,7 +43,8 @@ def read_environment(environment: Mapping[str, str], folder: Path, graded_at: da
     values = {field: next((value for name in names if (value := environment.get(name))), "") for field, names in NAMES.items()}
     values["assignment_type"] = values["assignment_type"] or "individual"
     if missing := [" or ".join(NAMES[field]) for field, value in values.items() if not value]:
-        raise MissingEnvironment(f"the environment variables {', '.join(missing)} are not set: run this in Classroom 50's runner")
+        unset = f"{', '.join(missing)} {'are' if len(missing) > 1 else 'is'} not set"
+        raise MissingEnvironment(f"{unset} in the environment: run this in Classroom 50's runner")
     submitted_at = _commit_time(environment.get("GITHUB_SHA", ""), folder) or _tag_time(values["submission"])
     if submitted_at is None:
         cause = f"git has no commit date and the tag {values['submission']} has no time"

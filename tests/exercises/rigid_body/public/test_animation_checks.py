@@ -436,7 +436,7 @@ def test_L_seen_end_on_is_a_point():
     ("direction", "sentence"),
     [
         (np.eye(3)[2], "a fixed line points along z"),
-        (R[0].T @ UNIT, "along the body components of L"),
+        (R[0].T @ UNIT, "uses the body components of L"),
         (np.array([0.6, 0.0, 0.8]), "the only fixed line points along (0.60, 0.00, 0.80)"),
     ],
 )

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ecp import animation
+from ecp import animation_recording
 from exercises.catalogue import assignments
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
@@ -119,8 +119,8 @@ def _draw_time(file: Path, inputs, follow: bool) -> float:
 
     names = {}
     exec((ASSIGNMENT.folder / "setup.py").read_text() + "\n" + file.read_text(), names)
-    real = animation.drawn
-    animation.drawn = real if follow else lambda figure: []
+    real = animation_recording.drawn
+    animation_recording.drawn = real if follow else lambda figure: []
     try:
         began = time.process_time()
         seen = plays.animation(names, inputs)
@@ -129,7 +129,7 @@ def _draw_time(file: Path, inputs, follow: bool) -> float:
             momentum_shown(seen, inputs["t"], inputs["R"], inputs["L"])
         return time.process_time() - began
     finally:
-        animation.drawn = real
+        animation_recording.drawn = real
         plt.close("all")
 
 

@@ -146,7 +146,10 @@ def _cold(isolation) -> None:
     subprocess.run(command, env=dict(isolation.environment), check=True)
 
 
-_IMPORTS = "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, ecp.animation"
+_IMPORTS = (
+    "import sys; sys.path += {path!r}; import numpy, scipy.integrate, matplotlib.pyplot, matplotlib.animation, "
+    "ecp.animation_recording"
+)
 
 
 def _path(isolation) -> list[str]:

@@ -12,7 +12,7 @@ from fastapi.staticfiles import StaticFiles
 
 from exercises.catalogue import load_catalogue
 from service.api import events, exports, figures, health, history, kit, submissions
-from service.api.renderer import Renderer
+from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
@@ -20,7 +20,7 @@ from service.auth.rate_limit import LoginRateLimiter
 from service.http import errors, middleware
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
-from service.pages import account, course, gradebook, login, overrides, queue, reference, regrades, submission
+from service.pages import account, course, gradebook, login, overrides, queue, regrades, speed_vs_accuracy, submission
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret
@@ -44,7 +44,7 @@ PAGES = (
     queue.router,
     regrades.router,
     overrides.router,
-    reference.router,
+    speed_vs_accuracy.router,
     submission.router,
     login.router,
     account.router,

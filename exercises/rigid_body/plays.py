@@ -16,7 +16,7 @@ from matplotlib.animation import Animation
 from scipy.integrate import solve_ivp
 
 import ecp.animate
-from ecp.animation import watch
+from ecp.animation_recording import watch
 from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
 
 # The notebook's settings. A right submission needs under 4000 calls on every scene.

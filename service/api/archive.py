@@ -14,9 +14,9 @@ from sqlalchemy import Row
 from ecp.document import NotADocument
 from ecp.document import read as read_document
 from ecp.report import Report
-from service.formats.csv import BYTE_ORDER_MARK, Value, table
 from service.formats.filenames import UniqueNames, ZipStream, safe_filename
 from service.formats.grade_row import moment
+from service.formats.spreadsheet_csv import BYTE_ORDER_MARK, Value, table
 from service.store.course.grades import overrides, submissions, trail
 from service.store.course.people import ROSTER
 from service.store.database import Database

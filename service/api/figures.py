@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from service.api.renderer import RenderFailed
+from service.api.figure_renderer import RenderFailed
 from service.api.submissions import find_assignment, find_submission
 from service.grading.rendering import FORMATS
 from service.grading.rendering import find as find_figure

@@ -14,7 +14,7 @@ from service.sandbox.isolation import Level
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
-from service.sandbox.self_test import FORBIDDEN
+from service.sandbox.self_test_job import FORBIDDEN
 
 SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and the remedy
     "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from service.cli.database import database_url, report_errors, run_async
-from service.formats.csv import table
+from service.formats.spreadsheet_csv import table
 from service.settings import Settings
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
-from service.formats.csv import Value, cell, table
 from service.formats.grade_row import GradeRow
+from service.formats.spreadsheet_csv import Value, cell, table
 
 CANVAS_HEADER = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
 POSSIBLE = "Points Possible"

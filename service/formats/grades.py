@@ -4,8 +4,8 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from service.formats.csv import BYTE_ORDER_MARK, Value, table
 from service.formats.grade_row import GradeRow, moment
+from service.formats.spreadsheet_csv import BYTE_ORDER_MARK, Value, table
 
 PERSON = ("student", "full_name", "email", "student_id")
 GRADE = ("points", "max_points", "percent", "late", "submitted_at", "graded_at", "attempts", "overridden", "grader", "submission")

@@ -6,10 +6,12 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from exercises.catalogue import assignments
+from service.api.history import list_own
+from service.api.submissions import find_assignment
 from service.auth import forms
-from service.auth.identity import STAFF
+from service.auth.identity import COOKIE, STAFF
 from service.auth.roles import CurrentUser, Instructor, Staff
-from service.formats.csv import table
+from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem
 from service.http.templating import templates
 from service.store.course import audit, gradebook, people, tokens
@@ -37,6 +39,17 @@ async def index(request: Request, person: CurrentUser) -> Response:
 
 TOKEN_S = 200.0 * tokens.DAY_S
 MOST_PEOPLE = 5000
+
+
+@router.get("/assignments/{slug}", response_class=HTMLResponse)
+async def own_submissions(slug: str, request: Request, person: CurrentUser) -> Response:
+    """Show the person's submissions to an assignment and the changes between them."""
+    assignment = find_assignment(slug)
+    history = await list_own(slug, request)
+    by_id = {one["id"]: one for one in history["submissions"]}
+    context = {"assignment": assignment, "person": person.name, "history": history}
+    context |= {"best": by_id.get(history["best"]), "last": by_id.get(history["last"]), "session": COOKIE in request.cookies}
+    return templates.TemplateResponse(request, "submissions.html", context)
 
 
 @router.get("/people", response_class=HTMLResponse)

@@ -21,7 +21,7 @@ from service.grading.submission import source_locations
 from service.http.errors import Problem
 from service.http.templating import templates
 from service.pages import overrides
-from service.pages.source import SIGNS, Changed, TooLong, cells, difference
+from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
 from service.store import records
 from service.store.history import gradings, previous, timeline
 from service.store.records import SubmissionRecord

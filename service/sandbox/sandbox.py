@@ -7,7 +7,7 @@ from ecp.outcome import Ended, SceneEnd
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
 from service.sandbox.result import Cancelled, PlayResult, SystemFault
-from service.sandbox.self_test import self_test_job
+from service.sandbox.self_test_job import self_test_job
 from service.sandbox.zygote import Zygote, ZygoteLost
 
 MOST_PLAYS = 1000  # of one zygote

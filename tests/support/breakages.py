@@ -114,7 +114,7 @@ RIGID_BODY = [
     ),
     Breakage(
         "any axis of the body passes for the one asked for",
-        "exercises/rigid_body/public/reading.py",
+        "exercises/rigid_body/public/followed_direction.py",
         "if axis is None or np.any(units[axis] >=",
         "if axis is not None or np.any(units[axis] >=",
         ("tests/exercises/rigid_body/public/test_animation_checks.py",),
@@ -520,17 +520,17 @@ TELLINGS = [
 GRADES = [
     Breakage(
         "formulas in a CSV are not neutralised",
-        "service/formats/csv.py",
+        "service/formats/spreadsheet_csv.py",
         'return _BEGINS.sub(r"\\1\'\\2", line)',
         "return line",
-        ("tests/service/formats/test_csv.py",),
+        ("tests/service/formats/test_spreadsheet_csv.py",),
     ),
     Breakage(
         "only the beginning of a CSV's text is neutralised",
-        "service/formats/csv.py",
+        "service/formats/spreadsheet_csv.py",
         '(^|[,;|"])([{UNSEEN}]*)',
         "(^)([{UNSEEN}]*)",
-        ("tests/service/formats/test_csv.py",),
+        ("tests/service/formats/test_spreadsheet_csv.py",),
     ),
     Breakage(
         "an ungraded student has an empty cell for Canvas, which takes a score away",

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from ecp.errors import NotebookError
-from ecp.notebook.all_cells import whole
 from ecp.notebook.dependencies import Bundling
+from ecp.notebook.executed_cells import whole
 from ecp.notebook.history import History
 from ecp.notebook.sources import Sources
 from ecp.return_value import is_written

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ecp.animation import moving_share
+from ecp.animation_recording import moving_share
 from ecp.checks import Arrays
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs

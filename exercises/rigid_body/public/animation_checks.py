@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays
 
 from . import boxes, cameras, timing
+from .followed_direction import PARALLEL, Shown, read, samples
 from .matching import Match, Motion, fewer, matched
 from .mistakes import TRANSPOSED, mistimed, otherwise, spin, transposed
 from .own_view import by_own_camera, unlabelled
 from .pictures import Picture, changed, directions, is_consistent, origins, pictures
-from .reading import PARALLEL, Shown, read, samples
 from .resembling import resembling
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ exact motion.
 
 import numpy as np
 
-from ecp.animation import moving_share
+from ecp.animation_recording import moving_share
 from ecp.checks import Arrays, Check, holds, shows, within
 
 from .animation_checks import STILL, body_shown

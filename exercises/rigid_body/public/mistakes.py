@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import cameras, timing
+from .followed_direction import NAMES, Shown, read
 from .matching import Motion, along, at_any_time, matched
 from .pictures import Picture
-from .reading import NAMES, Shown, read
 
 Array = NDArray[np.float64]
 

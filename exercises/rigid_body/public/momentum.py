@@ -9,9 +9,9 @@ from ecp.checks import Arrays
 
 from . import cameras, timing
 from .animation_checks import compared
+from .followed_direction import PARALLEL, Shown
 from .matching import Motion, along, fewer
 from .pictures import Picture, directions, is_consistent, origins, pictures
-from .reading import PARALLEL, Shown
 
 Array = NDArray[np.float64]
 

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import cameras, timing
+from .followed_direction import PARALLEL, Shown, read, samples
 from .matching import Motion, matched_at, own_camera
 from .pictures import Picture, directions
-from .reading import PARALLEL, Shown, read, samples
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 import time
 
-import ecp.animation
+import ecp.animation_recording
 import ecp.artists
 
 
@@ -32,9 +32,9 @@ def right_anyway(*args, **kwargs):
 
 # none of these is what the server calls
 for module, name in (
-    (ecp.animation, "watch"),
-    (ecp.animation, "drawn"),
-    (ecp.animation, "moving_share"),
+    (ecp.animation_recording, "watch"),
+    (ecp.animation_recording, "drawn"),
+    (ecp.animation_recording, "moving_share"),
     (ecp.artists, "drawn"),
     (ecp.artists, "_line"),
     (np, "lexsort"),

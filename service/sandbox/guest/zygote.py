@@ -18,7 +18,7 @@ from typing import Any
 LOCKDOWN_FAILED = 97
 REAPED = struct.Struct("<i")  # wait status
 WARM = (
-    "ecp.animation",
+    "ecp.animation_recording",
     "guest.lockdown",
     "guest.run_scenes",
     "matplotlib.animation",

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 from matplotlib.figure import Figure
 
-from ecp import animate, animation, draw, validate
+from ecp import animate, animation_recording, draw, validate
 from ecp.return_value import WrongAnswer, real_array
 
 mpl.use("Agg")
@@ -149,17 +149,17 @@ def _moving(frames, **options):
 def test_stills_are_at_most_24_spread_over_all_frames_and_each_frame_is_computed_once(blit):
     anim, calls = _moving(100, blit=blit)
     calls.clear()
-    stills = animation.watch(anim, seconds=30.0)["frames"]
+    stills = animation_recording.watch(anim, seconds=30.0)["frames"]
     assert stills.shape == (24, 360, 480, 3) and stills.dtype == np.uint8
     assert calls == [0, *range(100)]  # the first one is the initial draw
-    assert animation.moving_share(stills) > 1e-4
+    assert animation_recording.moving_share(stills) > 1e-4
 
 
 def test_stills_draw_each_still_once(monkeypatch):
     anim, _ = _moving(10)
     drawn, real = [], Figure.draw
     monkeypatch.setattr(Figure, "draw", lambda self, renderer: (drawn.append(1), real(self, renderer))[1])
-    assert len(animation.watch(anim, seconds=30.0)["frames"]) == len(drawn) == 10
+    assert len(animation_recording.watch(anim, seconds=30.0)["frames"]) == len(drawn) == 10
 
 
 def test_endless_animations_are_stopped():
@@ -167,19 +167,19 @@ def test_endless_animations_are_stopped():
 
     anim, _ = _moving(itertools.count())
     with pytest.raises(WrongAnswer, match="more than 600 frames") as caught:
-        animation.watch(anim, seconds=30.0)
+        animation_recording.watch(anim, seconds=30.0)
     assert caught.value.code == "too-many-frames"
     for many in (601, range(601), [*range(601)]):
         anim, calls = _moving(many)
         calls.clear()
         with pytest.raises(WrongAnswer, match="more than 600 frames"):
-            animation.watch(anim, seconds=30.0)
+            animation_recording.watch(anim, seconds=30.0)
         assert calls == [0], "a number of frames that is known beforehand costs no drawing"
     anim, _ = _moving(50)
     with pytest.raises(WrongAnswer, match="after 0 frames"):
-        animation.watch(anim, seconds=0.0)
+        animation_recording.watch(anim, seconds=0.0)
     with pytest.raises(WrongAnswer, match="got NoneType"):
-        animation.watch(None, seconds=1.0)
+        animation_recording.watch(None, seconds=1.0)
 
 
 def test_artist_animations_work_too():
@@ -189,8 +189,8 @@ def test_artist_animations_work_too():
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     anim = ArtistAnimation(figure, [axes.plot([0, 1], [0, k]) for k in range(5)])
-    stills = animation.watch(anim, seconds=30.0)["frames"]
-    assert len(stills) == 5 and animation.moving_share(stills) > 1e-4
+    stills = animation_recording.watch(anim, seconds=30.0)["frames"]
+    assert len(stills) == 5 and animation_recording.moving_share(stills) > 1e-4
 
 
 def test_show_outside_a_notebook_keeps_the_animation():

@@ -16,7 +16,7 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from exercises import validation
 from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
-from service.pages.source import MOST_LINES, MOST_WORK, TooLong, cells, difference
+from service.pages.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference
 from service.store.course import people, tokens
 from tests.support.database import run, sql
 from tests.support.reports import outcome

@@ -14,8 +14,8 @@ import numpy as np
 
 from ecp.notebook.fingerprint import fingerprint, fingerprints_in, functions_of, makes, same_defaults
 from ecp.notebook.history import History
-from ecp.notebook.literals import import_line, literal, own_file
 from ecp.notebook.names import Names, names_in
+from ecp.notebook.value_source import import_line, literal, own_file
 
 # IPython's history variables, which change with every cell.
 _RECORD = re.compile(r"In|Out|_+|_[dio]h|_i+|_i?\d+")

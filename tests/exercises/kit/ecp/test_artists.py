@@ -12,7 +12,7 @@ from matplotlib.patches import FancyArrowPatch, Polygon
 from matplotlib.transforms import Affine2D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from ecp import animate, animation, artists, judge, return_value
+from ecp import animate, animation_recording, artists, judge, return_value
 from ecp.return_value import WrongAnswer
 
 
@@ -84,7 +84,7 @@ def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
         axes.plot(range(k + 2), range(k + 2), range(k + 2))
         axes.plot([], [], [])
 
-    seen = animation.watch(FuncAnimation(figure, update, frames=30, cache_frame_data=False), seconds=60.0)
+    seen = animation_recording.watch(FuncAnimation(figure, update, frames=30, cache_frame_data=False), seconds=60.0)
     assert seen["at"][-1].tolist() == [29, 29, 30]
     tips = seen["tracks"][:, :, 0].T.tolist()
     assert [k + 1.0 for k in range(30)] in tips, "the last point of the trail"
@@ -112,7 +112,7 @@ def test_frames_of_a_generator_are_drawn_as_they_come():
             line.set_ydata([0, k])
             yield k
 
-    seen = animation.watch(FuncAnimation(figure, lambda k: (line,), frames=frames, save_count=100), seconds=60.0)
+    seen = animation_recording.watch(FuncAnimation(figure, lambda k: (line,), frames=frames, save_count=100), seconds=60.0)
     assert len(seen["frames"]) == 24 and np.ptp(seen["tracks"], axis=0).max() > 90
 
 
@@ -150,11 +150,11 @@ def test_drawing_is_limited_in_cpu_time():
             pass
 
     began = time.process_time()
-    animation.watch(FuncAnimation(figure, rest, frames=12), seconds=60.0)
+    animation_recording.watch(FuncAnimation(figure, rest, frames=12), seconds=60.0)
     drawing = time.process_time() - began
-    animation.watch(FuncAnimation(figure, rest, frames=12), seconds=drawing + 0.2)
+    animation_recording.watch(FuncAnimation(figure, rest, frames=12), seconds=drawing + 0.2)
     with pytest.raises(WrongAnswer, match=r"0\.1 s of CPU time were allowed"):
-        animation.watch(FuncAnimation(figure, work, frames=12), seconds=0.1)
+        animation_recording.watch(FuncAnimation(figure, work, frames=12), seconds=0.1)
 
 
 def test_what_is_saved_or_rendered_is_kept_and_not_rendered(tmp_path):
@@ -175,7 +175,7 @@ def test_polygons_of_changing_number_are_points_without_order():
     squares = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]], [[1, 0], [2, 0], [2, 1], [1, 1]]], float)
     faces = ax.add_collection(PolyCollection([]))
     anim = FuncAnimation(figure, lambda k: faces.set_verts(squares[[k % 2]] + k if k % 3 else squares[::-1] + k), frames=12)
-    seen = animation.watch(anim, seconds=60.0)
+    seen = animation_recording.watch(anim, seconds=60.0)
     loose = seen["tracks"][:, seen["owners"][:, 1] == -2, :2]
     assert loose.shape == (12, 6, 2)
     for k, points in enumerate(loose):

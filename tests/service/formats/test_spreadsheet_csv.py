@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from service.formats.csv import FORMULA, UNSEEN, cell, table
+from service.formats.spreadsheet_csv import FORMULA, UNSEEN, cell, table
 
 CORPUS = {
     '=HYPERLINK("http:" & A1, "x")': '\'=HYPERLINK("http:" & A1, "x")',

@@ -50,7 +50,7 @@ class Settings(BaseSettings):
     oidc_client_secret: SecretStr | None = Field(None, description="Client secret at the provider; empty for a public client.")
     oidc_claim: str = Field("preferred_username", description="The claim that holds the person's name.")
     oidc_name: str = Field("your institution", description="The provider's name on the sign-in button.")
-    log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Log lines from this level on.")
+    log_level: Literal["debug", "info", "warning", "error"] = Field("warning", description="Lowest level that is logged.")
 
     @field_validator("min_isolation", mode="before")
     @classmethod

@@ -61,9 +61,10 @@ def _line(points: list[SweptPoint], per_call: float) -> str:
     summary = f"a call takes {per_call * 1e6:.3g} µs; {own.method} at rtol {own.rtol:g} {reached} in {own.calls} calls"
     enough = [p for p in points if p.error is not None and p.error <= ENOUGH]
     if not enough:
-        return f"{summary}; nothing reaches {ENOUGH:g}: the equations themselves are wrong"
+        return f"{summary}; no solver reaches an error of {ENOUGH:g}: check euler_eqs"
     best = min(enough, key=lambda p: p.calls)
-    return f"{summary}; cheapest to {ENOUGH:g} is {best.method} at rtol {best.rtol:g} with {best.calls} calls"
+    cheapest = f"{best.method} at rtol {best.rtol:g} ({best.calls} calls)"
+    return f"{summary}; the solver that reaches {ENOUGH:g} with the fewest calls is {cheapest}"
 
 
 SWEEP = Sweep(Scene("sweep", "sweep", "euler_eqs", INPUTS, RETURNS, _truth, budget_s=20.0), read)

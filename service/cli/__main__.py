@@ -148,7 +148,7 @@ def _mutants(arguments: argparse.Namespace) -> int:
     try:
         results = list(grade_mutants(find(arguments.assignment), arguments.most))
     except (InvalidAssignment, NoAssignment, NoMutants) as error:
-        print(f"polhode: no mutants: {error}", file=sys.stderr)
+        print(f"polhode: cannot grade mutants: {error}", file=sys.stderr)
         return 2
     print(table(results))
     misjudged = [result for result in results if result.misjudged]

@@ -43,10 +43,12 @@ def read_environment(environment: Mapping[str, str], folder: Path, graded_at: da
     values = {field: next((value for name in names if (value := environment.get(name))), "") for field, names in NAMES.items()}
     values["assignment_type"] = values["assignment_type"] or "individual"
     if missing := [" or ".join(NAMES[field]) for field, value in values.items() if not value]:
-        raise MissingEnvironment(f"missing environment variables of Classroom 50: {', '.join(missing)}")
+        unset = f"{', '.join(missing)} {'are' if len(missing) > 1 else 'is'} not set"
+        raise MissingEnvironment(f"{unset} in the environment: run this in Classroom 50's runner")
     submitted_at = _commit_time(environment.get("GITHUB_SHA", ""), folder) or _tag_time(values["submission"])
     if submitted_at is None:
-        raise MissingEnvironment(f"no time of submission: git has no commit date, and the tag {values['submission']} holds no time")
+        cause = f"git has no commit date and the tag {values['submission']} has no time"
+        raise MissingEnvironment(f"cannot determine when this was submitted: {cause}; check out the repository with its history")
     return SubmissionInfo(**values, submitted_at=submitted_at, graded_at=graded_at)
 
 

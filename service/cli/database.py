@@ -100,7 +100,7 @@ def _upgrade(arguments: argparse.Namespace) -> int:
     from service.store.database import migrate
 
     with database_url(Settings(), create=True) as url:
-        print(f"the tables are at revision {migrate(url)}")
+        print(f"the database is upgraded to revision {migrate(url)}")
     return 0
 
 

@@ -126,7 +126,7 @@ def _revoke(arguments: argparse.Namespace) -> int:
     from service.store.course import audit, tokens
 
     if (arguments.id is None) == (arguments.person is None):
-        print("polhode: select tokens: give either an id or --person NAME", file=sys.stderr)
+        print("polhode: give exactly one of an id and --person NAME", file=sys.stderr)
         return 2
 
     async def revoke(database: "Database") -> int:
@@ -190,8 +190,11 @@ def _unlink(arguments: argparse.Namespace) -> int:
 
     with database_url(Settings()) as url:
         known = run_async(url, unlink)
-    print(f"{arguments.name} is disconnected" if known else f"{arguments.name} was not connected to an account")
-    return 0 if known else 1
+    if not known:
+        print(f"polhode: {arguments.name} has no linked OpenID account", file=sys.stderr)
+        return 1
+    print(f"the OpenID account of {arguments.name} is unlinked")
+    return 0
 
 
 def _read_password(name: str) -> str:

@@ -80,13 +80,14 @@ def _regrade(arguments: argparse.Namespace) -> int:
 
     which = "all" if arguments.all else "faults" if arguments.faults else arguments.ids
     if bool(arguments.ids) + arguments.all + arguments.faults != 1:
-        print("polhode: select submissions: give either ids, --faults or --all", file=sys.stderr)
+        print("polhode: give exactly one of ids, --faults and --all", file=sys.stderr)
         return 2
     with database_url(Settings()) as url:
         count = run_async(url, lambda database: regrade(database, which, getpass.getuser()))
     print(f"queued for regrading: {count}")
-    if arguments.ids and count < len(set(arguments.ids)):
-        print("polhode: the other submissions do not exist or are being graded", file=sys.stderr)
+    if arguments.ids and count < (wanted := len(set(arguments.ids))):
+        text = f"polhode: {wanted - count} of {wanted} submissions were not queued: they do not exist or are being graded"
+        print(text, file=sys.stderr)
         return 2
     return 0
 

@@ -40,9 +40,10 @@ class Deadline:
 
     def __post_init__(self) -> None:
         if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
-            raise ValueError(f"must be more than 0: {', '.join(wrong)}")
+            *others, last = [f"--{name}" for name in wrong]
+            raise ValueError(f"{', '.join(others)}{' and ' if others else ''}{last} must be more than 0")
         if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
-            raise ValueError(f"too large: at most {MOST} submissions and {YEAR_MIN} minutes")
+            raise ValueError(f"the simulation is too large: at most {MOST} submissions and {YEAR_MIN} minutes")
 
 
 @dataclass(frozen=True)

@@ -47,8 +47,8 @@ def missing_entry(assignment: Assignment, graded: GradedFile) -> list[str]:
         return [f"cannot be graded: {graded.refused}"]
     if written := new_entry(assignment, graded):
         return ["has no entry in expected.toml; --write would add", *written.rstrip().split("\n")]
-    problem = "has no entry in expected.toml, and none can be written: right_… must be all ✓, any other name must not be:"
-    return [problem, *graded.report.text().rstrip().split("\n")]
+    rule = "a sample named right_… must pass every check, and any other sample must fail one"
+    return [f"has no entry in expected.toml and none was added: {rule}", *graded.report.text().rstrip().split("\n")]
 
 
 def new_entry(assignment: Assignment, graded: GradedFile) -> str | None:

@@ -9,7 +9,7 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from service.sandbox.wire import text
 
-NOTHING = "at least one counted check was made"
+NOTHING = "at least one check was scored"
 """Name of a failed test for reports without counted checks, since other systems read "no failure" as success."""
 SUBMITTED = "the file can be graded"
 MOST_TRACE = 2000

@@ -48,7 +48,7 @@ def document(file: GradedFile, assignment: Assignment, about: SubmissionInfo) ->
     if (report := file.report) is None:
         most, tests = assignment.max_points(), [_failed(SUBMITTED, assignment.max_points(), file.refused or "")]
     elif not report.max_score:
-        most, tests = 0, [_failed(NOTHING, 0, "no counted check was made")]
+        most, tests = 0, [_failed(NOTHING, 0, "no check could be scored")]
     else:
         missed = not_attempted(report, assignment)
         most, tests = report.max_score + sum(missed.values()), [t for e in report.exercises for t in _tests(e, report)]

@@ -47,7 +47,7 @@ def _graded(file: GradedFile, report: Report, assignment: Assignment, max_score:
     tests = [test for exercise in report.exercises for test in _tests(exercise, report, point, hidden)]
     tests += [_failed(name, name) | {"score": 0, "max_score": point * most} for name, most in missed.items()]
     if not report.max_score:
-        tests.append(_failed(NOTHING, "no counted check was made"))
+        tests.append(_failed(NOTHING, "no check could be scored"))
     made, provenance = {"assignment": report.assignment, "version": report.version}, report.provenance
     return {
         "score": report.score * point,

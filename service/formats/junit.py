@@ -61,7 +61,7 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
         if exercise.outcomes:
             yield f"{name}: {_title(exercise)}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
     if not report.max_score:
-        yield name, [Case(NOTHING, "error", "unmeasured", "no counted check was made", sanitize(report.text()))]
+        yield name, [Case(NOTHING, "error", "unmeasured", "no check could be scored", sanitize(report.text()))]
 
 
 def _ungraded(file: GradedFile) -> Case:

@@ -172,7 +172,7 @@ def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> 
     try:
         return sweep(submission, assignment, sandbox)
     except SweepFailed as reason:
-        return SweepResult(scene="", points=[], line=f"not swept: {reason}")
+        return SweepResult(scene="", points=[], line=f"speed and accuracy were not measured: {reason}")
 
 
 def _draw(graded: Graded, options: GradeOptions) -> dict[str, bytes]:

@@ -46,7 +46,7 @@ def cross_check(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, see
             continue
         proof = scene.drive.proof
         if proof not in result.arrays:
-            _discard(result, scene.name, Ended.NOT_PLAYED, f"it comes after {proof}")
+            _discard(result, scene.name, Ended.NOT_PLAYED, f"not run: it needs the scene {proof}, which did not finish")
         elif proof not in checked.unsteady and scene.drive.certified(
             played.inputs[proof], result.arrays[proof], played.truths[proof]
         ):

@@ -33,14 +33,14 @@ class Submission:
         try:
             source = data.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise BadSubmission(f"{filename} is not a text file (UTF-8)") from None
+            raise BadSubmission(f"{filename} is not a text file (UTF-8): save it as UTF-8") from None
         if "\x00" in source:
-            raise BadSubmission(f"{filename} is not a text file (it contains zero bytes)")
+            raise BadSubmission(f"{filename} is not a text file (it contains zero bytes): save it as UTF-8")
         submission = cls(source, _name(filename))
         if len(submission.cells()) > MOST_CELLS:
-            raise BadSubmission(f"{filename} has more than {MOST_CELLS} code cells")
+            raise BadSubmission(f"{filename} has more than {MOST_CELLS} code cells: submit fewer cells")
         if not any(cell.source.strip() for cell in submission.cells()):
-            raise BadSubmission(f"{filename} contains no code")
+            raise BadSubmission(f"{filename} contains no code: add the functions to be graded")
         return submission
 
     @property

@@ -14,8 +14,8 @@ KEPT_OUTPUT = 64 << 10  # bytes of printed output
 SENTENCES = {
     Ended.FINISHED: "finished",
     Ended.RAISED: "your code raised an exception",
-    Ended.SYNTAX: "your code is not Python",
-    Ended.WRONG_ANSWER: "your function returned something else than was asked for",
+    Ended.SYNTAX: "your code has a syntax error: correct the marked line",
+    Ended.WRONG_ANSWER: "your function returned the wrong kind of value: compare it with the exercise",
     Ended.MISSING: "the function is not defined",
     Ended.TIMED_OUT: "your code did not finish in the time allowed",
     Ended.MEMORY: "your code asked for more memory than is allowed",

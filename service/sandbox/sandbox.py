@@ -97,5 +97,5 @@ class Sandbox:
     def _skip_followers(self, job: Job, result: PlayResult) -> None:
         for scene in job.scenes:
             if scene.name not in result.scene_ends and scene.after in result.scene_ends and not result.finished(scene.after):
-                sentence = f"it comes after {scene.after}"
+                sentence = f"not run: it needs the scene {scene.after}, which did not finish"
                 result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)

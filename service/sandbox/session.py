@@ -50,7 +50,7 @@ class ExitStatus(NamedTuple):
     def unpack(cls, data: bytes) -> "ExitStatus":
         """Read the zygote's message. Raises OSError if the zygote has ended."""
         if len(data) != REAPED.size:
-            raise OSError("the zygote ended")
+            raise OSError("the sandbox process stopped unexpectedly")
         return cls(*REAPED.unpack(data))
 
     @property

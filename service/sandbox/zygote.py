@@ -101,7 +101,7 @@ class Zygote:
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
         if word != b"child" or len(handles) != 1:
-            raise ZygoteLost("the sandbox process ended")
+            raise ZygoteLost("the sandbox process stopped unexpectedly")
         return handles[0]
 
     def _wait_for_exit(self) -> ExitStatus:

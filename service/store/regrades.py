@@ -139,7 +139,9 @@ async def drop(database: Database, id: UUID, actor: str) -> int:
 
 async def _decision(database: Database, id: UUID) -> str:
     regrade = await find(database, id)
-    return f"{regrade.decided_by} has {regrade.decided} it already" if regrade and regrade.decided else "there is no such regrade"
+    if regrade is None or not regrade.decided:
+        return "there is no such regrade"
+    return f"{regrade.decided_by} has already {regrade.decided} this regrade: reload the page"
 
 
 _BEGIN = text("""

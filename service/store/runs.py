@@ -56,7 +56,7 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
         if found.lost >= found.max_runs:
             lost = (await connection.execute(_LOST, {"grading": grading})).all()
             listed = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
-            fault = f"grading was begun {len(lost)} times and never finished ({listed})"
+            fault = f"all {len(lost)} runs of this grading failed or were lost ({listed})"
             await connection.execute(insert(result).values(grading_id=grading, fault=fault).on_conflict_do_nothing())
             await send_next(connection, grading, found.submission_id)
             await notify_in(connection, found.submission_id)

@@ -76,7 +76,7 @@ class _WorkerProcess:
     def ensure_running(self, start) -> None:  # type: ignore[no-untyped-def]
         now = time.monotonic()
         if self.process is not None and not self.process.is_alive():
-            log.warning("%s ended with exit code %s and is restarted", self.process.name, self.process.exitcode)
+            log.warning("%s exited with code %s; restarting it", self.process.name, self.process.exitcode)
             self._early_ends = self._early_ends + 1 if now - self._since < SHORT_LIFE_S else 0
             self._not_before = now + (min(LONGEST_PAUSE_S, 0.1 * 2**self._early_ends) if self._early_ends else 0.0)
             self.process.close()

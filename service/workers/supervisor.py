@@ -69,7 +69,7 @@ class Supervisor(threading.Thread):
                 continue
             try:
                 if self._database is not None and not self._database.alive:
-                    log.error("the embedded database ended unexpectedly and is restarted")
+                    log.error("the embedded database stopped unexpectedly; restarting it")
                     self._database.restart()
                 if self._settings.workers and (self._pool is None or self._pool.poll() is not None):
                     self._pool = self._start_pool()

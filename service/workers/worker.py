@@ -94,7 +94,7 @@ class Worker:
                 self._isolation = isolation.name
                 return True
             except (IsolationUnavailable, SystemFault) as reason:
-                log.error("this worker cannot grade and tries again: %s", reason)
+                log.error("the sandbox cannot start; retrying: %s", reason)
                 await self._register(None, str(reason))
                 await self._pause(RETRY_SANDBOX_S)
         return False
@@ -116,7 +116,7 @@ class Worker:
                     )  # fmt: skip
             except Exception as error:
                 if not logged or not is_outage(error):
-                    log.warning("taking jobs was interrupted by %s and is resumed", type(error).__name__)
+                    log.warning("fetching jobs failed (%s); reconnecting", type(error).__name__)
                 logged = True
             await asyncio.sleep(0.3)
 

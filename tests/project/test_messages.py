@@ -16,6 +16,14 @@ def run(parser, n):
         raise ValueError(f"expected at least 1 file, got {n}" if n else "no file given")
     print(f"polhode: {n} files", "could not be read")
     raise Problem(404, "not-found", "there is no " + f"submission {n}")
+
+def remarks(found, names, late):
+    found.append("" if late else "The server graded another text.")
+    yield from (f"{name}: the file does not exist" for name in names)
+    yield "Late."
+
+HEADER = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+STYLE = "p{color:red; margin:0 of the page}"
 '''
 PAGE = """<h1>Audit log</h1>{% if rows %}<p>{{ rows | length }} entries</p>{% else %}<p>No entries.</p>{% endif %}
 <nav aria-label="Pages of the log"></nav>{{ "by a student" if me else "by nobody" }}"""
@@ -35,6 +43,9 @@ def test_messages_of_code_are_found_with_values_left_out(tmp_path):
         "polhode: … files",
         "could not be read",
         "there is no",
+        "The server graded another text.",
+        "…: the file does not exist",
+        "Late.",
     ]
 
 

@@ -376,7 +376,7 @@ GRADING = [
     Breakage(
         "a motion without its probes is believed",
         "service/grading/crosscheck.py",
-        '_discard(result, scene.name, Ended.NOT_PLAYED, f"it comes after {proof}")',
+        '_discard(result, scene.name, Ended.NOT_PLAYED, f"not run: it needs the scene {proof}, which did not finish")',
         "continue",
         ("tests/service/grading/test_crosscheck.py::test_a_motion_is_not_believed_if_its_function_was_not_asked_again",),
     ),

@@ -105,6 +105,10 @@ def _in_code(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
                 yield from _strings(node)
             case ast.keyword(arg=name, value=value) if name in KEYWORDS:
                 yield from _strings(value)
+            case ast.Call(func=function, args=args) if _name(function) not in IGNORED:
+                yield from ((v, t) for a in args for v, t in _direct(a) if _reads_as_prose(t))
+            case ast.GeneratorExp(elt=value) | ast.ListComp(elt=value):
+                yield from ((v, t) for v, t in _direct(value) if _reads_as_prose(t))
             case ast.Dict(values=values) | ast.Tuple(elts=values) | ast.List(elts=values):
                 yield from ((v, t) for v in values if v is not None for v, t in _direct(v) if _reads_as_prose(t))
             case ast.Yield(value=ast.expr() as value) | ast.Return(value=ast.expr() as value):
@@ -138,20 +142,27 @@ def _name(function: ast.expr) -> str:
 
 
 def _is_sentence(text: str) -> bool:
-    return bool(re.search(r"[a-z]{2,}[^a-z]* [^a-z]*[a-z]{2,}", text, re.IGNORECASE)) and not _is_code(text)
+    words = re.search(r"[a-z]{2,}[^a-z]* [^a-z]*[a-z]{2,}", text, re.IGNORECASE)
+    return bool(words or _WORD.fullmatch(text)) and not _is_code(text)
 
 
 def _reads_as_prose(text: str) -> bool:
-    """Whether a string that is merely assigned or returned is a sentence: three words, and no query, code or markup."""
-    return len(re.findall(r"\b[a-z]+\b", text)) >= 3 and not _is_code(text)
+    """Return whether a string outside a known call is a sentence: three words, or or one with a full stop; no code."""
+    return (len(re.findall(r"\b[a-z]+\b", text)) >= 3 or bool(_WORD.fullmatch(text))) and not _is_code(text)
 
 
 def _is_code(text: str) -> bool:
     return bool(
         re.search(
-            r"\b(SELECT|UPDATE|INSERT|DELETE|WHERE|FROM|CREATE|ALTER)\b|\bimport \w|^\s*<|def \w+\(|::\w+ |\bEXISTS\b|-c \w+=", text
+            r"\b(SELECT|UPDATE|INSERT|DELETE|WHERE|FROM|CREATE|ALTER|CASE WHEN|EXISTS)\b|\bimport \w|^\s*<|def \w+\(|::\w+ |-c \w+="
+            r"|\b\w+-src '|^[a-z]+/[a-z.-]+;|^attachment; |\bno-cache\b|\{-?-?[a-z-]+:",
+            text,
         )
     )
+
+
+_WORD = re.compile(r"[A-Z][a-z]+\.")
+"""A sentence of one word, such as "Late."."""
 
 
 class _Text(HTMLParser):
@@ -175,7 +186,7 @@ def _template(text: str) -> Iterator[str]:
     parser.feed(re.sub(r"\{\{.*?\}\}", "…", re.sub(r"\{%.*?%\}|\{#.*?#\}", " ", text, flags=re.DOTALL), flags=re.DOTALL))
     for piece in [*parser.found, *quoted]:
         line = " ".join(piece.split())
-        if re.search(r"[A-Za-z]{3,}", line) and not re.search(r"^[a-z-]+(\.html)?$|^[a-z_/-]+/|[{};]", line):
+        if re.search(r"[A-Za-z]{3,}", line) and not re.search(r"^[a-z-]+(\.html)?$|^[a-z_/-]+/|[{};]|^~|~$", line):
             yield line
 
 

@@ -82,8 +82,8 @@ def test_a_wrong_claim_of_a_right_function_costs_nothing(rigid_body, sandbox):
     report = graded(as_ipynb(cells), "a.ipynb", rigid_body, sandbox)
     first, long, *_, last = report.notebook_checks
     assert report.passed and first.verdict is Verdict.FAIL and first.cell == "cell 3"
-    assert long.line == "–  long   [not captured: 70000 numbers; one check may have at most 65536]"
-    assert len(report.notebook_checks) == 101 and last.line == "–  102 more checks   [not captured: at most 100 are accepted]"
+    assert long.line == "–  long   [not measured: 70000 numbers; one check may have at most 65536]"
+    assert len(report.notebook_checks) == 101 and last.line == "–  102 more checks   [not measured: at most 100 are accepted]"
 
 
 def animation(changed=("", ""), last="show(anim)"):

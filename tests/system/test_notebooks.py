@@ -151,9 +151,9 @@ def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, p
     wrong = ["ecp.submit(np.cross)", "ecp.submit(euler_eqs, file='mine.py')"]
     calls = ["ecp.submit(box_moments)", *wrong, "ecp.submit(euler_eqs, box_moments)"]
     *_, nothing, other, both, remote = play(connect(server), *cells, *calls, allow_errors=True)
-    assert "cross defines none of them: nothing was submitted" in said(other) and "euler_eqs" in said(other)
+    assert "Nothing was submitted: `cross` is not among the functions of rigid-body" in said(other) and "euler_eqs" in said(other)
     assert said(both) == "Submit either functions or a file, not both: nothing was submitted."
-    assert said(nothing) == "Nothing was submitted: box_moments is still empty.\n"
+    assert said(nothing) == "Nothing was submitted: `box_moments` has no code yet. Write it, run its cell, and submit again.\n"
     html = shown(remote, "text/html")
     assert "Not sent, still empty: box_moments." in html and re.search(r"<p>data: ", html)
 

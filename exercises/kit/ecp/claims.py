@@ -49,7 +49,7 @@ class Claim:
         """
         kind = KINDS[self.kind]
         if self.left_out:
-            return Judgement(Verdict.UNMEASURED, f"not captured: {self.left_out}")
+            return Judgement(Verdict.UNMEASURED, f"not measured: {self.left_out}")
         if self.unfit:
             return Judgement(Verdict.FAIL, self.unfit)
         for name in kind.arrays:
@@ -111,7 +111,7 @@ class _Unfit(Exception):
 
 def _numbers(name: str, value: Any) -> Array:
     if isinstance(value, str):
-        raise _Unfit(f"{name} is text: the arguments come first, then the label")
+        raise _Unfit(f"{name} is a string: pass the arrays first and the label last")
     if value is None:
         raise _Unfit(f"{name} is None: nothing was computed or returned")
     try:
@@ -126,8 +126,9 @@ def _numbers(name: str, value: Any) -> Array:
 def _truth(value: Any) -> Array:
     """Return a condition as 1 or 0: True or False of Python or numpy, or an array that holds one of them."""
     if not isinstance(value, bool | np.bool_ | np.ndarray) or np.asarray(value).dtype != bool or np.size(value) != 1:
-        shape = f" of shape {value.shape}" if isinstance(value, np.ndarray) else ""
-        raise _Unfit(f"condition is {type(value).__name__}{shape}, not one True or False")
+        what = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
+        reduce = " (use np.all)" if isinstance(value, np.ndarray) and value.size > 1 else ""
+        raise _Unfit(f"condition is {what}: pass a single True or False{reduce}")
     return np.asarray(value, dtype=float).reshape(())
 
 

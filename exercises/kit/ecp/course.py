@@ -106,8 +106,9 @@ def assignment(given: str | None = None) -> str:
 def public(slug: str) -> PublicAssignment:
     """Return the public side of an assignment. Raises UnknownCourse if this kit does not contain it."""
     if slug not in slugs():
-        known = f"it has {', '.join(slugs())}" if slugs() else "it has no assignment: install it from the course server"
-        raise UnknownCourse(f"this kit has no local checks for {slug}; {known}")
+        empty = " because it contains no assignment: install the kit from your course's server"
+        known = f"; it has {', '.join(slugs())}" if slugs() else empty
+        raise UnknownCourse(f"this kit has no local checks for {slug}{known}")
     return _load(slug)
 
 

@@ -110,8 +110,9 @@ def _name_of(function: Any, values: dict[str, Any]) -> str:
     if values.get(own) is not function and others:
         return others[0]
     if not own.isidentifier():
-        what = "a function without a name" if inspect.isfunction(function) else f"of the type {type(function).__name__}"
-        raise CannotSend(f"this is {what}: define it in a cell under the name that is asked for, and submit that name")
+        what = "a function without a name" if inspect.isfunction(function) else f"a value of the type {type(function).__name__}"
+        remedy = "define a function in a cell with `def`, under the name the exercise gives, and submit that"
+        raise CannotSend(f"cannot submit {what}: {remedy}")
     values[own] = function
     return own
 

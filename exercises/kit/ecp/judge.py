@@ -84,7 +84,7 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
     """Judge max |s(t)/s(0) − 1| ≤ limit for a series (n,), n ≥ 2. A series that starts at zero must stay zero."""
     values = _real(series)
     if values.ndim != 1 or values.size < 2:
-        return Judgement(Verdict.FAIL, f"shape {values.shape} is not a series")
+        return Judgement(Verdict.FAIL, f"got shape {values.shape}, expected a one-dimensional array of at least 2 values")
     with np.errstate(invalid="ignore"):
         delta, scale = np.abs(values - values[0]), abs(values[0])
         drift = delta / scale if scale > 0 else np.where(delta == 0, 0.0, np.inf)
@@ -98,7 +98,7 @@ def below(value: ArrayLike, limit: float) -> Judgement:
     """Judge value ≤ limit for a number, or for the largest of an array."""
     values = _real(value)
     if values.size == 0:
-        return Judgement(Verdict.FAIL, f"no number (limit {limit:g})")
+        return Judgement(Verdict.FAIL, f"the array is empty: expected at least one number (limit {limit:g})")
     where, margin = _worst(values, np.full_like(values, limit))
     largest = float(values.max())
     ok = bool(np.all(np.isfinite(values)) and np.all(values <= limit))
@@ -109,7 +109,7 @@ def positive(value: ArrayLike) -> Judgement:
     """Judge value > 0 for a number, or for the smallest of an array."""
     values = _real(value)
     if values.size == 0:
-        return Judgement(Verdict.FAIL, "no number (must be > 0)")
+        return Judgement(Verdict.FAIL, "the array is empty: expected at least one number (must be > 0)")
     smallest = float(values.min())
     return Judgement(_verdict(bool(np.all(np.isfinite(values)) and smallest > 0)), f"got {smallest:.6g} (must be > 0)", smallest)
 

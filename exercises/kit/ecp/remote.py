@@ -43,7 +43,9 @@ def submit(
     where, slug = course.server(server), course.assignment(assignment)
     empty = [f.__name__ for f in functions if is_empty(f)]
     if functions and len(empty) == len(functions):
-        print(f"Nothing was submitted: {', '.join(empty)} {'are' if len(empty) > 1 else 'is'} still empty.")
+        one, several = "has no code yet. Write it, run its cell,", "have no code yet. Write them, run their cells,"
+        names = ", ".join(f"`{name}`" for name in empty)
+        print(f"Nothing was submitted: {names} {several if len(empty) > 1 else one} and submit again.")
         return None
     sent = _bundle([f for f in functions if not is_empty(f)], file, slug)
     body: dict[str, Any] = {"source": sent.source, "filename": sent.filename}
@@ -69,8 +71,11 @@ def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
         wanted = course.functions(slug)
         sent = gather(*functions) if functions else whole_notebook()
         if wanted and not wanted & set(sent.names):
-            given = ", ".join(sent.names) if functions else "this notebook"
-            raise CannotSend(f"{slug} asks for {', '.join(sorted(wanted))}; {given} defines none of them: nothing was submitted.")
+            known = f"the functions of {slug} ({', '.join(sorted(wanted))})"
+            if not functions:
+                raise CannotSend(f"Nothing was submitted: this notebook defines none of {known}. Run the cells that define them.")
+            given = ", ".join(f"`{name}`" for name in sent.names) + (" are" if len(sent.names) > 1 else " is")
+            raise CannotSend(f"Nothing was submitted: {given} not among {known}. Submit one or more of those.")
         return sent
     if functions:
         raise CannotSend("Submit either functions or a file, not both: nothing was submitted.")

@@ -31,7 +31,8 @@ def check_signature(function: Any, names: tuple[str, ...], called: str) -> None:
         signature.bind(*names)
     except TypeError:
         raise WrongAnswer(
-            "signature", f"{called} is called as {called}({', '.join(names)}); yours is {called}{signature}"
+            "signature",
+            f"the checks call `{called}({', '.join(names)})`, but yours is defined as `{called}{signature}`: change its parameters",
         ) from None
 
 

@@ -15,17 +15,17 @@ DIFFERENCE = ("(I₂ − I₃)", "(I₃ − I₁)", "(I₁ − I₂)")
 DEGREE, RPM = np.pi / 180, 2 * np.pi / 60
 ROUNDED = 2e-4  # relative: what 57.3 or 3.14 for π is off by at most, or nearly so
 UNITS = (
-    (1 / DEGREE, "180/π = 57.2958 turns radians into degrees"),
-    (DEGREE, "π/180 turns degrees into radians"),
+    (1 / DEGREE, "180/π = 57.2958 converts radians into degrees"),
+    (DEGREE, "π/180 converts degrees into radians"),
     (1 / DEGREE**2, "(180/π)², as if ω were in degrees per second"),
-    (DEGREE**2, "(π/180)², as if ω were turned from degrees into radians"),
-    (RPM, "2π/60 turns revolutions per minute (rpm) into rad/s"),
-    (1 / RPM, "60/2π turns rad/s into revolutions per minute (rpm)"),
-    (RPM**2, "(2π/60)², as if ω were turned from revolutions per minute (rpm) into rad/s"),
+    (DEGREE**2, "(π/180)², as if ω were converted from degrees into radians"),
+    (RPM, "2π/60 converts revolutions per minute (rpm) into rad/s"),
+    (1 / RPM, "60/2π converts rad/s into revolutions per minute (rpm)"),
+    (RPM**2, "(2π/60)², as if ω were converted from revolutions per minute (rpm) into rad/s"),
     (1 / RPM**2, "(60/2π)², as if ω were in revolutions per minute (rpm)"),
-    (2 * np.pi, "2π turns revolutions into radians"),
-    (1 / (2 * np.pi), "1/2π turns radians into revolutions"),
-    (4 * np.pi**2, "(2π)², as if ω were turned from revolutions per second into rad/s"),
+    (2 * np.pi, "2π converts revolutions into radians"),
+    (1 / (2 * np.pi), "1/2π converts radians into revolutions"),
+    (4 * np.pi**2, "(2π)², as if ω were converted from revolutions per second into rad/s"),
     (1 / (4 * np.pi**2), "1/(2π)², as if ω were in revolutions per second"),
 )
 ALL = {

@@ -29,7 +29,7 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     """
     boxes = np.asarray(inputs["boxes"], dtype=float)
     truth = np.array([reference.box_moments(*row) for row in boxes])
-    constant = "the same numbers for every box{}: compute them from a, b and c"
+    constant = "box_moments returns the same numbers for every box{}: compute them from a, b and c"
     known = (
         _nothing(moments, "box_moments")
         or _few_digits(moments, truth)
@@ -78,7 +78,7 @@ def _box_mistakes(boxes: Array, truth: Array) -> Iterator[tuple[str, str, Array]
     yield "wrong-power", "I₁ has the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.sqrt(first + second)
     volume = np.prod(boxes[:, 1:], axis=1, keepdims=True)
     yield "wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume
-    yield "wrong-quantity", "the right moments over the volume abc: m is the mass, not the density", truth / volume
+    yield "wrong-quantity", "the right moments divided by the volume abc: m is the mass, not the density", truth / volume
     exchanged = np.array([reference.box_moments(row[3], *row[:3]) for row in boxes])
     yield "swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged
 
@@ -126,16 +126,17 @@ def _tensor_mistakes(tensors: Array, truth: Array) -> Iterator[tuple[str, str, A
     yield "wrong-quantity", f"the square roots of the moments {instead}", np.sqrt(truth)
     yield "wrong-quantity", f"the inverse moments {instead}", 1 / truth
     yield "wrong-quantity", f"the squares of the moments {instead}", truth**2
-    yield "wrong-quantity", "a third of the trace, three times: only the sum of the moments is right", third
+    yield "wrong-quantity", "every value is a third of the trace; only the sum is right: return the eigenvalues", third
     yield "wrong-quantity", "the lengths of the columns of the tensor: return its eigenvalues", np.linalg.norm(tensors, axis=1)
     yield "wrong-quantity", "the sums of the rows of the tensor: return its eigenvalues", tensors.sum(axis=1)
     signless = "the eigenvalues of the absolute values of the tensor: its signs are lost"
     yield "absolute-value", signless, np.linalg.eigvalsh(np.abs(tensors))
     opposite = "the off-diagonal elements have the opposite sign: use the tensor as it is given"
     yield "sign-flipped", opposite, np.linalg.eigvalsh(np.asarray(2 * diagonal[:, None] * np.eye(3) - tensors, dtype=float))
-    second = "half the trace minus each moment, the second moments of the mass: return the moments of inertia"
+    second = "these are the second moments of the mass, half the trace minus each moment: return the moments of inertia"
     yield "wrong-quantity", second, truth.sum(axis=1, keepdims=True) / 2 - truth
-    triangular = "the diagonal of a triangular factor, as of an elimination: only its product is right; return the eigenvalues"
+    factor = "this is the diagonal of a triangular factor, as from Gaussian elimination"
+    triangular = f"{factor}; only the product is right: return the eigenvalues"
     yield "wrong-quantity", triangular, np.array([_pivots(tensor) for tensor in tensors])
     upper = np.array([np.diagonal(np.linalg.qr(tensor)[1]) for tensor in tensors])
     yield "wrong-quantity", triangular, upper
@@ -228,7 +229,7 @@ def _factor(factor: float) -> Diagnosis:
         12.0: "the division by 12 is missing",
         4.0: "m/12 belongs to full edges, m/3 to half edges",
         2.0: "use m/12, not m/6",
-        0.25: "m/12 belongs to full edges: were they halved?",
+        0.25: "m/12 goes with full edge lengths, so do not halve a, b and c",
         2.4: "m/5 belongs to the semi-axes of an ellipsoid",
         0.6: "m/20 belongs to the axes of an ellipsoid, m/12 to the edges of a box",
     }
@@ -239,7 +240,7 @@ def _factor(factor: float) -> Diagnosis:
 
 
 def _nearly(how: str) -> Diagnosis:
-    sentence = f"nearly right: {how}; integrated or iterated numerically, or by chance?"
+    sentence = f"nearly right: {how}: use the closed formula or np.linalg.eigvalsh instead of a numerical approximation"
     return Diagnosis(code="nearly-right", sentence=sentence, confidence=0.8)
 
 

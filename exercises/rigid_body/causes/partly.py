@@ -59,7 +59,8 @@ def nearly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
     if near.mean() < MOST or right.mean() > 1 - MOST / 2:
         return []
     where = "" if near.all() else f" at {near.sum()} of {len(w)} points"
-    sentence = f"nearly right: within {off[near].max():.2g} of the right values{where}; integrated or differentiated numerically?"
+    remedy = "compute the rates from Euler's equations, not by numerical differentiation or integration"
+    sentence = f"nearly right: within {off[near].max():.2g} of the right values{where}: {remedy}"
     return [Diagnosis(code="nearly-right", sentence=sentence, confidence=0.8)]
 
 

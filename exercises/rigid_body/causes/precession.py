@@ -18,7 +18,7 @@ NEARLY = 0.01
 RIGHT = 1e-3  # the checks' tolerance
 TURNS = {
     "rate": "uneven times",
-    "rate-retrograde": "backward turning at even times",
+    "rate-retrograde": "retrograde precession at evenly spaced times",
     "rate-coarse": "samples nearly half a turn apart",
     "rate-short": "less than one turn",
 }
@@ -110,7 +110,7 @@ def _nearly(motions: list[Motion]) -> list[Diagnosis]:
     off = float(np.max([abs(m.rate / m.truth - 1) for m in motions]))
     if not off <= NEARLY:
         return []
-    sentence = f"nearly right: within {off:.2g} of the mean rate; does it hold where the turning or the times are uneven?"
+    sentence = f"nearly right: within {off:.2g} of the mean rate; check that it also works when the rate or the time steps vary"
     return [Diagnosis(code="nearly-right", sentence=sentence, confidence=0.8)]
 
 
@@ -118,7 +118,8 @@ def _partly(motions: list[Motion]) -> list[Diagnosis]:
     """Return the diagnosis that names the motions whose rate is right, if there are any."""
     right = [m.name for m in motions if abs(m.rate - m.truth) <= RIGHT * abs(m.truth)]
     wrong = [m.name for m in motions if m.name not in right]
-    return [_cause("partly-right", f"right for {' and '.join(right)}; wrong for {' and '.join(wrong)}")] if right and wrong else []
+    sentence = f"right for {' and '.join(right)}, but wrong for {' and '.join(wrong)}"
+    return [_cause("partly-right", sentence)] if right and wrong else []
 
 
 def _mistakes(t: Array, w: Array, truth: float) -> Iterator[Predicted]:

@@ -21,10 +21,10 @@ ROUNDING = 1e-13  # of the largest product Iω²/I at a point
 NEARLY = 0.01  # of the largest value at a point
 COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")
 UNITS = {
-    180 / np.pi: "180/π turns radians into degrees",
-    np.pi / 180: "π/180 turns degrees into radians",
-    2 * np.pi / 60: "2π/60 turns revolutions per minute into rad/s",
-    60 / (2 * np.pi): "60/2π turns rad/s into revolutions per minute",
+    180 / np.pi: "180/π converts radians into degrees",
+    np.pi / 180: "π/180 converts degrees into radians",
+    2 * np.pi / 60: "2π/60 converts revolutions per minute into rad/s",
+    60 / (2 * np.pi): "60/2π converts rad/s into revolutions per minute",
 }
 
 
@@ -78,9 +78,9 @@ def _times(what: str, factor: float) -> Diagnosis:
         return _cause("missing-component", f"{what} is always zero")
     if abs(factor + 1.0) <= AGREEMENT:
         return _cause("sign-flipped", f"{what} has the opposite sign")
-    for unit, turns in UNITS.items():
+    for unit, converts in UNITS.items():
         if abs(factor / unit - 1.0) <= AGREEMENT:
-            return _cause("units", f"{what} is {factor:.6g} times the right value: {turns}")
+            return _cause("units", f"{what} is {factor:.6g} times the right value: {converts}")
     return _cause("constant-factor", f"{what} is {factor:.10g} times the right value: look for an extra factor")
 
 
@@ -96,7 +96,8 @@ def _nearly(got: Array, exact: Array) -> list[Diagnosis]:
     off = np.abs(got - exact).max(axis=1) / np.maximum(np.abs(exact).max(axis=1), np.finfo(float).tiny)
     if off.max() > NEARLY:
         return []
-    sentence = f"nearly right: within {off.max():.2g} of the right values; integrated or differentiated numerically?"
+    remedy = "compute the rates from Euler's equations, not by numerical differentiation or integration"
+    sentence = f"nearly right: within {off.max():.2g} of the right values: {remedy}"
     return [Diagnosis(code="nearly-right", sentence=sentence, confidence=0.8)]
 
 

@@ -94,7 +94,7 @@ def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> s
         return f"a fixed line points along {along[0]}, but L points along ({_components(unit)})"
     body = view @ (motion.R[0].T @ unit)
     if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):
-        return "a fixed line points along the body components of L, which are not those in space"
+        return "the fixed line uses the body components of L: convert them with R·L_body"
     if single and not along and len(view) == 3:
         line = sure[0] / np.linalg.norm(sure[0])
         return f"the only fixed line points along ({_components(line)}), but L points along ({_components(unit)})"

@@ -51,7 +51,8 @@ def _level(tips: Array, exact: Array) -> str | None:
     """Return the coordinate that stays while the others change; ``tips`` (f, 3) in units of their mean length."""
     k = int(np.argmin(np.std(tips, axis=0)))
     if np.std(tips[:, k]) <= STEADY / 4 and np.std(tips, axis=0).max() > STEADY < np.std(exact[:, k]):
-        return f"the drawing keeps its {'xyz'[k]} coordinate: ê₃ goes round L, and L does not point along {'xyz'[k]}"
+        constant = f"the {'xyz'[k]} coordinate of the drawing is constant"
+        return f"{constant}, but ê₃ circles L, which does not point along {'xyz'[k]}: draw R[:, :, 2]"
     return None
 
 

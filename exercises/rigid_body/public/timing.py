@@ -238,7 +238,7 @@ def describe(times: Array, at: Array, n: int) -> str:
         return f"the animation runs backwards from frame {number[int(np.argmax(back))]:.0f} of {total} on: show it forwards only"
     if high - low < n / 2:
         again = " repeatedly" if np.any(np.diff(times) < -SLACK) else ""
-        return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{again}"
+        return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}{again}: show the whole motion"
     if np.any(np.diff(times) < -SLACK):
         k = int(np.argmax(np.diff(times) < -SLACK))
         speed = (times[k] - times[0]) / max(number[k] - number[0], 1) * (total - 1) / (n - 1)
@@ -247,8 +247,9 @@ def describe(times: Array, at: Array, n: int) -> str:
         return f"{again}: show the motion once, from its start to its end"
     first = int(np.argmax(times >= high - 0.5))
     if number[first] < (1 - HELD) * (total - 1):
-        return f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}, later frames stand still"
+        early = f"frame {number[first]:.0f} of {total} already shows sample {high:.0f} of {n}"
+        return f"{early}, and later frames do not change: spread the samples over all frames"
     if high - low >= n - 1 - 2 * SLACK or _one_frame_each(total, n):
         k = int(np.argmax(np.abs(times - (n - 1) * number / max(total - 1, 1))))
         return f"its samples are mistimed: frame {number[k]:.0f} of {total} shows sample {times[k]:.0f} of {n}"
-    return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn"
+    return f"the animation shows only samples {low:.0f}–{high:.0f} of {n}, less than a full turn: show the whole motion"

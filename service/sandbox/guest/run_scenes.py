@@ -70,7 +70,8 @@ def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
-            write.event("scene", scene=scene["name"], ended="not-played", sentence=f"it comes after {scene['after']}")
+            sentence = f"not run: it needs the scene {scene['after']}, which did not finish"
+            write.event("scene", scene=scene["name"], ended="not-played", sentence=sentence)
         elif _play(scene, plays, student, questions, write):
             finished.add(scene["name"])
     write.event("done")

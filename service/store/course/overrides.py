@@ -71,7 +71,7 @@ async def give(
         before = await _locked(connection, submission)
         stored = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
         if seen is not None and seen != revision(stored):
-            raise OverrideRejected("changed-meanwhile", "these points have been changed meanwhile: reload the page, then decide")
+            raise OverrideRejected("changed-meanwhile", "someone else changed these points: reload the page and check them")
         outcome = (await connection.execute(_OUTCOME, {"grading": before.grading, "check": check})).first()
         _validate(before, outcome, check, points, reason)
         old = next((one for one in stored if one.in_force and one.check == check), None)
@@ -104,7 +104,8 @@ async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -
         if one is None:
             return False
         if not one.in_force:
-            raise OverrideRejected("changed-meanwhile", f"{one.withdrawn_by} has withdrawn or replaced it already: reload the page")
+            problem = f"{one.withdrawn_by} has already withdrawn or replaced this override: reload the page"
+            raise OverrideRejected("changed-meanwhile", problem)
         await connection.execute(_WITHDRAW, {"submission": submission, "id": id, "actor": actor})
         detail = {"action": "override withdrawn", "check": one.check, "before": one.points, "after": None, "reason": one.reason}
         await _record_change(connection, submission, before, actor, detail)

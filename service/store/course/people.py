@@ -153,7 +153,8 @@ def _read(rows: Any, file: str) -> list[Entry]:
         except ValueError as error:
             raise BadRoster(f"{file}, line {rows.line_num}: {error}") from None
         if found.setdefault(entry.name, entry) != entry:
-            raise BadRoster(f"{file}, line {rows.line_num}: conflicting entries for {entry.name}")
+            problem = f"{entry.name} is listed twice with different values: keep one line"
+            raise BadRoster(f"{file}, line {rows.line_num}: {problem}")
     return list(found.values())
 
 

@@ -38,7 +38,7 @@ def test_validate_prints_one_line_and_returns_a_bool(capsys):
     ("call", "said"),
     [
         (lambda: validate.close(None, 1.0, "a"), "got is None: nothing was computed or returned"),
-        (lambda: validate.close("a", 1.0, 1.0), "got is text: the arguments come first, then the label"),
+        (lambda: validate.close("a", 1.0, 1.0), "got is a string: pass the arrays first and the label last"),
         (lambda: validate.close([1.0, 2.0], [1.0, 2.0, 3.0], "a"), "shape (2,) vs expected shape (3,)"),
         (lambda: validate.close([1.0, np.nan], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
         (lambda: validate.close([1.0, None], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
@@ -46,12 +46,15 @@ def test_validate_prints_one_line_and_returns_a_bool(capsys):
         (lambda: validate.close(1j, 1.0, "a"), "got is complex128, not real numbers"),
         (lambda: validate.close(object(), 1.0, "a"), "got is object, not an array of numbers"),
         (lambda: validate.conserved(None, "a"), "series is None"),
-        (lambda: validate.conserved([], "a"), "shape (0,) is not a series"),
-        (lambda: validate.positive([], "a"), "no number"),
-        (lambda: validate.below([], 1.0, "a"), "no number"),
-        (lambda: validate.check(None, "a", "1 < 2"), "condition is NoneType, not one True or False"),
-        (lambda: validate.check(np.array([True, True]), "a"), "condition is ndarray of shape (2,), not one True or False"),
-        (lambda: validate.check(1.0, "a"), "condition is float, not one True or False"),
+        (lambda: validate.conserved([], "a"), "got shape (0,), expected a one-dimensional array of at least 2 values"),
+        (lambda: validate.positive([], "a"), "the array is empty: expected at least one number ("),
+        (lambda: validate.below([], 1.0, "a"), "the array is empty: expected at least one number ("),
+        (lambda: validate.check(None, "a", "1 < 2"), "condition is NoneType: pass a single True or False"),
+        (
+            lambda: validate.check(np.array([True, True]), "a"),
+            "condition is an array of shape (2,): pass a single True or False (use np.all)",
+        ),
+        (lambda: validate.check(1.0, "a"), "condition is float: pass a single True or False"),
     ],
 )
 def test_validate_makes_a_line_of_any_answer(call, said, capsys):

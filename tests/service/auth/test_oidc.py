@@ -100,7 +100,7 @@ def test_a_name_with_a_password_is_connected_by_its_owner_only(server, url, prov
     assert status == 200 and "Account connected" in page and provider.url in page
     assert ">ben</dd>" in sign_in(Browser(server), "s-5")[1]
     monkeypatch.setenv("POLHODE_DATABASE_URL", url)
-    assert (main(["unlink", "ben"]), capsys.readouterr().out) == (0, "ben is disconnected\n")
+    assert (main(["unlink", "ben"]), capsys.readouterr().out) == (0, "the OpenID account of ben is unlinked\n")
     assert owner.open("/v1/me")[0] == 401 and sign_in(Browser(server), "s-5")[0] == 403
 
 

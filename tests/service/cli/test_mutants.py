@@ -18,7 +18,7 @@ def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
 
 def test_the_command_tells_what_is_missing(capsys):
     assert main(["mutants", "nowhere"]) == 2
-    assert "no mutants: there is no assignment nowhere; known: " in capsys.readouterr().err
+    assert "cannot grade mutants: there is no assignment nowhere; known: " in capsys.readouterr().err
 
 
 def test_table():

@@ -82,7 +82,7 @@ def test_files_without_entry_and_entries_without_file(folder, capsys):
     assert verify(folder, "--only", "wrong_[nt]e[wx]*") == 1
     told = capsys.readouterr().out
     assert '--write would add\n     ["wrong_new.py"]\n     exercises = ["1"]\n     fail = ["1-motion", "1-rates"]' in told
-    assert "wrong_text.py\n     cannot be graded: wrong_text.py is not a text file (UTF-8)" in told
+    assert "wrong_text.py\n     cannot be graded: wrong_text.py is not a text file (UTF-8): save it as UTF-8" in told
     assert told.endswith("right_matrix.py: listed in expected.toml, but the file does not exist\n")
 
 
@@ -101,7 +101,7 @@ def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
     assert expected.read_text().startswith(before + "\n")
     assert list(entries(folder)) == ["wrong_half_damping.py", "right_terms.py", 'wrong_"ω".py']
     assert entries(folder)['wrong_"ω".py'] == {"exercises": ["1"], "fail": ["1-motion", "1-rates"], "codes": ["constant-factor"]}
-    assert told.count("(entry written)") == 2 and told.count("and none can be written") == 2
+    assert told.count("(entry written)") == 2 and told.count("and none was added") == 2
     assert verify(folder, *options[1:5], "--only", "right_terms.py") == 0
 
 

@@ -91,7 +91,7 @@ def test_a_file_that_was_not_graded_has_one_too(rigid_body):
     assert [(about["title"], data.split("\n")[0]) for about, data in told] == [
         ("no submission", "no text"),
         ("system fault: not graded", "disk full"),
-        ("failed: at least one counted check was made", "0 of 0 points of the attempted exercises (public checks: 0 of 0)"),
+        ("failed: at least one check was scored", "0 of 0 points of the attempted exercises (public checks: 0 of 0)"),
     ]
 
 

@@ -137,7 +137,7 @@ BAD = {
     b"name\n": "has no entries",
     b"name\n\xff\n": "not CSV text in UTF-8",
     b"name,role\nann,boss\n": "line 2: a role must be one of",
-    b"name,role\nann,student\nann,assistant\n": "line 3: conflicting entries for ann",
+    b"name,role\nann,student\nann,assistant\n": "line 3: ann is listed twice with different values",
     b"name\n" + b"x" * 300 + b"\n": "line 2: a name must have 1 to 200",
     b"name,email\nann,a\x07b\n": "line 2: email must have at most",
     b"name,role\nprof,student\n": "remove your own instructor role",

@@ -52,7 +52,7 @@ def test_a_preview_tells_who_gains_and_who_loses_and_only_an_instructor_applies(
     assert ann.json(f"/v1/submissions/{hers}")["report"]["score"] == 2
     page = prof.open(where)[1]
     assert "applied by prof" in page and "data-live" not in page and "1 gain, 1 lose" in page and "csrf" not in page
-    assert people["prof2"].send(f"{where}/apply", REGRADES) == (409, "prof has applied it already")
+    assert people["prof2"].send(f"{where}/apply", REGRADES) == (409, "prof has already applied this regrade: reload the page")
     assert "✓ applied by prof" in tutor.open(REGRADES)[1]
 
 

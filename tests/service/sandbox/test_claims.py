@@ -33,7 +33,7 @@ def test_the_host_judges_the_numbers_again():
 @pytest.mark.parametrize(
     ("changed", "line"),
     [
-        ({"left_out": "too many", "arrays": {}}, "–  a   [not captured: too many]"),
+        ({"left_out": "too many", "arrays": {}}, "–  a   [not measured: too many]"),
         ({"unfit": "got is None", "arrays": {}}, "✗  a   [got is None]"),
     ],
 )

@@ -170,7 +170,8 @@ def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
         answers = run(database_url, at_once)
         assert sum(isinstance(a, RegradeClosed) for a in answers) == 2, answers
         decided = read(database_url, regrades.find, id)
-        assert [e for e in map(str, answers) if "already" in e] == [f"{decided.decided_by} has {decided.decided} it already"] * 2
+        sentence = f"{decided.decided_by} has already {decided.decided} this regrade: reload the page"
+        assert [e for e in map(str, answers) if "already" in e] == [sentence] * 2
         preview = sql(database_url, "SELECT count(*) FROM grading WHERE preview AND regrade_id = %s", id)
         assert preview == [(int(decided.decided == "dropped"),)]
     assert sql(database_url, "SELECT count(*) FROM audit WHERE action IN ('regrade applied', 'regrade dropped')") == [(4,)]

@@ -111,7 +111,7 @@ def test_three_lost_runs_are_a_fault_that_can_be_graded_again(database_url, grad
         run(database_url, workers.recover)
     assert claim(database_url, grading[0]) is None
     stored = run(database_url, lambda d: records.read(d, grading[1]))
-    assert stored.status == "faulted" and "begun 3 times" in stored.fault and "host/2" in stored.fault
+    assert stored.status == "faulted" and "all 3 runs" in stored.fault and "host/2" in stored.fault
     assert run(database_url, lambda d: regrade(d, "faults", "an instructor")) == 1
     assert run(database_url, lambda d: records.read(d, grading[1])).status == "queued"
     ((again,),) = sql(database_url, "SELECT id FROM grading WHERE number = 2")

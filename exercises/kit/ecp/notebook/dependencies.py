@@ -11,8 +11,8 @@ _OUTSIDE |= {"socket", "ssl", "urllib", "http", "requests", "urlopen", "urlretri
 _OUTSIDE_METHODS = {"load", "fromfile", "memmap", "loadmat", "savemat", "save", "savez", "savetxt", "savefig", "tofile", "to_csv"}
 """Names that reach files or the network. A statement that uses one, or runs code that does, is not sent."""
 
-_REMEDY = "compute it in a cell instead, or write the needed numbers into one"
-_AGAIN = "run its cell again, or write it there as a def"
+_REMEDY = "compute it without them, or write the numbers into a cell"
+_AGAIN = "run that cell again, or define it there with def"
 
 
 class Bundling:
@@ -62,7 +62,7 @@ class Bundling:
             if isinstance(found, Missing):
                 self.missing[name] = found.sentence
             elif found is None and name in self._requested:
-                self.missing[name] = f"`{name}` belongs to Python or the notebook: define a function of that name in a cell"
+                self.missing[name] = f"`{name}` is built in, not your function: define one with that name in a cell"
             elif found:
                 self._found[name] = found
                 waiting += sorted(_needs(found))
@@ -77,9 +77,9 @@ class Bundling:
             return None
         texts = [source.text, *(self._found[name].text for name in sorted(runs & self._found.keys()))]
         if source.kind == "statement" and any(_reaches_outside(text) for text in texts):
-            return f"`{source.name}` is made with files or the network, which the server does not have: {_REMEDY}"
+            return f"`{source.name}` is computed from a file or the network, which the server cannot use: {_REMEDY}"
         if self._sources.is_outdated(source, texts):
-            return f"`{source.name}` is not what its cell would make now, because something in it changed later: {_AGAIN}"
+            return f"`{source.name}` has changed since its cell ran, so it cannot be sent: {_AGAIN}"
         return None
 
     def _reached(self, names: Iterable[str]) -> set[str]:

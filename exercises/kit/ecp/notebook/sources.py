@@ -152,4 +152,4 @@ def _no_source(name: str, value: Any) -> str:
             f"define it in a cell as `def {name}(...)` and run that cell, or submit a file with submit(file=...)"
         )
     what = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"of the type {type(value).__name__}"
-    return f"`{name}` is {what}, and no cell makes it: make it in a cell, or inside the function that needs it"
+    return f"no cell defines `{name}` ({what}): define it in a cell, or inside the function that needs it"

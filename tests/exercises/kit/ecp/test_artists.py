@@ -22,7 +22,7 @@ def test_takes_and_exchanged():
     return_value.check_signature(lambda *args: 0, names, "f")
     return_value.check_signature(lambda t, w, I, extra=1: 0, names, "f")
     return_value.check_signature(min, names, "f")  # has no signature
-    with pytest.raises(WrongAnswer, match=r"f is called as f\(t, w, I\); yours is f\(w, I\)") as caught:
+    with pytest.raises(WrongAnswer, match=r"the checks call `f\(t, w, I\)`, but yours is defined as `f\(w, I\)`: change") as caught:
         return_value.check_signature(lambda w, I: 0, names, "f")
     assert caught.value.code == "signature"
     assert return_value.exchanged(lambda w, t, I: 0, names) == "(w, t, I)"

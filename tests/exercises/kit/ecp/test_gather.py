@@ -157,7 +157,7 @@ def test_a_partial(notebook):
 
 def test_a_partial_of_a_function_that_has_changed_must_be_made_again(notebook):
     notebook.run("import functools\ndef g(a):\n    return a", "f = functools.partial(g)", "def g(a):\n    return -a")
-    with pytest.raises(CannotSend, match="run its cell again"):
+    with pytest.raises(CannotSend, match="run that cell again"):
         notebook.gather("f")
     notebook.run("f = functools.partial(g)")
     assert notebook.sent()(5) == -5
@@ -212,7 +212,7 @@ def test_an_instance_that_can_be_called(notebook):
     )
     assert notebook.sent()(2) == 60
     notebook.run("class Rates:\n    def __call__(self, x):\n        return 0")
-    with pytest.raises(CannotSend, match="run its cell again"):
+    with pytest.raises(CannotSend, match="run that cell again"):
         notebook.gather("f")
 
 
@@ -251,7 +251,7 @@ def test_a_closure_is_sent_as_the_statement_that_made_it(notebook):
     )
     assert notebook.sent()(0, 1) == -5.0
     notebook.run("def make(I, sign=1):\n    def euler(t, w):\n        return 0\n    return euler")
-    with pytest.raises(CannotSend, match="run its cell again"):
+    with pytest.raises(CannotSend, match="run that cell again"):
         notebook.gather("f")
 
 
@@ -372,7 +372,7 @@ def test_data_from_files_is_left_out_with_everything_made_of_it(notebook, tmp_pa
     bundle = notebook.gather("f")
     assert {out.name: out.needed_by for out in bundle.left_out} == {"half": "f", "lines": "f"}
     sentences = {out.name: out.sentence for out in bundle.left_out}
-    assert "`half` is made with `data`" in sentences["half"] and "compute it in a cell instead" in sentences["half"]
+    assert "`half` is made with `data`" in sentences["half"] and "compute it without them" in sentences["half"]
     assert bundle.source == "def g():\n    return 1\n\n\ndef f():\n    return half, lines, g()\n"
     notebook["file"].close()
 
@@ -403,7 +403,7 @@ def test_defaults_that_the_cell_would_not_give_today(notebook):
     notebook.run("1 / 0\ndef f(x, *, a=k, b=3):\n    return a, b", fails=True)
     assert notebook.sent()(0) == (0.5, 2)
     notebook.run("k = 7")
-    with pytest.raises(CannotSend, match="run its cell again"):
+    with pytest.raises(CannotSend, match="run that cell again"):
         notebook.gather("f")
 
 

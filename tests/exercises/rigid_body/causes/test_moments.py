@@ -9,7 +9,7 @@ from service.grading.grade import draw_inputs
 BOXES = {
     "4 * I": ("constant-factor", "m/3 to half edges"),
     "2 * I": ("constant-factor", "not m/6"),
-    "I / 4": ("constant-factor", "were they halved"),
+    "I / 4": ("constant-factor", "do not halve"),
     "I * 12 / 5": ("constant-factor", "ellipsoid"),
     "I / m": ("missing-term", "lack the mass m"),
     "I[::-1]": ("moment-order", "I₃, I₂, I₁"),

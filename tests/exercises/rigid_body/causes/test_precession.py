@@ -119,7 +119,7 @@ def test_a_cause_that_another_motion_contradicts_is_not_given(rigid_body):
         return slope(t, w) * (3 if np.ptp(np.diff(t)) > 1e-9 else 1)
 
     (cause,) = causes(first_alone, rigid_body)
-    assert cause.code == "partly-right" and cause.sentence.endswith("; wrong for uneven times")
+    assert cause.code == "partly-right" and cause.sentence.endswith(", but wrong for uneven times")
 
 
 def test_nearly_right_and_nothing_known(rigid_body):

@@ -216,7 +216,7 @@ WRONG = {
     "first ten": (TIP[ALL % 10], "wrong-frames", "shows only samples 0–9 of 96 repeatedly"),
     "first tenth": (TIP[ALL // 10], "wrong-frames", "shows only samples 0–9 of 96"),
     "half speed": (TIP[ALL // 2], "wrong-frames", "shows only samples 0–47 of 96"),
-    "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, later frames stand still"),
+    "double speed": (TIP[np.minimum(2 * ALL, 95)], "wrong-frames", "already shows sample 95 of 96, and later frames do not change"),
     "twice": (TIP[2 * ALL % 96], "wrong-frames", "begins again after frame"),
     "late": (TIP[(ALL + 40) % 96], "wrong-frames", "begins again after frame"),
     "shuffled": (TIP[np.random.default_rng(0).permutation(96)], "wrong-frames", "its samples are mistimed: frame"),
@@ -436,7 +436,7 @@ def test_L_seen_end_on_is_a_point():
     ("direction", "sentence"),
     [
         (np.eye(3)[2], "a fixed line points along z"),
-        (R[0].T @ UNIT, "along the body components of L"),
+        (R[0].T @ UNIT, "uses the body components of L"),
         (np.array([0.6, 0.0, 0.8]), "the only fixed line points along (0.60, 0.00, 0.80)"),
     ],
 )
@@ -468,8 +468,8 @@ def cone(angle):
 ALMOST = {
     "narrow": (cone(0.5), "on a cone of 29° about L"),
     "wide": (cone(1.4), "on a cone of 80° about L"),  # its tip alone is a scaled and shifted ê₃
-    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "keeps its z coordinate"),
-    "level": (TIP * [1, 1, 0] + [0, 0, TIP[0, 2]], "keeps its z coordinate"),
+    "about z": (np.column_stack([np.cos(3 * T), np.sin(3 * T), 0.5 + 0 * T]), "the z coordinate of the drawing is constant"),
+    "level": (TIP * [1, 1, 0] + [0, 0, TIP[0, 2]], "the z coordinate of the drawing is constant"),
     "noise": (TIP + 0.05 * np.random.default_rng(4).normal(size=TIP.shape), "scatters about its path"),
     "twice": (TIP[2 * ALL % 96], "runs twice as fast and begins again"),
     "omega": (L / 1.25 - 0.3 * TIP, "follows ω"),

@@ -52,7 +52,8 @@ class Submissions:
         most = one.get("total", one["max_score"])
         score = one["status"] if one["score"] is None else f"{points} of {most}{graded}"
         note = ", ".join(word for word, id in (("best", self.best), ("latest", self.last)) if id == one["id"])
-        return when, score, note, one["changed"]["told"] if one["changed"] else ""
+        changed = one["changed"] or {}
+        return when, score, note, changed.get("summary", changed.get("told", ""))  # "told": its former name
 
 
 def submissions(server: str | None = None, assignment: str | None = None) -> Submissions:

@@ -26,7 +26,7 @@ LONGEST = (
     "test_attacks",
     "test_samples",
     "test_notebooks",
-    "test_routes",
+    "test_submissions",
     "test_workers",
     "test_outage",
     "test_chaos",
@@ -36,13 +36,13 @@ LONGEST = (
     "test_pages",
     "test_accessible",
     "test_dashboard",
-    "test_bundle",
-    "test_conversation",
+    "test_gradescope_bundle",
+    "test_session",
 )
 
 
 # Files that one process runs: numba compiles for it only once, one real server is started.
-TOGETHER = {"physics": r"^tests/reference/", "real server": r"/test_(routes|notebooks|demo)\.py$"}
+TOGETHER = {"physics": r"^tests/reference/", "real server": r"/(api/test_submissions|test_notebooks|test_demo)\.py$"}
 
 # How many examples Hypothesis makes: some in ``make test``, more where the slow tests run too.
 for profile, examples in (("some", 25), ("many", 100)):

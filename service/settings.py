@@ -101,6 +101,14 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address the server listens on.")
     port: int = Field(8000, ge=0, le=65535, description="Port the server listens on.")
+    connections: int = Field(4000, ge=8, description="Connections to the server at the same time; half of them from one address.")
+    header_timeout: float = Field(10.0, gt=0, description="Seconds in which the header of a request must arrive.")
+    body_timeout: float = Field(
+        20.0, gt=0, description="Seconds in which the body of a request must arrive, plus one second for each 1000 bytes."
+    )
+    open_submissions: int = Field(
+        20, ge=1, description="Submissions of one student that may wait for their reports at the same time."
+    )
 
     def allowed_origins(self) -> list[str]:
         """Return ``origins`` as a list."""

@@ -18,7 +18,7 @@ from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from service.api import parse_submission
-from service.auth.identity import STAFF, authenticate, role
+from service.auth.identity import STAFF, Person, authenticate, role
 from service.formats import junit
 from service.grading.result import GradedFile
 from service.http.errors import Problem
@@ -26,10 +26,12 @@ from service.store import records
 from service.store.course import overrides
 from service.store.database import Database, is_outage
 from service.store.records import NewSubmission, SubmissionRecord
-from service.store.submissions import KeyReused, SubmissionRejected, accept
+from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
 
 router = APIRouter()
 LONGEST_WAIT_S = 60.0
+OPEN_RETRY_S = 10
+SHARED = 10  # times as many open submissions for the person that all users of a server without logins share
 
 
 @router.get("/v1/assignments")
@@ -79,7 +81,7 @@ async def submit(
     """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
     wait=SECONDS``.
     """
-    arrived, assignment, database = time.monotonic(), find_assignment(slug), _database(request)
+    arrived, assignment = time.monotonic(), find_assignment(slug)
     person = await authenticate(request, "submit")
     isolation, reason = await request.app.state.worker_status.current()
     if reason and not isolation:
@@ -89,7 +91,7 @@ async def submit(
     parsed = await parse_submission.parse_submission(request, assignment)
     new = NewSubmission(uuid.uuid4(), slug, person.name, parsed.submission, parsed.exercises, secrets.randbits(48), arrived)
     try:
-        accepted = await accept(database, new, idempotency_key or None)
+        accepted = await _accept(request, person, new, idempotency_key or None)
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
@@ -109,6 +111,18 @@ async def submit(
     if stored.finished and wait_s > 0:
         return JSONResponse(_document(stored), 200, {"Location": location})
     return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
+
+
+async def _accept(request: Request, person: Person, new: NewSubmission, key: str | None) -> Accepted:
+    """Store the submission. Raises Problem 429 if too many of a student's submissions wait for their reports."""
+    database, most = _database(request), request.app.state.settings.open_submissions * (SHARED if person.single_user else 1)
+    try:
+        return await accept(database, new, key, most_open=most)
+    except TooManyOpen:
+        if not person.single_user and await role(request, person) in STAFF:
+            return await accept(database, new, key)
+    detail = f"{most} of your submissions are waiting for their reports, the most that may: submit again when one has its report"
+    raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 
 
 @router.get("/v1/submissions/{id}")

@@ -25,11 +25,9 @@ async def start(request: Request, label: ShortText = "a notebook") -> dict[str, 
     Return the code to show to the student, the address to confirm it at, and the secret that collects
     the token.
     """
+    request.app.state.login_limiter.start(request)
     label = "".join(c for c in label if c.isprintable())[:LONGEST_LABEL] or "a notebook"
-    try:
-        device, code = await tokens.create_login(request.app.state.database, label)
-    except tokens.TooManyLogins:
-        raise Problem(503, "busy", "too many logins are waiting for confirmation: try again in a moment") from None
+    device, code = await tokens.create_login(request.app.state.database, label)
     address = f"{public_address(request)}/login"
     return {
         "device_code": device,

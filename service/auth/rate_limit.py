@@ -1,11 +1,11 @@
-"""Rate limit of failed logins, by name and by address. Each server process counts separately.
+"""Rate limits of failed logins, by name and by address, and of started notebook logins, by address. Each server process counts
+separately.
 
 A browser in which the person has logged in before has its own counter, so guesses from elsewhere do not lock the person out of
 it. In a new browser the person waits as the attacker does, at most one window. Tokens cannot be guessed; logins by token are not
 limited.
 """
 
-import ipaddress
 import math
 import time
 from collections import Counter
@@ -19,17 +19,20 @@ from limits.strategies import MovingWindowRateLimiter
 
 from service.auth.sessions import known_browser
 from service.http.errors import Problem
+from service.http.requests import network
 
 BY_NAME, BY_ADDRESS = RateLimitItemPerMinute(10, 15), RateLimitItemPerMinute(100, 10)
+STARTS = RateLimitItemPerMinute(300)  # a class behind one address starts its logins within a minute
 Key = tuple[RateLimitItem, str, str]
 
 
 class LoginRateLimiter:
-    """Counts failed and pending logins."""
+    """Counts failed, pending and started logins."""
 
     def __init__(self) -> None:
         self._failed = MovingWindowRateLimiter(MemoryStorage())
         self._pending: Counter[Key] = Counter()
+        self._starts = MovingWindowRateLimiter(MemoryStorage())
 
     @contextmanager
     def guard(self, *keys: Key) -> Iterator[None]:
@@ -56,23 +59,25 @@ class LoginRateLimiter:
                 if self._pending[key] <= 0:
                     del self._pending[key]
 
+    def start(self, request: Request) -> None:
+        """Count a started notebook login. Raises Problem 429 if its address has started too many within a minute."""
+        address = _address(request)
+        if not self._starts.hit(STARTS, address):
+            until, _ = self._starts.get_window_stats(STARTS, address)
+            wait_s = max(1, math.ceil(until - time.time()))
+            detail = f"too many logins were started from your network: wait {wait_s} s, then run ecp.login() again"
+            raise Problem(429, "too-many", detail, retry_after=wait_s)
+
 
 def keys_of(request: Request, name: str) -> list[Key]:
     """Return the keys that count a login as ``name`` from this browser."""
     if (browser := known_browser(request, name)) is not None:
         return [(BY_NAME, "browser", browser)]
-    return [(BY_NAME, "name", name), (BY_ADDRESS, "address", network(request.client.host if request.client else ""))]
+    return [(BY_NAME, "name", name), (BY_ADDRESS, "address", _address(request))]
 
 
-def network(address: str) -> str:
-    """Return the key of an address: an IPv4 address, or the /64 network of an IPv6 address."""
-    try:
-        ip = ipaddress.ip_address(address)
-    except ValueError:
-        return "unknown"
-    if isinstance(ip, ipaddress.IPv6Address):
-        return str(ip.ipv4_mapped or ipaddress.ip_network((int(ip) >> 64 << 64, 64)))
-    return str(ip)
+def _address(request: Request) -> str:
+    return network(request.client.host if request.client else "")
 
 
 def _too_many(wait_s: int) -> Problem:

@@ -3,7 +3,9 @@
 import signal
 import socket
 import sys
+from functools import partial
 from types import FrameType
+from typing import Any, cast
 
 import uvicorn
 from fastapi import FastAPI
@@ -12,6 +14,7 @@ from sqlalchemy.exc import OperationalError
 from service import logs
 from service.app import create_app
 from service.auth import oidc
+from service.http.connections import BACKLOG, Connection, Connections, raise_open_file_limit
 from service.settings import Settings
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
@@ -22,6 +25,7 @@ CLOSE_S = 2  # seconds that a stopping server leaves to open responses, such as 
 def serve(settings: Settings) -> int:
     """Serve until interrupted. Return 2, with the reason on stderr, if the server cannot start."""
     logs.install(settings.log_level)
+    raise_open_file_limit()
     supervisor = None
     signal.signal(
         signal.SIGTERM, _exit
@@ -48,7 +52,17 @@ def http_server(settings: Settings) -> uvicorn.Server:
     """Return the HTTP server of the application, to run on a socket of ``open_socket``. ``settings.database_url``
     must be set.
     """
-    return _Server(uvicorn.Config(create_app(settings), log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S))
+    config = uvicorn.Config(
+        create_app(settings),
+        http=cast(Any, partial(Connection, connections=Connections(settings))),
+        ws="none",
+        backlog=BACKLOG,
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=CLOSE_S,
+    )
+    return _Server(config)
 
 
 class _Server(uvicorn.Server):

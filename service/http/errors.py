@@ -32,8 +32,10 @@ TITLES = {
     "not-allowed": "Permission denied",
     "not-found": "Not found",
     "not-ready": "Not ready yet",
+    "timed-out": "Request timed out",
     "too-large": "Request too large",
-    "too-many": "Too many failed logins",
+    "too-many": "Too many logins",
+    "too-many-open": "Too many submissions waiting",
     "unknown-exercise": "Unknown exercise",
     "unsupported-media-type": "Unsupported media type",
 }

@@ -1,6 +1,7 @@
 """The server's public address, checks of request paths and host names, and size-capped bodies."""
 
 import ipaddress
+import re
 from urllib.parse import urlsplit
 
 from fastapi import Request
@@ -8,6 +9,7 @@ from fastapi import Request
 from service.http.errors import Problem
 
 LONGEST_PATH = 1000
+HOST = re.compile(r"([A-Za-z0-9._~!$&'()*+,;=%-]*|\[[0-9A-Fa-f:.]+\])(:[0-9]*)?")
 
 
 def public_address(request: Request) -> str:
@@ -19,6 +21,26 @@ def local_path(path: str) -> str:
     """Return ``path`` if it is safe to redirect to, that is a path on this server; otherwise ""."""
     inside = path.startswith("/") and not path.startswith("//") and "\\" not in path
     return path if inside and path.isascii() and path.isprintable() and " " not in path else ""
+
+
+def is_valid_host(header: str) -> bool:
+    """Return whether a Host header is a host name or IP address with an optional port."""
+    try:
+        parts = urlsplit(f"//{header}")
+        return HOST.fullmatch(header) is not None and (parts.port is None or parts.port > 0)
+    except ValueError:  # not an IPv6 address, or a port above 65535
+        return False
+
+
+def network(address: str) -> str:
+    """Return the key of an address: an IPv4 address, or the /64 network of an IPv6 address."""
+    try:
+        ip = ipaddress.ip_address(address)
+    except ValueError:
+        return "unknown"
+    if isinstance(ip, ipaddress.IPv6Address):
+        return str(ip.ipv4_mapped or ipaddress.ip_network((int(ip) >> 64 << 64, 64)))
+    return str(ip)
 
 
 def is_own_host(request: Request) -> bool:

@@ -35,6 +35,10 @@ class SubmissionRejected(Exception):
         self.kind = kind
 
 
+class TooManyOpen(Exception):
+    """As many of the person's submissions as permitted are waiting for their reports."""
+
+
 async def register(database: Database, catalogue: Iterable[Assignment]) -> None:
     """Store the assignments and their versions unless they are stored already."""
     async with database.begin() as connection:
@@ -57,21 +61,24 @@ class Accepted:
     fresh: bool
 
 
-async def accept(database: Database, new: NewSubmission, key: str | None = None, kind: str = "interactive") -> Accepted:
+async def accept(
+    database: Database, new: NewSubmission, key: str | None = None, kind: str = "interactive", most_open: int | None = None
+) -> Accepted:
     """Store a submission and queue its grading; with a known key, return the one stored before.
 
-    Waits for a concurrent request with the same key. Raises KeyReused if the stored submission differs, and
-    SubmissionRejected after the deadline or if no submission is left.
+    Waits for a concurrent request with the same key. Raises KeyReused if the stored submission differs,
+    SubmissionRejected after the deadline or if no submission is left, and TooManyOpen if ``most_open`` submissions of the
+    person are not graded yet.
     """
     try:
-        return await _accept(database, new, key, kind)
+        return await _accept(database, new, key, kind, most_open)
     except (IntegrityError, NoResultFound):  # a backup was restored meanwhile: cached ids are wrong
         database.persons.clear()
         await register(database, assignments().values())
-        return await _accept(database, new, key, kind)
+        return await _accept(database, new, key, kind, most_open)
 
 
-async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str) -> Accepted:
+async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str, most_open: int | None) -> Accepted:
     async with database.begin() as connection:
         person = await _person(connection, database, new.person)
         request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
@@ -97,6 +104,8 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
         if stored is None:
             return await _find_repeated(connection, new, person, key)
         await _check(connection, rules, person)
+        if most_open is not None and stored.open >= most_open:
+            raise TooManyOpen
         await send(connection, values["grading"], priority=priority_of(kind, stored.open))
     database.persons[new.person] = person  # cached after the commit only
     return Accepted(new.id, rules.at, rules.late, fresh=True)

@@ -120,6 +120,7 @@ SENTENCES = {
     "nobody": "You are not logged in at {place}{detail}: run ecp.login() and try again.",
     "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
     "none-left": "You have no submissions left{detail}: nothing was submitted.",
+    "too-many-open": "Nothing was submitted{detail}.",
     "too-large": "The submission is too large for the server at {place}{detail}: clear the outputs or send less.",
     "busy": "The server at {place} is busy{detail}: try again in a few minutes.",
     "fault": "The server at {place} failed; this is not your mistake{number}: try again, then ask your course staff.",

@@ -18,7 +18,7 @@ SCOPES = ("submit", "read", "login")
 NOTEBOOK, BROWSER = ("submit", "read"), ("read", "login")
 SHOWN_CHARACTERS = len(PREFIX) + 4  # characters of a token that lists show
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"  # no vowels, nothing that looks like a number: RFC 8628, 6.1
-LOGIN_S, MOST_OPEN = 900.0, 5000
+LOGIN_S, MOST_PENDING = 900.0, 5000
 DAY_S = 86400.0
 
 
@@ -34,10 +34,6 @@ class TokenInfo:
 
 class LoginOver(Exception):
     """The login was refused, already collected or not confirmed in time."""
-
-
-class TooManyLogins(Exception):
-    """MOST_OPEN logins are waiting to be confirmed."""
 
 
 async def create(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
@@ -106,14 +102,12 @@ async def all_of(database: Database, person: str | None = None) -> Sequence[Row[
 async def create_login(database: Database, label: str) -> tuple[str, str]:
     """Create a login to be confirmed; return the device's secret and the code to show to the person.
 
-    Raises TooManyLogins while MOST_OPEN logins are pending.
+    Expired logins are deleted, and the oldest beyond MOST_PENDING that nobody has confirmed.
     """
     device, letters = secrets.token_urlsafe(32), [secrets.choice(LETTERS) for _ in range(8)]
     code = "".join(letters[:4]) + "-" + "".join(letters[4:])
     async with database.begin() as connection:
-        await connection.execute(text("DELETE FROM device_login WHERE expires_at < now()"))
-        if (await connection.execute(text("SELECT count(*) FROM device_login"))).scalar_one() >= MOST_OPEN:
-            raise TooManyLogins
+        await connection.execute(_DROP_OLD, {"most": MOST_PENDING - 1})
         values = {"digest": _digest(device), "code": code, "label": label, "seconds": LOGIN_S}
         await connection.execute(_BEGIN, values)
     return device, code
@@ -203,6 +197,11 @@ FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:p
 _BEGIN = text("""
 INSERT INTO device_login (device_digest, user_code, label, expires_at)
 VALUES (:digest, :code, :label, now() + make_interval(secs => :seconds))
+""")
+_DROP_OLD = text("""
+DELETE FROM device_login WHERE expires_at < now() OR device_digest IN (
+    SELECT device_digest FROM device_login WHERE person_id IS NULL ORDER BY created_at DESC OFFSET :most
+)
 """)
 _OPEN = "SELECT label FROM device_login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused"
 _CONFIRM = text("""

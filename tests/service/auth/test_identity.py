@@ -13,7 +13,9 @@ from pathlib import Path
 
 import pytest
 from fastapi import FastAPI, Request
+from limits import RateLimitItemPerMinute
 
+from service.auth import rate_limit
 from service.auth.identity import same_origin
 from service.cli.__main__ import main
 from service.http.errors import Problem
@@ -88,6 +90,33 @@ def test_a_token_is_kept_as_its_digest_only(server, url):
     assert not any(token in row[0] or token[20:] in row[0] for row in rows)
     assert call(server, "/v1/me", token=token)[1] == {"person": "dora", "scopes": ["login", "read", "submit"], "local": False}
     assert token not in server.log.read_text()
+
+
+def test_a_student_has_a_number_of_waiting_submissions_and_staff_have_none(new_app, database_url):
+    server = new_app(database_url=database_url, open_submissions=2)
+    ann, ben, prof = (given(database_url, name) for name in ("ann", "ben", "prof"))
+    run(database_url, inside(lambda connection: people.enroll(connection, [("prof", "assistant")])))
+    assert [call(server, SLUG, ZEROS, ann)[0] for _ in range(3)] == [202, 202, 429]
+    refused = call(server, SLUG, ZEROS, ann)
+    assert kind(refused)[1] == "too-many-open" and "2 of your submissions" in kind(refused)[2]
+    assert int(refused[2]["retry-after"]) > 0
+    assert call(server, SLUG, ZEROS, ben)[0] == 202
+    assert {call(server, SLUG, ZEROS, prof)[0] for _ in range(5)} == {202}
+
+
+def test_users_who_share_a_server_without_logins_share_a_larger_number(new_app, database_url):
+    server = new_app(database_url=database_url, open_submissions=1, identity="local")
+    assert [call(server, SLUG, ZEROS)[0] for _ in range(11)] == [202] * 10 + [429]
+
+
+def test_one_address_that_starts_many_logins_does_not_keep_others_from_logging_in(new_app, database_url, monkeypatch):
+    monkeypatch.setattr(rate_limit, "STARTS", RateLimitItemPerMinute(5))
+    server = new_app(database_url=database_url)
+    answers = [call(server, "/v1/logins", b"{}", X_Forwarded_For="10.0.0.5") for _ in range(7)]
+    assert [answer[0] for answer in answers] == [201] * 5 + [429] * 2
+    assert kind(answers[-1])[1] == "too-many" and 0 < int(answers[-1][2]["retry-after"]) <= 60
+    assert sql(database_url, "SELECT count(*) FROM device_login") == [(5,)]
+    assert call(server, "/v1/logins", b"{}", X_Forwarded_For="10.0.0.6")[0] == 201
 
 
 def test_a_token_does_what_it_is_for_and_nothing_else(server, url):
@@ -211,7 +240,8 @@ def test_a_page_of_another_site_cannot_submit_to_a_server_at_home(new_app, datab
     assert call(server, SLUG, ZEROS, Origin="https://evil.example")[0] == 403
     assert call(server, SLUG, ZEROS, Sec_Fetch_Site="cross-site")[0] == 403
     assert call(server, SLUG, ZEROS, Origin=server.url)[0] == call(server, SLUG, ZEROS)[0] == 202
-    assert all(call(server, "/v1/me", Host=name)[0] == 403 for name in ("rebound.example", "rebound.example@localhost"))
+    assert call(server, "/v1/me", Host="rebound.example")[0] == 403
+    assert call(server, "/v1/me", Host="rebound.example@localhost")[0] == 400
     assert call(server, "/v1/me", Host="localhost:1")[0] == 200
     assert call(server, "/v1/me", token="a-proxys-own")[1] == {
         "person": "local",

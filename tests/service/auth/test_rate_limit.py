@@ -3,9 +3,11 @@
 from contextlib import ExitStack
 
 import pytest
+from fastapi import Request
 
-from service.auth.rate_limit import BY_ADDRESS, BY_NAME, LoginRateLimiter, network
+from service.auth.rate_limit import BY_ADDRESS, BY_NAME, LoginRateLimiter
 from service.http.errors import Problem
+from service.http.requests import network
 
 ANN, BEN, HERE = (BY_NAME, "name", "ann"), (BY_NAME, "name", "ben"), (BY_ADDRESS, "address", "10.0.0.1")
 
@@ -58,3 +60,18 @@ def test_many_guesses_at_once_are_no_more_than_one_after_the_other():
 )
 def test_a_customer_of_a_network_is_one_address(address, whose):
     assert network(address) == whose
+
+
+def test_a_class_behind_one_address_starts_its_logins_and_another_address_is_not_affected_by_more():
+    limiter = LoginRateLimiter()
+
+    def start(address):
+        limiter.start(Request({"type": "http", "headers": [], "client": (address, 1)}))
+
+    for _ in range(300):
+        start("10.0.0.1")
+    for _ in range(2):
+        with pytest.raises(Problem) as refused:
+            start("10.0.0.1")
+        assert refused.value.status == 429 and 50 < refused.value.retry_after <= 60
+    start("10.0.0.2")

@@ -10,9 +10,10 @@ import pytest
 
 from service.store import records
 from service.store.course.deadlines import extend
-from service.store.submissions import Accepted, KeyReused, SubmissionRejected, accept
+from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
 from service.store.workers import sweep
 from tests.support.database import new, run, sql
+from tests.support.submissions import grade
 
 
 def test_a_submission_its_grading_and_its_job_are_there_together(database_url):
@@ -143,3 +144,19 @@ def test_the_time_is_that_of_the_request(database_url):
         run(database_url, lambda d: accept(d, new()))
     ((age,),) = sql(database_url, "SELECT extract(epoch FROM now() - submitted_at) FROM submission")
     assert 5 < age < 10
+
+
+def test_no_more_than_the_permitted_number_waits_for_reports_also_when_sent_at_once(database_url):
+    async def send(database):
+        sent = [accept(database, new(seed=k), most_open=3) for k in range(10)]
+        return await asyncio.gather(*sent, return_exceptions=True)
+
+    results = run(database_url, send)
+    assert sum(isinstance(r, Accepted) for r in results) == 3 and sum(isinstance(r, TooManyOpen) for r in results) == 7
+    assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(3,)]
+    assert run(database_url, lambda d: accept(d, new("ben"), most_open=3)).fresh
+    first = next(r for r in results if isinstance(r, Accepted))
+    run(database_url, lambda d: grade(d, first.id, {"2-energy": "✓"}))
+    assert run(database_url, lambda d: accept(d, new(), most_open=3)).fresh, "one has its report"
+    for action in (lambda d: accept(d, new(), "k", most_open=4), lambda d: accept(d, new(), "k", most_open=1)):
+        assert run(database_url, action).submitted_at, "a repeated request is no new submission"

@@ -207,6 +207,12 @@ def test_a_students_random_numbers_stay_the_same(start):
         (problem(401, "revoked", "it was revoked"), "revoked", "(it was revoked): run ecp.login()"),
         (problem(403, "deadline-over", "it was at noon"), "deadline-over", "The deadline has passed (it was at noon)"),
         (problem(403, "none-left", "all 3 are used"), "none-left", "You have no submissions left (all 3 are used)"),
+        (
+            problem(429, "too-many-open", "20 of your submissions are waiting", Retry_After="10"),
+            "too-many-open",
+            "Nothing was submitted (20 of your submissions are waiting).",
+        ),
+        (problem(408, "timed-out", "it did not arrive in time"), "timed-out", "It did not arrive in time."),
         (problem(413, "too-large", "at most 256 KiB"), "too-large", "too large for the server"),
         (says(413, b"<p>", "text/html"), "too-large", "too large for the server"),
         (problem(503, "busy", "the database does not answer"), "busy", "is busy (the database does not"),

@@ -63,3 +63,13 @@ def test_a_refused_login_gives_no_token(url):
     assert not run(url, lambda d: tokens.confirm_login(d, code, "gus"))
     with pytest.raises(tokens.LoginOver):
         run(url, lambda d: tokens.collect_login(d, device, 1.0))
+
+
+def test_the_oldest_unconfirmed_logins_make_place_for_new_ones(database_url, monkeypatch):
+    monkeypatch.setattr(tokens, "MOST_PENDING", 3)
+    logins = [run(database_url, lambda d, k=k: tokens.create_login(d, str(k))) for k in range(3)]
+    assert run(database_url, lambda d: tokens.confirm_login(d, logins[0][1], "ann"))
+    logins += [run(database_url, lambda d, k=k: tokens.create_login(d, str(k))) for k in range(3, 6)]
+    found = [run(database_url, lambda d, code=code: tokens.find_login(d, code)) for _, code in logins]
+    assert found == [None, None, None, "3", "4", "5"]
+    assert run(database_url, lambda d: tokens.collect_login(d, logins[0][0], 1.0))[1] == "ann", "confirmed in time"

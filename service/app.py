@@ -17,7 +17,7 @@ from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import LoginRateLimiter
-from service.http import errors, middleware
+from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import account, course, gradebook, login, overrides, queue, regrades, speed_vs_accuracy, submission
@@ -62,6 +62,7 @@ def create_app(settings: Settings) -> FastAPI:
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
     app.state.settings, app.state.oidc = settings, oidc.provider(settings)
     errors.install(app)
+    openapi.install(app)
     roles.install(app)
     if origins := settings.allowed_origins():
         methods = ["GET", "POST", "DELETE"]

@@ -8,6 +8,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.submissions import find_submission
 from service.http.live import Listener
+from service.http.openapi import PERSON, problems
 from service.store import records
 from service.store.database import is_outage
 from service.store.records import SubmissionRecord
@@ -16,7 +17,7 @@ router = APIRouter()
 LONGEST_S = 3600.0
 
 
-@router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse)
+@router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse, responses=problems(PERSON | {404: "not-found"}))
 async def events(
     request: Request,
     stored: Annotated[SubmissionRecord, Depends(find_submission)],

@@ -12,15 +12,22 @@ from service.api.submissions import find_assignment, find_submission
 from service.grading.rendering import FORMATS
 from service.grading.rendering import find as find_figure
 from service.http.errors import Problem
+from service.http.openapi import PERSON, media, problems
 from service.store import sweeps
 from service.store.records import SubmissionRecord, find_artefact, store_artefacts
 
 router = APIRouter()
 Submission = Annotated[SubmissionRecord, Depends(find_submission)]
 SWEEP_WAIT_S = 50.0
+NOT_MODIFIED = {304: {"description": "Not modified"}}
+PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: "assignment-broken busy"}
 
 
-@router.get("/v1/submissions/{id}/figures/{name}.{form}")
+@router.get(
+    "/v1/submissions/{id}/figures/{name}.{form}",
+    response_class=Response,
+    responses=media(*FORMATS.values()) | NOT_MODIFIED | problems(PICTURE),
+)
 async def figure(stored: Submission, name: str, form: Literal["png", "svg"], request: Request) -> Response:
     """Return a figure of the report; render it on the first request and store it."""
     names = {f.name for f in stored.report.figures} if stored.report else set()
@@ -60,7 +67,11 @@ async def cached_artefact(
     return _cached(request, found, media_type)
 
 
-@router.get("/v1/submissions/{id}/sweep.{form}")
+@router.get(
+    "/v1/submissions/{id}/sweep.{form}",
+    response_class=Response,
+    responses=media("application/json", FORMATS["svg"]) | NOT_MODIFIED | problems(PICTURE | {409: "not-ready"}),
+)
 async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"], request: Request) -> Response:
     """Return the speed vs accuracy sweep of the submission's function; a worker runs it on the first
     request.
@@ -77,7 +88,11 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
     raise Problem(503, "busy", "the speed vs accuracy measurement is still running: try again later")
 
 
-@router.get("/v1/submissions/{id}/animations/{name}.png")
+@router.get(
+    "/v1/submissions/{id}/animations/{name}.png",
+    response_class=Response,
+    responses=media(FORMATS["png"]) | NOT_MODIFIED | problems(PERSON | {404: "not-found"}),
+)
 async def animation(stored: Submission, name: str, request: Request) -> Response:
     """Return the contact sheet of an animation."""
     names = {a.name for a in stored.report.animations} if stored.report else set()

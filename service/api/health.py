@@ -7,6 +7,7 @@ from fastapi.responses import JSONResponse
 
 from exercises.catalogue import load_catalogue
 from service.http.metrics import exposition
+from service.http.openapi import also, media, problems
 from service.store.database import Database
 
 router = APIRouter()
@@ -18,13 +19,13 @@ ORDER BY unavailable_reason IS NOT NULL, name
 """
 
 
-@router.get("/livez")
+@router.get("/livez", responses=problems({}))
 async def livez() -> dict[str, str]:
     """Report that the process is alive."""
     return {"status": "alive"}
 
 
-@router.get("/readyz")
+@router.get("/readyz", responses=problems({}) | also(503, "Not ready"))
 async def readyz(request: Request) -> JSONResponse:
     """Report whether submissions can be graded, with the result of each check."""
     checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}
@@ -42,7 +43,7 @@ async def readyz(request: Request) -> JSONResponse:
     return JSONResponse({"status": "ready", "checks": checks | invalid})
 
 
-@router.get("/metrics")
+@router.get("/metrics", response_class=Response, responses=media("text/plain") | problems({503: "busy"}))
 async def metrics(request: Request) -> Response:
     """Return all metrics for Prometheus."""
     return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")

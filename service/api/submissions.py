@@ -22,6 +22,7 @@ from service.auth.identity import STAFF, Person, authenticate, role
 from service.formats import junit
 from service.grading.result import GradedFile
 from service.http.errors import Problem
+from service.http.openapi import PERSON, also, media, problems
 from service.store import records
 from service.store.course import overrides
 from service.store.database import Database, is_outage
@@ -34,13 +35,13 @@ OPEN_RETRY_S = 10
 SHARED = 10  # times as many open submissions for the person that all users of a server without logins share
 
 
-@router.get("/v1/assignments")
+@router.get("/v1/assignments", responses=problems({}))
 async def list_assignments() -> list[dict[str, str]]:
     """Return slug, title and version of every assignment."""
     return [{"slug": a.slug, "title": a.title, "version": a.version} for a in assignments().values()]
 
 
-@router.get("/v1/assignments/{slug}")
+@router.get("/v1/assignments/{slug}", responses=problems({404: "not-found", 503: "assignment-broken"}))
 async def show_assignment(slug: str) -> dict[str, Any]:
     """Return the exercises with their functions and checks; each check has its tolerance, the reason
     for it, and ``hidden``.
@@ -71,7 +72,52 @@ async def show_assignment(slug: str) -> dict[str, Any]:
     return described | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook, "packages": importable}
 
 
-@router.post("/v1/assignments/{slug}/submissions", status_code=202)
+SUBMIT_BODY = {
+    "required": True,
+    "content": {
+        "application/json": {
+            "schema": {
+                "type": "object",
+                "required": ["source"],
+                "additionalProperties": False,
+                "properties": {
+                    "source": {"type": "string", "description": "Python source, or a notebook with a filename *.ipynb."},
+                    "filename": {"type": "string", "default": "submission.py", "pattern": r"\.(py|ipynb)$"},
+                    "exercises": {"type": "array", "minItems": 1, "items": {"type": "string"}},
+                },
+            }
+        },
+        "multipart/form-data": {
+            "schema": {
+                "type": "object",
+                "required": ["file"],
+                "properties": {
+                    "file": {"type": "string", "format": "binary", "description": "A .py or .ipynb file."},
+                    "exercises": {"type": "array", "items": {"type": "string"}},
+                },
+            }
+        },
+    },
+}
+SUBMIT_PROBLEMS = {
+    401: "nobody",
+    403: "deadline-over none-left not-allowed",
+    404: "not-found",
+    408: "timed-out",
+    413: "too-large",
+    415: "unsupported-media-type",
+    422: "bad-submission invalid-request key-reused unknown-exercise",
+    429: "too-many-open",
+    503: "assignment-broken busy no-walls",
+}
+
+
+@router.post(
+    "/v1/assignments/{slug}/submissions",
+    status_code=202,
+    responses=also(200, "Graded within the time to wait") | also(202, "Stored") | problems(SUBMIT_PROBLEMS),
+    openapi_extra={"requestBody": SUBMIT_BODY},
+)
 async def submit(
     slug: str,
     request: Request,
@@ -125,7 +171,7 @@ async def _accept(request: Request, person: Person, new: NewSubmission, key: str
     raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 
 
-@router.get("/v1/submissions/{id}")
+@router.get("/v1/submissions/{id}", responses=problems(PERSON | {404: "not-found"}))
 async def show_submission(id: str, request: Request) -> dict[str, Any]:
     """Return the status of a submission, its report if graded, and an instructor's overrides."""
     stored = await find_submission(request, id)
@@ -203,14 +249,22 @@ def _seconds(prefer: str | None) -> float:
     return min(float(match[1]), LONGEST_WAIT_S) if match else 0.0
 
 
-@router.get("/v1/submissions/{id}/report.txt")
+@router.get(
+    "/v1/submissions/{id}/report.txt",
+    response_class=PlainTextResponse,
+    responses=problems(PERSON | {404: "not-found", 409: "not-ready"}),
+)
 async def report_text(id: str, request: Request) -> PlainTextResponse:
     """Return the report as text, as the notebook prints it."""
     _, report = await _graded(request, id)
     return PlainTextResponse(report.text())
 
 
-@router.get("/v1/submissions/{id}/report.junit.xml")
+@router.get(
+    "/v1/submissions/{id}/report.junit.xml",
+    response_class=Response,
+    responses=media("application/xml") | problems(PERSON | {404: "not-found", 409: "not-ready", 503: "assignment-broken busy"}),
+)
 async def report_junit(id: str, request: Request) -> Response:
     """Return the report as JUnit XML for CI systems."""
     stored, report = await _graded(request, id)

@@ -9,6 +9,7 @@ from fastapi.responses import JSONResponse
 
 from service.auth.identity import authenticate
 from service.http.errors import Problem
+from service.http.openapi import PERSON, also, problems
 from service.http.requests import public_address
 from service.store.course import tokens
 
@@ -18,7 +19,9 @@ LONGEST_LABEL = 60
 ShortText = Annotated[str, Body(embed=True, max_length=120)]
 
 
-@router.post("/v1/logins", status_code=201)
+@router.post(
+    "/v1/logins", status_code=201, responses=problems({408: "timed-out", 422: "invalid-request", 429: "too-many", 503: "busy"})
+)
 async def start(request: Request, label: ShortText = "a notebook") -> dict[str, object]:
     """Start a login.
 
@@ -39,7 +42,10 @@ async def start(request: Request, label: ShortText = "a notebook") -> dict[str, 
     }
 
 
-@router.post("/v1/logins/token")
+@router.post(
+    "/v1/logins/token",
+    responses=also(202, "Not confirmed yet") | problems({408: "timed-out", 410: "login-over", 422: "invalid-request", 503: "busy"}),
+)
 async def collect(request: Request, device_code: ShortText) -> JSONResponse:
     """Return the token of a confirmed login: 200, once; 202 while it is unconfirmed; 410 once it is
     refused, used or expired.
@@ -56,14 +62,14 @@ async def collect(request: Request, device_code: ShortText) -> JSONResponse:
     return JSONResponse({"token": found[0], "person": found[1]})
 
 
-@router.get("/v1/me")
+@router.get("/v1/me", responses=problems(PERSON))
 async def me(request: Request) -> dict[str, object]:
     """Return the person and scopes of the request's token. ``local`` is true in single-user mode."""
     person = await authenticate(request)
     return {"person": person.name, "scopes": sorted(person.scopes), "local": person.single_user}
 
 
-@router.delete("/v1/me/token", status_code=204)
+@router.delete("/v1/me/token", status_code=204, responses=problems({401: "nobody", 503: "busy"}))
 async def revoke(request: Request) -> Response:
     """Revoke the token in the request's Authorization header."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()

@@ -15,6 +15,7 @@ from service.store.database import is_outage
 
 log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
+PROBLEM_TYPE = "application/problem+json"
 
 TITLES = {
     "assignment-broken": "Assignment unavailable",
@@ -82,7 +83,7 @@ def problem_response(
     }
     if errors:
         body["errors"] = [{key: _encodable(value) for key, value in error.items()} for error in errors]
-    return JSONResponse(body, status, headers, media_type="application/problem+json")
+    return JSONResponse(body, status, headers, media_type=PROBLEM_TYPE)
 
 
 def _encodable(text: str) -> str:

@@ -1,0 +1,69 @@
+"""The OpenAPI document's responses: their media types, and errors as problems."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from service.http.errors import PROBLEM_TYPE, TITLES
+
+JSON = "application/json"
+Responses = dict[int | str, dict[str, Any]]
+PERSON = {401: "nobody", 403: "not-allowed", 503: "busy"}  # of every request that is authenticated
+PROBLEM = {
+    "type": "object",
+    "required": ["type", "title", "status", "detail"],
+    "properties": {
+        "type": {"type": "string", "enum": [f"urn:polhode:problem:{kind}" for kind in TITLES]},
+        "title": {"type": "string"},
+        "status": {"type": "integer"},
+        "detail": {"type": "string", "description": "What failed and what to do."},
+        "errors": {
+            "type": "array",
+            "items": {"type": "object", "properties": {"pointer": {"type": "string"}, "detail": {"type": "string"}}},
+        },
+    },
+}
+
+
+def problems(kinds: Mapping[int, str]) -> Responses:
+    """Return the responses that a route adds to the document: its problem types by status, separated by spaces.
+
+    Every route has 400 and 500.
+    """
+    content = {PROBLEM_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    every = {400: "invalid-request", 500: "fault", **kinds}
+    return {
+        status: {"description": "; ".join(f"`{kind}`: {TITLES[kind]}" for kind in names.split()), "content": content}
+        for status, names in sorted(every.items())
+    }
+
+
+def media(*types: str) -> Responses:
+    """Return the response 200 with these media types. Use it with ``response_class=Response``."""
+    return {200: {"content": {type: {"schema": {} if type == JSON else {"type": "string"}} for type in types}}}
+
+
+def also(status: int, description: str) -> Responses:
+    """Return one more response with JSON."""
+    return {status: {"description": description, "content": {JSON: {"schema": {}}}}}
+
+
+def install(app: FastAPI) -> None:
+    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it."""
+
+    def document() -> dict[str, Any]:
+        if not app.openapi_schema:
+            made = get_openapi(title=app.title, version=app.version, routes=app.routes)
+            for operation in (o for path in made["paths"].values() for o in path.values()):
+                if PROBLEM_TYPE not in operation["responses"].get("422", {}).get("content", {}):
+                    operation["responses"].pop("422", None)
+            schemas = made.setdefault("components", {}).setdefault("schemas", {})
+            for unused in ("HTTPValidationError", "ValidationError"):
+                schemas.pop(unused, None)
+            schemas["Problem"] = PROBLEM
+            app.openapi_schema = made
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]

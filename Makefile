@@ -63,12 +63,13 @@ exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotag
 	@for python in python3.12 python3.13 python3.14; do if command -v $$python >/dev/null; then copy=$$(mktemp -d) \
 		&& git clone --quiet . $$copy && $(MAKE) -C $$copy --no-print-directory test PYTHON=$$python && rm -rf $$copy || exit 1; fi; done
 
-bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, pages, and other autograders
+bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, attacks by connections, pages, and other autograders
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
 	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
+	@$(CLEAN_ENV) $(BIN)/python -m bench.connections
 	@$(CLEAN_ENV) $(BIN)/python -m bench.pages
 	@$(CLEAN_ENV) $(BIN)/python -m bench.peers
 

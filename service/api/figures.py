@@ -20,7 +20,7 @@ router = APIRouter()
 Submission = Annotated[SubmissionRecord, Depends(find_submission)]
 SWEEP_WAIT_S = 50.0
 NOT_MODIFIED = {304: {"description": "Not modified"}}
-PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: "assignment-broken busy"}
+PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: ("assignment-broken", "busy")}
 
 
 @router.get(

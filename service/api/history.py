@@ -17,7 +17,9 @@ from service.store.history import PastSubmission, past_submissions
 router = APIRouter()
 
 
-@router.get("/v1/assignments/{slug}/submissions", responses=problems(PERSON | {404: "not-found", 503: "assignment-broken busy"}))
+@router.get(
+    "/v1/assignments/{slug}/submissions", responses=problems(PERSON | {404: "not-found", 503: ("assignment-broken", "busy")})
+)
 async def list_own(slug: str, request: Request) -> dict[str, Any]:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
     and the best and last ids.

@@ -22,7 +22,7 @@ from service.auth.identity import STAFF, Person, authenticate, role
 from service.formats import junit
 from service.grading.result import GradedFile
 from service.http.errors import Problem
-from service.http.openapi import PERSON, also, media, problems
+from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.store import records
 from service.store.course import overrides
 from service.store.database import Database, is_outage
@@ -99,16 +99,16 @@ SUBMIT_BODY = {
         },
     },
 }
-SUBMIT_PROBLEMS = {
+SUBMIT_PROBLEMS: dict[int, Kinds] = {
     401: "nobody",
-    403: "deadline-over none-left not-allowed",
+    403: ("deadline-over", "none-left", "not-allowed"),
     404: "not-found",
     408: "timed-out",
     413: "too-large",
     415: "unsupported-media-type",
-    422: "bad-submission invalid-request key-reused unknown-exercise",
+    422: ("bad-submission", "invalid-request", "key-reused", "unknown-exercise"),
     429: "too-many-open",
-    503: "assignment-broken busy no-walls",
+    503: ("assignment-broken", "busy", "no-walls"),
 }
 
 
@@ -263,7 +263,8 @@ async def report_text(id: str, request: Request) -> PlainTextResponse:
 @router.get(
     "/v1/submissions/{id}/report.junit.xml",
     response_class=Response,
-    responses=media("application/xml") | problems(PERSON | {404: "not-found", 409: "not-ready", 503: "assignment-broken busy"}),
+    responses=media("application/xml")
+    | problems(PERSON | {404: "not-found", 409: "not-ready", 503: ("assignment-broken", "busy")}),
 )
 async def report_junit(id: str, request: Request) -> Response:
     """Return the report as JUnit XML for CI systems."""

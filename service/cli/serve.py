@@ -14,11 +14,12 @@ from sqlalchemy.exc import OperationalError
 from service import logs
 from service.app import create_app
 from service.auth import oidc
-from service.http.connections import BACKLOG, Connection, Connections, raise_open_file_limit
+from service.http.connections import ACCEPTED, Connection, Connections, raise_open_file_limit
 from service.settings import Settings
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
 
+BACKLOG = 1024  # connections that wait in the kernel to be accepted
 CLOSE_S = 2  # seconds that a stopping server leaves to open responses, such as event streams
 
 
@@ -56,7 +57,7 @@ def http_server(settings: Settings) -> uvicorn.Server:
         create_app(settings),
         http=cast(Any, partial(Connection, connections=Connections(settings))),
         ws="none",
-        backlog=BACKLOG,
+        backlog=ACCEPTED,
         log_config=None,
         access_log=False,
         server_header=False,
@@ -67,6 +68,11 @@ def http_server(settings: Settings) -> uvicorn.Server:
 
 class _Server(uvicorn.Server):
     """A uvicorn server that notifies waiting requests before it closes their connections."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        for listening in sockets or ():
+            listening.listen(BACKLOG)  # uvicorn's own backlog is also the number of connections accepted in one go
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         assert isinstance(self.config.app, FastAPI)

@@ -18,16 +18,19 @@ from starlette.types import ASGIApp
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from service.http.errors import problem_response
+from service.http.errors import PROBLEM_TYPE, problem_response
 from service.http.metrics import PROCESS
 from service.http.requests import network
 from service.settings import Settings
 
-BACKLOG = 256  # connections that asyncio accepts before their protocols see them
+ACCEPTED = 64  # most connections that asyncio accepts before it attends to others and their protocols can close some
 OTHER_FILES = 128  # descriptors kept for the database, the workers' pipes and files; an idle server has about 40
 LOWEST_RATE = 1000  # bytes per second, on average, of a request body after its first ``body_timeout`` seconds
 CLOSED = Metric("polhode_http_closed", "Connections closed by a limit.", ["limit"], registry=PROCESS)
 REFUSED = b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 5\r\nContent-Length: 0\r\n\r\n"
+TIMED_OUT = b"HTTP/1.1 408 Request Timeout\r\nConnection: close\r\nContent-Type: %b\r\nContent-Length: %d\r\n\r\n%b"
+_problem = problem_response(408, "timed-out", "the request did not arrive in time: check the network, then send it again").body
+TIMED_OUT %= PROBLEM_TYPE.encode(), len(_problem), bytes(_problem)
 
 _HEAD_END = re.compile(rb"\n\r?\n")  # as h11 finds it
 _BARE_LF = re.compile(rb"(?<!\r)\n")
@@ -51,8 +54,8 @@ class Connections:
 
     def __init__(self, settings: Settings) -> None:
         files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        available = files if files != resource.RLIM_INFINITY else settings.connections + BACKLOG + OTHER_FILES
-        self.most = max(8, min(settings.connections, available - BACKLOG - OTHER_FILES))
+        available = files if files != resource.RLIM_INFINITY else settings.connections + ACCEPTED + OTHER_FILES
+        self.most = max(8, min(settings.connections, available - ACCEPTED - OTHER_FILES))
         self.header_s, self.body_s = settings.header_timeout, settings.body_timeout
         self._open: dict[Connection, str] = {}
         self._per_address: Counter[str] = Counter()
@@ -166,11 +169,7 @@ class Connection(H11Protocol):
             return
         CLOSED.labels(limit).inc()
         if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and self._received:
-            answer = problem_response(408, "timed-out", "the request did not arrive in time: check the network, then send it again")
-            headers = [*answer.raw_headers, (b"connection", b"close")]
-            head = h11.Response(status_code=408, headers=headers, reason=b"Request Timeout")
-            for event in (head, h11.Data(data=bytes(answer.body)), h11.EndOfMessage()):
-                self.transport.write(self.conn.send(event) or b"")
+            self.transport.write(TIMED_OUT)
         if self.cycle is not None and not self.cycle.response_complete:
             self.cycle.disconnected = True
             self.cycle.message_event.set()

@@ -9,8 +9,10 @@ from fastapi.openapi.utils import get_openapi
 from service.http.errors import PROBLEM_TYPE, TITLES
 
 JSON = "application/json"
+Kinds = str | tuple[str, ...]
 Responses = dict[int | str, dict[str, Any]]
-PERSON = {401: "nobody", 403: "not-allowed", 503: "busy"}  # of every request that is authenticated
+EVERY = {400: "invalid-request", 500: "fault"}
+PERSON: dict[int, Kinds] = {401: "nobody", 403: "not-allowed", 503: "busy"}  # of every authenticated request
 PROBLEM = {
     "type": "object",
     "required": ["type", "title", "status", "detail"],
@@ -27,15 +29,15 @@ PROBLEM = {
 }
 
 
-def problems(kinds: Mapping[int, str]) -> Responses:
-    """Return the responses that a route adds to the document: its problem types by status, separated by spaces.
+def problems(kinds: Mapping[int, Kinds]) -> Responses:
+    """Return the responses that a route adds to the document: its problem type, or types, by status.
 
     Every route has 400 and 500.
     """
     content = {PROBLEM_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
-    every = {400: "invalid-request", 500: "fault", **kinds}
+    every = {status: (names,) if isinstance(names, str) else names for status, names in {**EVERY, **kinds}.items()}
     return {
-        status: {"description": "; ".join(f"`{kind}`: {TITLES[kind]}" for kind in names.split()), "content": content}
+        status: {"description": "; ".join(f"`{kind}`: {TITLES[kind]}" for kind in names), "content": content}
         for status, names in sorted(every.items())
     }
 

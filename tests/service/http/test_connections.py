@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from service.http.connections import BACKLOG, OTHER_FILES, Connections, raise_open_file_limit
+from service.http.connections import ACCEPTED, OTHER_FILES, Connections, raise_open_file_limit
 from service.settings import Settings
 from tests.support.http_client import SUBMISSIONS, call, post
 from tests.support.submissions import submitted
@@ -221,7 +221,7 @@ def test_the_limit_of_open_files_is_raised_and_leaves_some_for_other_uses():
     before = resource.getrlimit(resource.RLIMIT_NOFILE)
     try:
         resource.setrlimit(resource.RLIMIT_NOFILE, (1024, before[1]))
-        assert Connections(Settings(connections=100_000)).most == 1024 - BACKLOG - OTHER_FILES
+        assert Connections(Settings(connections=100_000)).most == 1024 - ACCEPTED - OTHER_FILES
         assert Connections(Settings(connections=100)).most == 100
         raise_open_file_limit()
         assert resource.getrlimit(resource.RLIMIT_NOFILE)[0] == before[1] > 1024

@@ -1,5 +1,6 @@
 """Run the server: the HTTP application, the workers, and an embedded database unless another one is set."""
 
+import gc
 import signal
 import socket
 import sys
@@ -19,7 +20,7 @@ from service.settings import Settings
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
 
-BACKLOG = 1024  # connections that wait in the kernel to be accepted
+BACKLOG = 4096  # connections that wait in the kernel to be accepted
 CLOSE_S = 2  # seconds that a stopping server leaves to open responses, such as event streams
 
 
@@ -37,6 +38,7 @@ def serve(settings: Settings) -> int:
         supervisor = Supervisor(settings)
         supervisor.begin()
         server = http_server(settings.model_copy(update={"database_url": supervisor.url}))
+        gc.freeze()  # else each full collection stops the event loop for 0.2 s to look at what the imports created
         server.run(sockets=[listening])
         return 0 if server.started else 2
     except (oidc.NotInstalled, DatabaseUnavailable, OperationalError, OSError) as error:

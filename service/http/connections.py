@@ -7,6 +7,7 @@ uvicorn's own settings do not reach these: ``timeout_keep_alive`` ends with the 
 
 import asyncio
 import contextlib
+import random
 import re
 import resource
 from collections import Counter
@@ -23,8 +24,9 @@ from service.http.metrics import PROCESS
 from service.http.requests import network
 from service.settings import Settings
 
-ACCEPTED = 64  # most connections that asyncio accepts before it attends to others and their protocols can close some
+ACCEPTED = 16  # most connections that asyncio accepts before it attends to others and their protocols can close some
 OTHER_FILES = 128  # descriptors kept for the database, the workers' pipes and files; an idle server has about 40
+SPREAD = 0.5  # deadlines vary from one to one and a half times their setting
 LOWEST_RATE = 1000  # bytes per second, on average, of a request body after its first ``body_timeout`` seconds
 CLOSED = Metric("polhode_http_closed", "Connections closed by a limit.", ["limit"], registry=PROCESS)
 REFUSED = b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 5\r\nContent-Length: 0\r\n\r\n"
@@ -32,6 +34,7 @@ TIMED_OUT = b"HTTP/1.1 408 Request Timeout\r\nConnection: close\r\nContent-Type:
 _problem = problem_response(408, "timed-out", "the request did not arrive in time: check the network, then send it again").body
 TIMED_OUT %= PROBLEM_TYPE.encode(), len(_problem), bytes(_problem)
 
+chance = random.Random()  # noqa: S311
 _HEAD_END = re.compile(rb"\n\r?\n")  # as h11 finds it
 _BARE_LF = re.compile(rb"(?<!\r)\n")
 _LENGTH = re.compile(rb"^content-length:([^\r\n]*)", re.IGNORECASE | re.MULTILINE)
@@ -193,7 +196,8 @@ class Connection(H11Protocol):
     def _start_deadline(self) -> None:
         self._began, self._received = self.loop.time(), 0
         seconds = self._all.header_s if self.conn.their_state is h11.IDLE else self._all.body_s
-        self._deadline = self.loop.call_later(seconds, self._check_deadline)
+        spread = 1.0 + SPREAD * chance.random()  # closing and opening thousands at the same moment would delay everybody
+        self._deadline = self.loop.call_later(seconds * spread, self._check_deadline)
 
     def _check_deadline(self) -> None:
         if self.conn.their_state is h11.IDLE:

@@ -11,11 +11,11 @@ from exercises.catalogue import find, load_catalogue, slug_of
 from exercises.catalogue import folders as assignment_folders
 from service.grading.submission import MOST_BYTES
 
-SUFFIXES = (".py", ".ipynb")
+SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
 
 class NoSubmissionFound(ValueError):
-    """A name matches no submission; the message says which."""
+    """A name matches no file that can be a submission; the message says which."""
 
 
 def find_files(named: Iterable[str]) -> list[Path]:
@@ -23,14 +23,16 @@ def find_files(named: Iterable[str]) -> list[Path]:
 
     A folder stands for all .py and .ipynb files in it and below that are not hidden, sorted by name. A symbolic
     link is followed only if it is named itself: inside a folder a student's link could lead to another
-    student's file. Raises NoSubmissionFound if a name matches nothing, OSError for a folder that cannot be
-    listed.
+    student's file. Raises NoSubmissionFound if a name matches nothing or a file that is neither .py, .ipynb nor
+    .json, OSError for a folder that cannot be listed.
     """
     found: dict[Path, Path] = {}
     for name in named:
         files = list(_files(name))
         if not files:
             raise NoSubmissionFound(f"{name}: {'no .py or .ipynb file in this folder' if Path(name).is_dir() else 'no such file'}")
+        if other := [file.name for file in files if file.suffix.lower() not in (*SUFFIXES, JSON)]:
+            raise NoSubmissionFound(f"{', '.join(other)}: cannot be a submission: name a .py, .ipynb or .json file")
         for file in files:
             found.setdefault(file.resolve(), file)
     return list(found.values())

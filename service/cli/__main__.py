@@ -48,7 +48,8 @@ def _print_error(error: Exception) -> None:
         return
     for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
         name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")  # an alias has the prefix already
-        print(f"polhode: POLHODE_{name}: {wrong['msg']}", file=sys.stderr)
+        place = f"POLHODE_{name}: " if name else ""  # an error of several settings names them itself
+        print(f"polhode: {place}{wrong['msg'].removeprefix('Value error, ')}", file=sys.stderr)
 
 
 def _close(stream: TextIO | None) -> None:

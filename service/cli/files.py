@@ -9,7 +9,6 @@ from pathlib import Path
 from exercises.assignment import Assignment, NoAssignment
 from exercises.catalogue import find, load_catalogue, slug_of
 from exercises.catalogue import folders as assignment_folders
-from service.grading.submission import MOST_BYTES
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
@@ -90,14 +89,15 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
     known, invalid = load_catalogue()
     if len(only := [slug_of(home) for home in homes] or [*known, *invalid]) == 1:
         return find(only[0])
-    words = {word for file in files for word in _words(file)}
-    likely = [a for a in known.values() if a.functions() & words]
+    named = _named({name for a in known.values() for name in a.functions()}, files) if len(known) > 1 else set()
+    likely = [a for a in known.values() if a.functions() & named]
     if len(likely) == 1 and not invalid:
         return likely[0]
     broken = "".join(f"; {error}" for error in invalid.values())
     raise NoAssignment(f"cannot determine the assignment: give --assignment {' or '.join(sorted(known)) or 'SLUG'}{broken}")
 
 
-def _words(file: Path) -> set[str]:
-    with file.open("rb") as stream:
-        return set(re.findall(r"\w+", stream.read(MOST_BYTES).decode("utf-8", "replace")))
+def _named(functions: Iterable[str], files: Iterable[Path]) -> set[str]:
+    """Return those of the functions that the files name."""
+    pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, functions))})\b")
+    return {name for file in files for name in pattern.findall(file.read_text("utf-8", "replace"))}

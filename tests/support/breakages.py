@@ -404,8 +404,8 @@ GRADING = [
     Breakage(
         "a submission of any size is taken",
         "service/grading/submission.py",
-        "if len(data) > MOST_BYTES:",
-        "if len(data) > MOST_BYTES and not filename:",
+        "if (size := len(source.encode())) > limits.source:",
+        "if (size := len(source.encode())) > limits.upload:",
         ("tests/service/grading/test_submission.py",),
     ),
     Breakage(

@@ -16,6 +16,7 @@ from service.http.errors import Problem
 SMALL = 256 * KIB  # parsed at once: the server cannot respond to others meanwhile
 MOST_LARGE = 8  # larger bodies in memory at a time
 PARSE_S, WAIT_S = 30.0, 60.0
+DISCARDED = 10  # times the limit: a client that is still sending would not see the response
 
 
 class LargeBodies:
@@ -56,9 +57,15 @@ async def _parse(request: Request, kind: str, limits: SizeLimits) -> ParsedSubmi
             if size <= SMALL < size + len(chunk):
                 await _take_place(large, stack)
             size += len(chunk)
-            if size > limits.upload:
-                raise TooLarge(upload_too_large(limits))
-            chunks.append(chunk)
+            if size <= limits.upload:
+                chunks.append(chunk)
+                continue
+            chunks.clear()
+            await stack.aclose()
+            if size > DISCARDED * limits.upload:
+                break
+        if size > limits.upload:
+            raise TooLarge(upload_too_large(limits))
         body = b"".join(chunks)
         if size <= SMALL:
             return (

@@ -9,6 +9,7 @@ from pathlib import Path
 from exercises.assignment import Assignment, NoAssignment
 from exercises.catalogue import find, load_catalogue, slug_of
 from exercises.catalogue import folders as assignment_folders
+from service.grading.submission import DEFAULT_LIMITS
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
@@ -100,4 +101,8 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
 def _named(functions: Iterable[str], files: Iterable[Path]) -> set[str]:
     """Return those of the functions that the files name."""
     pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, functions))})\b")
-    return {name for file in files for name in pattern.findall(file.read_text("utf-8", "replace"))}
+    found: set[str] = set()
+    for file in files:
+        with file.open("rb") as stream:
+            found.update(pattern.findall(stream.read(DEFAULT_LIMITS.upload).decode("utf-8", "replace")))
+    return found

@@ -120,7 +120,7 @@ SENTENCES = {
     "nobody": "You are not logged in at {place}{detail}: run ecp.login() and try again.",
     "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
     "none-left": "You have no submissions left{detail}: nothing was submitted.",
-    "too-large": "The submission is too large for the server at {place}{detail}: clear the outputs or send less.",
+    "too-large": "The submission is too large for the server at {place}{detail}: submit less, such as ecp.submit(euler_eqs).",
     "busy": "The server at {place} is busy{detail}: try again in a few minutes.",
     "fault": "The server at {place} failed; this is not your mistake{number}: try again, then ask your course staff.",
     "not-polhode": "There is no polhode server at {place}, something else answered ({status}{page}): check the address.",

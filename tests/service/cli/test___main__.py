@@ -16,6 +16,7 @@ WRONG = [
     (["serve"], {"POLHODE_PORT": "abc"}, "POLHODE_PORT: "),
     (["serve"], {"POLHODE_DATABASE_URL": "mysql://root:secret@host/db"}, "POLHODE_DATABASE_URL: "),
     (["queue"], {"POLHODE_DATABASE_URL": "postgresql://u:secret@127.0.0.1:1/db"}, "connection"),
+    (["queue"], {"POLHODE_SUBMISSION_KIB": "9999"}, "polhode: POLHODE_UPLOAD_MIB must hold at least 6 times"),
     (["regrade"], {}, "give exactly one of ids"),
     (["regrade", "--all", "--faults"], {}, "give exactly one of ids"),
     (["assign", "rigid-body", "--grace", "nan"], {}, "expected 0 to"),

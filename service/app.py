@@ -82,8 +82,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     settings: Settings = app.state.settings
     assert settings.database_url is not None
     app.state.database = database = Database(settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait)
-    await register(database, load_catalogue().valid.values())
-    for broken in load_catalogue().invalid.values():
+    valid, invalid = load_catalogue()
+    await register(database, valid.values())
+    for broken in invalid.values():
         log.error("%s", broken)
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)

@@ -186,13 +186,14 @@ def _doctor(arguments: argparse.Namespace) -> int:
 def _assignments(arguments: argparse.Namespace) -> int:
     from exercises.catalogue import load_catalogue
 
-    for assignment in load_catalogue().valid.values():
+    valid, invalid = load_catalogue()
+    for assignment in valid.values():
         print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
         for exercise in assignment.exercises:
             print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
-    for error in load_catalogue().invalid.values():
+    for error in invalid.values():
         print(f"polhode: {error}", file=sys.stderr)
-    return CANNOT if load_catalogue().invalid else 0
+    return CANNOT if invalid else 0
 
 
 if __name__ == "__main__":

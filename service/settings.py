@@ -30,6 +30,15 @@ class Settings(BaseSettings):
         256, ge=1, le=65536, description="Largest source of a submission in KiB, of a notebook without its outputs."
     )
     upload_mib: int = Field(20, ge=1, le=1024, description="Largest upload of a submission in MiB, of a notebook with its outputs.")
+    grading_cpu: float = Field(
+        60.0,
+        gt=0,
+        le=3600,
+        description="Seconds of CPU time a grading may use in the sandbox; an assignment may declare more.",
+    )
+    grading_wall: float = Field(
+        120.0, gt=0, le=7200, description="Seconds that a grading may take in the sandbox. What has not run by then has timed out."
+    )
     lease: float = Field(
         LEASE_S, ge=0.4, le=60.0, description="Seconds without a heartbeat after which a run is lost; workers send four per lease."
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 from exercises.assignment import Assignment, NoAssignment
 from exercises.catalogue import find, load_catalogue, slug_of
 from exercises.catalogue import folders as assignment_folders
-from service.grading.submission import DEFAULT_LIMITS
+from service.grading.submission import DEFAULT_SIZES
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
@@ -104,5 +104,5 @@ def _named(functions: Iterable[str], files: Iterable[Path]) -> set[str]:
     found: set[str] = set()
     for file in files:
         with file.open("rb") as stream:
-            found.update(pattern.findall(stream.read(DEFAULT_LIMITS.upload).decode("utf-8", "replace")))
+            found.update(pattern.findall(stream.read(DEFAULT_SIZES.upload).decode("utf-8", "replace")))
     return found

@@ -70,12 +70,14 @@ def _grade(arguments: argparse.Namespace) -> int:
         from service.grading.batch import GradeOptions, GradeRequest, grade_files
         from service.grading.grade import UnknownExercise
         from service.grading.submission import KIB, MIB, SizeLimits
-    limits = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
+        from service.sandbox.time_budget import TimeLimits
     try:
         files = find_files(arguments.files)
         assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits)
+        limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
+        sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
+        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits, sizes)
         written = report_options.ReportFiles(arguments, files)
         asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = OutputDir(arguments.out, files) if arguments.out else None

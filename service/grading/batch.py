@@ -21,12 +21,13 @@ from service.grading.grade import Graded, UnknownExercise, grade, missing_packag
 from service.grading.grader import SweepFailed, sweep
 from service.grading.json_submission import ParsedSubmission, read_json
 from service.grading.result import GradedFile
-from service.grading.submission import DEFAULT_LIMITS, BadSubmission, SizeLimits, Submission
+from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
+from service.sandbox.time_budget import DEFAULT_LIMITS, TimeLimits
 
 log = logging.getLogger(__name__)
 OnProgress = Callable[[int], None]
@@ -44,15 +45,16 @@ class GradeRequest:
 
 @dataclass(frozen=True)
 class GradeOptions:
-    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, and the size
-    ``limits``.
+    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, the time
+    ``limits`` of each grading, and the size limits of each file.
     """
 
     assignment: Assignment
     seed: int
     formats: Collection[str] = ()
     sweep: bool = False
-    limits: SizeLimits = DEFAULT_LIMITS
+    limits: TimeLimits = DEFAULT_LIMITS
+    sizes: SizeLimits = DEFAULT_SIZES
 
 
 def grade_files(
@@ -128,7 +130,7 @@ class _FileGrader:
     """The grader of one process, with its sandbox and options."""
 
     def __init__(self, options: GradeOptions, isolation: Isolation) -> None:
-        self.options, self.sandbox = options, Sandbox(isolation)
+        self.options, self.sandbox = options, Sandbox(isolation, options.limits)
         self.sandbox.start()
 
     def grade(self, request: GradeRequest) -> GradedFile:
@@ -156,7 +158,9 @@ class _FileGrader:
             log.exception("grading failed")
             return GradedFile(file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder))
         seconds = time.perf_counter() - began
-        return GradedFile(file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
+        return GradedFile(
+            file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds, cpu_s=graded.cpu_s
+        )
 
 
 _grader: _FileGrader | None = None
@@ -179,17 +183,17 @@ def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmissio
 
     Raises BadSubmission, OSError.
     """
-    limits = options.limits
+    sizes = options.sizes
     with request.file.open("rb") as stream:
-        content = stream.read(limits.upload + 1)  # one more byte than accepted reveals a file that is too large
-    if len(content) <= limits.upload and request.file.suffix.lower() == ".json":
-        parsed = read_json(content, limits)
+        content = stream.read(sizes.upload + 1)  # one more byte than accepted reveals a file that is too large
+    if len(content) <= sizes.upload and request.file.suffix.lower() == ".json":
+        parsed = read_json(content, sizes)
         try:
             select(options.assignment, parsed.exercises)
         except UnknownExercise as error:
             raise BadSubmission(str(error)) from error
         return parsed if request.exercises is None else ParsedSubmission(parsed.submission, list(request.exercises)), ""
-    submission = Submission.from_bytes(content, request.file.name, limits)
+    submission = Submission.from_bytes(content, request.file.name, sizes)
     text = content.decode("utf-8-sig")
     exercises = None if request.exercises is None else list(request.exercises)
     return ParsedSubmission(submission, exercises), submission.source if submission.source == text else _shortened(text)

@@ -40,7 +40,7 @@ class SizeLimits:
     source: int = 256 * KIB
 
 
-DEFAULT_LIMITS = SizeLimits()
+DEFAULT_SIZES = SizeLimits()
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Submission:
     filename: str = "submission.py"
 
     @classmethod
-    def from_bytes(cls, data: bytes, filename: str, limits: SizeLimits = DEFAULT_LIMITS) -> "Submission":
+    def from_bytes(cls, data: bytes, filename: str, limits: SizeLimits = DEFAULT_SIZES) -> "Submission":
         """Read an uploaded file.
 
         Raises TooLarge, and BadSubmission if the file is not text, empty, or named like a notebook but not one.

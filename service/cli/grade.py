@@ -60,9 +60,9 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    least = Settings().min_isolation
+    settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the libraries are imported
-        isolation = executor.submit(choose, least)
+        isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment
         from service.cli.output_dir import OutputDir

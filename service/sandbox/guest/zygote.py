@@ -3,11 +3,12 @@
 It reads no submission and has no secret.
 
 For each play the host sends three descriptors (job, result, output). The zygote returns a pidfd, with which the host can kill the
-child, and after the child's exit its wait status.
+child, and after the child's exit its wait status. Its first message is READY and its identity as JSON.
 """
 
 import gc
 import importlib
+import json
 import os
 import socket
 import struct
@@ -16,6 +17,7 @@ import traceback
 from typing import Any
 
 LOCKDOWN_FAILED = 97
+READY = b"ready"
 REAPED = struct.Struct("<i")  # wait status
 WARM = (
     "ecp.animation_recording",
@@ -32,19 +34,21 @@ WARM = (
 )
 
 
-def main(control_fd: int, user: int | None, layers: list[str], readable: list[str], listable: list[str]) -> None:
+def main(
+    control_fd: int, *, user: int | None, layers: list[str], readable: list[str], listable: list[str], folders: list[str]
+) -> None:
     """Fork a child for each play that the control socket asks for, until the host closes it."""
     control = socket.socket(fileno=control_fd)
-    from .lockdown import Layers, die_with_parent, drop_privileges
+    from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
     _warm_up()
-    prepared = Layers(layers, readable, listable)  # before dropping privileges: only root may be able to open the paths
+    prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
     gc.collect()
     gc.freeze()
-    control.send(b"ready")
+    control.send(READY + json.dumps(identity()).encode())
     while True:
         _, fds, _, _ = socket.recv_fds(control, 1, 3)
         if len(fds) < 3:

@@ -69,11 +69,13 @@ def _grade(arguments: argparse.Namespace) -> int:
         from service.cli.progress import Progress
         from service.grading.batch import GradeOptions, GradeRequest, grade_files
         from service.grading.grade import UnknownExercise
+        from service.sandbox.time_budget import TimeLimits
     try:
         files = find_files(arguments.files)
         assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep)
+        limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
+        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits)
         written = report_options.ReportFiles(arguments, files)
         asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = OutputDir(arguments.out, files) if arguments.out else None

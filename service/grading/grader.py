@@ -21,6 +21,7 @@ from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
+from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 
 MOST_CALLS, MOST_SECONDS = 10**9, 1e6  # of one solver in a sweep; assignments allow less
 
@@ -36,7 +37,10 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
     scene = assignment.sweep.scene
     assert not callable(scene.inputs)
     began = time.monotonic()
-    result = sandbox.play(job_of(submission, assignment, [scene], {scene.name: scene.inputs}))
+    result = sandbox.play(
+        job_of(submission, assignment, [scene], {scene.name: scene.inputs}),
+        budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s)),
+    )
     elapsed = time.monotonic() - began
     if not result.finished(scene.name):
         scene_end = result.scene_ends.get(scene.name)
@@ -62,14 +66,15 @@ def plausible(swept: SweepResult) -> bool:
 _sandbox: Sandbox | None = None
 
 
-def start(isolation: Isolation) -> None:
-    """Start this process's sandbox, and let the process end together with its parent."""
+def start(isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
+    """Start this process's sandbox, and let the process end together with its parent. ``limits`` are those of one grading."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
     if _sandbox is None:
         atexit.register(_close)
     _close()
-    _sandbox = Sandbox(with_packages(isolation, sorted({name for known in assignments().values() for name in known.packages})))
+    packages = sorted({name for known in assignments().values() for name in known.packages})
+    _sandbox = Sandbox(with_packages(isolation, packages), limits)
     _sandbox.start()
 
 

@@ -24,6 +24,9 @@ class Settings(BaseSettings):
         validation_alias=AliasChoices("POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"),
         description="The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary container.",
     )
+    allow_root_guest: bool = Field(
+        False, description="Grade even if a server that runs as root cannot run submissions as another user."
+    )
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
     submission_kib: int = Field(

@@ -178,7 +178,7 @@ def _doctor(arguments: argparse.Namespace) -> int:
     from service.cli.doctor import examine
     from service.settings import Settings
 
-    lines, valid = examine(Settings().min_isolation)
+    lines, valid = examine(Settings().min_isolation, Settings().allow_root_guest)
     print("\n".join(lines))
     return 0 if valid else 2
 

@@ -62,7 +62,7 @@ def _grade(arguments: argparse.Namespace) -> int:
 
     settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the libraries are imported
-        isolation = executor.submit(choose, settings.min_isolation)
+        isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment
         from service.cli.output_dir import OutputDir

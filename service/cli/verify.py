@@ -40,8 +40,9 @@ def _verify(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
+    settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the assignments are imported
-        isolation = executor.submit(choose, Settings().min_isolation)
+        isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
         from exercises import validation
         from exercises.assignment import InvalidAssignment
         from exercises.samples import load_samples

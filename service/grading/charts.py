@@ -37,6 +37,7 @@ SHOWN = {"error": "error of ω"}
 STYLES = ("-", "--", ":", "-.")
 EXACT_ERROR = 1.5e-15  # largest error of R over the 2100 bodies of tests/reference/truth.npz
 LEAST = 1e-17  # where a log axis shows zero
+LEAST_S = 1e-6  # shorter times are shown as this one
 
 
 class _Named(Protocol):
@@ -146,9 +147,8 @@ def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *,
         style |= {"ms": 5, "lw": 0.5, "alpha": 0.5} if small else {"ms": 9, "lw": 1.6}
         by_calls.loglog([p.calls for p in points], errors, **style)
         if unit:
-            by_time.loglog(
-                [max(p.seconds, 1e-6) / unit for p in points], errors, label=f"{whose}, {method}" if whose else None, **style
-            )
+            times = [max(p.seconds, LEAST_S) / max(unit, LEAST_S) for p in points]
+            by_time.loglog(times, errors, label=f"{whose}, {method}" if whose else None, **style)
 
 
 def _error(point: dict[str, Any]) -> float | None:

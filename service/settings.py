@@ -9,6 +9,7 @@ from pydantic import AliasChoices, Field, SecretStr, field_validator, model_vali
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 LEASE_S, DATABASE_WAIT_S = 2.0, 5.0
+LONGEST_ESCAPE = 6  # characters of JSON for one byte, as in \u0001
 
 
 class Settings(BaseSettings):
@@ -23,8 +24,15 @@ class Settings(BaseSettings):
         validation_alias=AliasChoices("POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"),
         description="The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary container.",
     )
+    allow_root_guest: bool = Field(
+        False, description="Grade even if a server that runs as root cannot run submissions as another user."
+    )
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
+    submission_kib: int = Field(
+        256, ge=1, le=65536, description="Largest source of a submission in KiB, of a notebook without its outputs."
+    )
+    upload_mib: int = Field(20, ge=1, le=1024, description="Largest upload of a submission in MiB, of a notebook with its outputs.")
     grading_cpu: float = Field(
         60.0,
         gt=0,
@@ -84,6 +92,14 @@ class Settings(BaseSettings):
             self.hub_api_url = None
         return self
 
+    @model_validator(mode="after")
+    def _upload_holds_a_submission(self) -> "Settings":
+        if 1024 * self.upload_mib < LONGEST_ESCAPE * self.submission_kib:
+            raise ValueError(
+                f"POLHODE_UPLOAD_MIB must hold at least {LONGEST_ESCAPE} times POLHODE_SUBMISSION_KIB, its longest form in JSON"
+            )
+        return self
+
     @field_validator("oidc_issuer")
     @classmethod
     def _issuer(cls, issuer: str | None) -> str | None:
@@ -113,7 +129,7 @@ class Settings(BaseSettings):
     connections: int = Field(4000, ge=8, description="Connections to the server at the same time; half of them from one address.")
     header_timeout: float = Field(10.0, gt=0, description="Seconds in which the header of a request must arrive.")
     body_timeout: float = Field(
-        20.0, gt=0, description="Seconds in which the body of a request must arrive, plus one second for each 1000 bytes."
+        20.0, gt=0, description="Seconds in which the body of a request must arrive, plus one second for each 10 000 bytes."
     )
     open_submissions: int = Field(
         20, ge=1, description="Submissions of one student that may wait for their reports at the same time."

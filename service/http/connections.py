@@ -27,7 +27,7 @@ from service.settings import Settings
 ACCEPTED = 16  # most connections that asyncio accepts before it attends to others and their protocols can close some
 OTHER_FILES = 128  # descriptors kept for the database, the workers' pipes and files; an idle server has about 40
 SPREAD = 0.5  # deadlines vary from one to one and a half times their setting
-LOWEST_RATE = 1000  # bytes per second, on average, of a request body after its first ``body_timeout`` seconds
+LOWEST_RATE = 10_000  # bytes per second, on average, of a request body after its first ``body_timeout`` seconds
 CLOSED = Metric("polhode_http_closed", "Connections closed by a limit.", ["limit"], registry=PROCESS)
 REFUSED = b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 5\r\nContent-Length: 0\r\n\r\n"
 TIMED_OUT = b"HTTP/1.1 408 Request Timeout\r\nConnection: close\r\nContent-Type: %b\r\nContent-Length: %d\r\n\r\n%b"

@@ -7,7 +7,7 @@ import pytest
 
 from ecp.report import Picture
 from exercises import wheel
-from service.api import parse_submission
+from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES
 from service.store.records import store_artefacts
 from tests.support.database import entered, run
@@ -61,7 +61,7 @@ OTHER = [
     (*SUBMIT, 429, SOURCE, {}),
     (*SUBMIT, 400, b"{", {}),
     (*SUBMIT, 401, SOURCE, {"Authorization": ""}),
-    (*SUBMIT, 413, b" " * (parse_submission.MOST_BODY + 1), {}),
+    (*SUBMIT, 413, b" " * (MIB + 1), {}),
     (*SUBMIT, 415, SOURCE, {"Content_Type": "text/plain"}),
     (*SUBMIT, 422, b"{}", {}),
     ("POST", "/v1/logins", "/v1/logins", 201, b"{}", {}),
@@ -82,7 +82,7 @@ def document(server):
 @pytest.fixture(scope="module")
 def server(new_app, url):
     """A server on which a person has at most two waiting submissions."""
-    return new_app(database_url=url, open_submissions=2)
+    return new_app(database_url=url, open_submissions=2, upload_mib=1, submission_kib=100)
 
 
 @pytest.fixture(scope="module")

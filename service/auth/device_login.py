@@ -2,25 +2,46 @@
 /login in a browser.
 """
 
-from typing import Annotated
+from collections.abc import Callable, Coroutine
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Request, Response
 from fastapi.responses import JSONResponse
+from fastapi.routing import APIRoute
 
 from service.auth.identity import authenticate
 from service.http.errors import Problem
 from service.http.openapi import PERSON, also, problems
-from service.http.requests import public_address
+from service.http.requests import public_address, read_capped
 from service.store.course import tokens
 
-router = APIRouter()
+MOST_BODY = 4096
+
+
+class SmallBody(APIRoute):
+    """A route that refuses a body above MOST_BODY bytes. FastAPI itself would read any body into memory."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return the handler of a request."""
+        handle = super().get_route_handler()
+
+        async def handle_small(request: Request) -> Response:
+            await read_capped(request, MOST_BODY, f"the body is larger than {MOST_BODY} bytes: send less")
+            return await handle(request)
+
+        return handle_small
+
+
+router = APIRouter(route_class=SmallBody)
 INTERVAL_S = 2
 LONGEST_LABEL = 60
 ShortText = Annotated[str, Body(embed=True, max_length=120)]
 
 
 @router.post(
-    "/v1/logins", status_code=201, responses=problems({408: "timed-out", 422: "invalid-request", 429: "too-many", 503: "busy"})
+    "/v1/logins",
+    status_code=201,
+    responses=problems({408: "timed-out", 413: "too-large", 422: "invalid-request", 429: "too-many", 503: "busy"}),
 )
 async def start(request: Request, label: ShortText = "a notebook") -> dict[str, object]:
     """Start a login.
@@ -44,7 +65,8 @@ async def start(request: Request, label: ShortText = "a notebook") -> dict[str, 
 
 @router.post(
     "/v1/logins/token",
-    responses=also(202, "Not confirmed yet") | problems({408: "timed-out", 410: "login-over", 422: "invalid-request", 503: "busy"}),
+    responses=also(202, "Not confirmed yet")
+    | problems({408: "timed-out", 413: "too-large", 410: "login-over", 422: "invalid-request", 503: "busy"}),
 )
 async def collect(request: Request, device_code: ShortText) -> JSONResponse:
     """Return the token of a confirmed login: 200, once; 202 while it is unconfirmed; 410 once it is
@@ -62,14 +84,14 @@ async def collect(request: Request, device_code: ShortText) -> JSONResponse:
     return JSONResponse({"token": found[0], "person": found[1]})
 
 
-@router.get("/v1/me", responses=problems(PERSON))
+@router.get("/v1/me", responses=problems(PERSON | {413: "too-large"}))
 async def me(request: Request) -> dict[str, object]:
     """Return the person and scopes of the request's token. ``local`` is true in single-user mode."""
     person = await authenticate(request)
     return {"person": person.name, "scopes": sorted(person.scopes), "local": person.single_user}
 
 
-@router.delete("/v1/me/token", status_code=204, responses=problems({401: "nobody", 503: "busy"}))
+@router.delete("/v1/me/token", status_code=204, responses=problems({401: "nobody", 413: "too-large", 503: "busy"}))
 async def revoke(request: Request) -> Response:
     """Revoke the token in the request's Authorization header."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()

@@ -4,6 +4,8 @@ import contextlib
 import re
 import resource
 import socket
+import subprocess
+import sys
 import time
 
 import pytest
@@ -227,6 +229,22 @@ def test_the_limit_of_open_files_is_raised_and_leaves_some_for_other_uses():
         assert resource.getrlimit(resource.RLIMIT_NOFILE)[0] == before[1] > 1024
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+SERVE = """
+import resource
+from service.cli.serve import serve
+from service.settings import Settings
+resource.setrlimit(resource.RLIMIT_NOFILE, (1024, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+print(serve(Settings(port={port})), *resource.getrlimit(resource.RLIMIT_NOFILE))
+"""
+
+
+@pytest.mark.slow  # a process of its own imports everything
+def test_a_server_raises_its_limit_of_open_files_before_anything_else(server):
+    done = subprocess.run([sys.executable, "-c", SERVE.format(port=server.port)], capture_output=True, text=True, check=True)
+    code, soft, hard = map(int, done.stdout.split())
+    assert code == 2 and "Address already in use" in done.stderr and soft == hard > 1024
 
 
 def test_submitting_goes_on_behind_idle_and_trickling_connections(connected, new_app, url):

@@ -66,6 +66,7 @@ OTHER = [
     (*SUBMIT, 422, b"{}", {}),
     ("POST", "/v1/logins", "/v1/logins", 201, b"{}", {}),
     ("POST", "/v1/logins", "/v1/logins", 422, b"[]", {}),
+    ("POST", "/v1/logins", "/v1/logins", 413, b" " * 10_000, {}),
     ("POST", "/v1/logins/token", "/v1/logins/token", 410, b'{"device_code": "none"}', {}),
     ("POST", "/v1/logins/token", "/v1/logins/token", 422, b"{}", {}),
     ("DELETE", "/v1/me/token", "/v1/me/token", 204, None, {}),

@@ -15,6 +15,7 @@ from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
 from service.sandbox.self_test_job import FORBIDDEN
+from service.settings import Settings
 
 SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and the remedy
     "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
@@ -61,7 +62,7 @@ def _limits() -> str:
     of, mib = lockdown.LIMITS, lockdown.MIB
     memory = f"address space {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
     files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE]}"
-    return f"{memory}, CPU {of[resource.RLIMIT_CPU]} s, {files}"
+    return f"{memory}, CPU {Settings().grading_cpu:g} s, {files}"
 
 
 def _advice() -> list[str]:

@@ -20,17 +20,6 @@ from service.cli.simulate_queue import (
     table,
     workers_needed,
 )
-    QUANTILES,
-    Arrivals,
-    Deadline,
-    draw,
-    measured,
-    simulate,
-    start_times,
-    summary,
-    table,
-    workers_needed,
-)
 
 
 def arrivals(accepted, person, service):

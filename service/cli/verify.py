@@ -75,7 +75,8 @@ def _select(names: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     from exercises.catalogue import find, load_catalogue
 
     if not names:
-        return list(load_catalogue().valid.values()), [str(error) for error in load_catalogue().invalid.values()]
+        known, broken = load_catalogue()
+        return list(known.values()), [str(error) for error in broken.values()]
     selected, invalid = [], []
     for name in names:
         slugs = _slugs(name)

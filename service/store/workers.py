@@ -9,6 +9,8 @@ from service.settings import LEASE_S
 from service.store.database import Database
 from service.store.queue import send_grading
 
+JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
+
 
 async def register_worker(
     database: Database, worker: str, isolation: str | None, unavailable_reason: str | None, zygote_restarts: int = 0
@@ -30,9 +32,6 @@ INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts) VALUES
 ON CONFLICT (name) DO UPDATE
     SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts, seen_at = now()
 """)
-
-
-JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
 
 
 async def recover(database: Database, lease_s: float = LEASE_S) -> list[UUID]:

@@ -98,7 +98,8 @@ def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
         assert get(front.url, id) == document
 
 
-@pytest.mark.parametrize("before", [2, pytest.param(0, marks=pytest.mark.slow)], ids=["two lost before", "none lost before"])
+@pytest.mark.slow  # test_runs.py: three lost runs are a fault
+@pytest.mark.parametrize("before", [2, 0], ids=["two lost before", "none lost before"])
 def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(before, front, url, monkeypatch, capsys):
     id, seen = post(front.url, SLOW.format(1))["id"], []
     lost = "INSERT INTO run (id, grading_id, worker, started_at, ended_at, phase, end_reason, note) "

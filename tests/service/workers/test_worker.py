@@ -149,6 +149,7 @@ def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_
 def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(database_url, sandbox, monkeypatch):
     _, grading = submitted(database_url, source="x = 1")
     monkeypatch.setattr(grader, "_sandbox", sandbox)
+    sandbox.close()  # a guest ends with the thread that started it, here another worker's
 
     async def swept(database):
         async with worker_on(database_url) as worker:
@@ -156,6 +157,7 @@ def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(databas
         return await sweeps.request(database, grading), (await find_artefact(database, grading, sweeps.REFUSED))[0]
 
     fault, reason = run(database_url, swept)
+    sandbox.close()
     assert fault is None and b"euler_eqs is not defined" in reason
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
 

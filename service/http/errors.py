@@ -1,17 +1,19 @@
 """Error responses: problem+json (RFC 9457) with a stable type, or an HTML page for a browser."""
 
 import logging
+import time
 from collections.abc import Mapping
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
+from procrastinate.exceptions import ConnectorException
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from starlette.exceptions import HTTPException
 
 from service.http.templating import templates
-from service.store.database import is_outage
+from service.store.database import DatabaseLost, is_loss, is_outage
 
 log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
@@ -20,6 +22,7 @@ TITLES = {
     "assignment-broken": "Assignment unavailable",
     "bad-submission": "Submission cannot be graded",
     "changed-meanwhile": "Changed in the meantime",
+    "database-lost": "Database unavailable",
     "busy": "Temporarily unavailable",
     "deadline-over": "Deadline has passed",
     "fault": "Internal error",
@@ -64,7 +67,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
-    for outage in (DBAPIError, NoConnection):
+    for outage in (DBAPIError, NoConnection, ConnectorException, DatabaseLost):
         app.add_exception_handler(outage, _outage)
 
 
@@ -124,8 +127,27 @@ async def _outage(request: Request, error: Exception) -> Response:
     # Any database error that is not an outage is a bug: the middleware logs it and returns 500.
     if not is_outage(error):
         raise error
-    log.warning("database unavailable: %s", type(error).__name__)
+    loss = is_loss(error)
+    _log_outage(str(getattr(error, "orig", error)).split("\n")[0] if loss else type(error).__name__)
+    if loss:
+        detail = (
+            "this server has lost its database, and nothing can be stored until the course staff has restored it: keep your work"
+        )
+        return _respond(request, Problem(503, "database-lost", detail, retry_after=60))
     return _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
+
+
+def _log_outage(reason: str) -> None:
+    """Log an outage once a minute, not for every request."""
+    now = time.monotonic()
+    if now - _logged_at.get(reason, float("-inf")) > LOG_EVERY_S:
+        _logged_at.clear()
+        _logged_at[reason] = now
+        log.error("database unavailable: %s", reason)
+
+
+LOG_EVERY_S = 60.0
+_logged_at: dict[str, float] = {}
 
 
 def internal_error() -> JSONResponse:

@@ -15,8 +15,6 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
-from psycopg.errors import UndefinedTable
-
 from service import logs
 from service.grading import grader
 from service.grading.grader import SweepFailed
@@ -25,7 +23,7 @@ from service.sandbox.select import IsolationUnavailable, choose
 from service.sandbox.wire import text
 from service.settings import Settings
 from service.store import runs, workers
-from service.store.database import Database, is_outage, patiently
+from service.store.database import Database, WrongSchema, check_schema, is_outage, patiently
 from service.store.queue import QUEUE, new_app
 from service.store.records import store_artefacts
 
@@ -66,15 +64,23 @@ class Worker:
         await self._database.close()
 
     async def _wait_for_tables(self) -> bool:
-        """Wait until a server has created the tables. Return False if the worker is stopped meanwhile."""
+        """Wait until a server has created the tables of this version. Return False if the worker is stopped
+        meanwhile.
+        """
+        logged = False
         while not self._stopping.is_set():
             try:
+                await check_schema(self._database)
                 await self._database.rows("SELECT 1 FROM worker")
                 return True
+            except WrongSchema as reason:
+                if not logged:
+                    log.error("waiting, because %s", reason)
+                logged = True
             except Exception as error:
-                if not (is_outage(error) or isinstance(getattr(error, "orig", None), UndefinedTable)):
+                if not is_outage(error):
                     raise
-                await self._pause(1.0)
+            await self._pause(1.0)
         return False
 
     async def _pause(self, seconds: float) -> None:

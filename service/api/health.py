@@ -14,7 +14,7 @@ router = APIRouter()
 CACHED_S = 1.0
 
 _WORKERS = """
-SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at > now() - interval '10 s'
+SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
 

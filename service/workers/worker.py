@@ -44,6 +44,7 @@ class Worker:
         self._database = Database(self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait)
         self._heartbeat_s, self._round_s = settings.lease / HEARTBEATS, min(LONGEST_ROUND_S, settings.lease / ROUNDS)
         self._thread = ThreadPoolExecutor(1)
+        self._clock = workers.ClockWatch()
         self._stopping = asyncio.Event()
         self._claimed: runs.Claim | None = None
         self._progress = ("starting", 0, 0)
@@ -182,7 +183,7 @@ class Worker:
             with _suppress_outages():
                 if turn % register_every == 0:
                     await self._register(self._isolation, None)
-                if again := await workers.recover(self._database, lease):
+                if again := await workers.recover(self._database, lease, self._clock):
                     log.warning("gradings of lost runs queued again: %s", ", ".join(map(str, again)))
                 if turn % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
                     log.warning("gradings without a job queued again: %s", ", ".join(map(str, found)))

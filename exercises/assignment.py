@@ -109,7 +109,8 @@ class Assignment:
     numpy, scipy and matplotlib; they must be installed on the server. ``diagnose`` returns the likely causes
     of one scene's numbers. ``diagnose_function`` returns those that explain all scenes of a function, or
     None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
-    verify`` lists those that no sample shows.
+    verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
+    if that is more than the server's limit: five times as much as the right solution uses.
     """
 
     slug: str
@@ -123,6 +124,7 @@ class Assignment:
     sweep: Sweep | None = None
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
+    cpu_s: float | None = None
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

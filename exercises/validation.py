@@ -18,6 +18,8 @@ def errors(assignment: Assignment) -> list[str]:
     found = [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
     if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
+    if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
+        found.append(f"cpu_s is {assignment.cpu_s}; it must be positive and finite")
     return [*found, *_doubles(assignment), *_of_exercises(assignment), *_of_scenes(assignment)]
 
 

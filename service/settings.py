@@ -25,6 +25,15 @@ class Settings(BaseSettings):
     )
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
+    grading_cpu: float = Field(
+        60.0,
+        gt=0,
+        le=3600,
+        description="Seconds of CPU time a grading may use in the sandbox; an assignment may declare more.",
+    )
+    grading_wall: float = Field(
+        120.0, gt=0, le=7200, description="Seconds that a grading may take in the sandbox. What has not run by then has timed out."
+    )
     lease: float = Field(
         LEASE_S, ge=0.4, le=60.0, description="Seconds without a heartbeat after which a run is lost; workers send four per lease."
     )

@@ -60,20 +60,22 @@ def _grade(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
-    least = Settings().min_isolation
+    settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the libraries are imported
-        isolation = executor.submit(choose, least)
+        isolation = executor.submit(choose, settings.min_isolation)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment
         from service.cli.output_dir import OutputDir
         from service.cli.progress import Progress
         from service.grading.batch import GradeOptions, GradeRequest, grade_files
         from service.grading.grade import UnknownExercise
+        from service.sandbox.time_budget import TimeLimits
     try:
         files = find_files(arguments.files)
         assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep)
+        limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
+        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits)
         written = report_options.ReportFiles(arguments, files)
         asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = OutputDir(arguments.out, files) if arguments.out else None

@@ -9,11 +9,17 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.samples import Sample, SampleSet, codes, entry
 from service.grading.result import GradedFile
+from service.sandbox.time_budget import DEFAULT_LIMITS
+
+CPU_FACTOR = 5  # a grading's limit of CPU time, in units of what the right solution uses
 
 
 @dataclass
 class Tally:
-    """Counts over the samples of an assignment, with the checks made, the checks that failed and the diagnosis codes named."""
+    """Counts over the samples of an assignment, with the checks made, the checks that failed and the diagnosis codes named.
+
+    ``cpu_s`` is the most CPU time in seconds that grading a right sample used.
+    """
 
     samples: int = 0
     unexpected: int = 0
@@ -21,12 +27,14 @@ class Tally:
     made: set[str] = field(default_factory=set)
     failed: set[str] = field(default_factory=set)
     named: set[str] = field(default_factory=set)
+    cpu_s: float = 0.0
 
     def add(self, graded: GradedFile, expected: bool) -> None:
         """Count a sample."""
         self.samples += 1
         self.unexpected += not expected
         self.right += graded.passed
+        self.cpu_s = max(self.cpu_s, graded.cpu_s if graded.passed else 0.0)
         if graded.report:
             self.made |= {o.id for o in graded.report.outcomes()}
             self.failed |= {o.id for o in graded.report.outcomes() if o.verdict is Verdict.FAIL}
@@ -70,6 +78,11 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
         yield from _warning("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])
         if not tally.right:
             yield "warning: no sample is all ✓"
+        if CPU_FACTOR * tally.cpu_s > DEFAULT_LIMITS.at_least(assignment.cpu_s).cpu_s:
+            yield (
+                f"warning: grading a right sample used {tally.cpu_s:.1f} s of CPU time; declare "
+                f"cpu_s={CPU_FACTOR * tally.cpu_s:.0f}, so that slower solutions finish"
+            )
 
 
 def _check_differences(sample: Sample, report: Report) -> Iterator[str]:

@@ -24,6 +24,7 @@ from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
+from service.sandbox.time_budget import DEFAULT_LIMITS, TimeLimits
 
 log = logging.getLogger(__name__)
 OnProgress = Callable[[int], None]
@@ -39,12 +40,15 @@ class GradeRequest:
 
 @dataclass(frozen=True)
 class GradeOptions:
-    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), and whether to ``sweep``."""
+    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, and the time
+    ``limits`` of each grading.
+    """
 
     assignment: Assignment
     seed: int
     formats: Collection[str] = ()
     sweep: bool = False
+    limits: TimeLimits = DEFAULT_LIMITS
 
 
 def grade_files(
@@ -120,7 +124,7 @@ class _FileGrader:
     """The grader of one process, with its sandbox and options."""
 
     def __init__(self, options: GradeOptions, isolation: Isolation) -> None:
-        self.options, self.sandbox = options, Sandbox(isolation)
+        self.options, self.sandbox = options, Sandbox(isolation, options.limits)
         self.sandbox.start()
 
     def grade(self, request: GradeRequest, content: bytes) -> GradedFile:
@@ -144,7 +148,9 @@ class _FileGrader:
             log.exception("grading failed")
             return GradedFile(file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder))
         seconds = time.perf_counter() - began
-        return GradedFile(file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds)
+        return GradedFile(
+            file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds, cpu_s=graded.cpu_s
+        )
 
 
 _grader: _FileGrader | None = None

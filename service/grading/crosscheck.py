@@ -12,6 +12,7 @@ from exercises.assignment import Assignment, Inputs, RightHandSide, Scene
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult
 from service.sandbox.sandbox import Sandbox
+from service.sandbox.time_budget import TimeBudget
 
 DRIVE_S = 20.0
 TRIES = 2
@@ -27,12 +28,13 @@ class CrossCheck:
 
 @dataclass(frozen=True)
 class PlayedJob:
-    """A job with the inputs and exact answers of its scenes, and the result of playing it."""
+    """A job with the inputs and exact answers of its scenes, the result of playing it, and the grading's time budget."""
 
     job: Job
     inputs: Mapping[str, Inputs]
     truths: Mapping[str, Arrays]
     result: PlayResult
+    budget: TimeBudget
 
 
 def cross_check(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, seed: int) -> CrossCheck:
@@ -69,7 +71,7 @@ def _ask_again(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, rng:
     other = PlayResult()
     for _ in range(TRIES):  # a child that did not finish is no evidence against the first one's answers
         if left := [p for p in again if p.name not in other.arrays]:
-            other.add(sandbox.play(replace(job, scenes=tuple(left))))
+            other.add(sandbox.play(replace(job, scenes=tuple(left)), budget=played.budget))
     for name in set(orders) - set(other.arrays):
         scene_end = other.scene_ends.get(name)
         _discard(
@@ -124,7 +126,7 @@ def _drive(scenes: list[Scene], played: PlayedJob, sandbox: Sandbox, rng: np.ran
         return drive
 
     requests = tuple(SceneRequest(s.name, "", s.function, {}, {}, DRIVE_S, None, driver(s)) for s in scenes)
-    answered = sandbox.play(replace(played.job, scenes=requests))
+    answered = sandbox.play(replace(played.job, scenes=requests), budget=played.budget)
     for scene in scenes:
         follows, motion = answered.driven.get(scene.name, (False, None))
         if follows:

@@ -23,6 +23,7 @@ from service.grading.submission import Submission
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
+from service.sandbox.time_budget import TimeBudget
 
 log = logging.getLogger(__name__)
 OnProgress = Callable[[str, int, int], None]
@@ -34,11 +35,15 @@ VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 @dataclass(frozen=True)
 class Graded:
-    """A report, the exercises it covers, and the arrays it was judged from, by scene. Figures are drawn from these."""
+    """A report, the exercises it covers, the arrays it was judged from, by scene, and the CPU time used in the sandbox.
+
+    Figures are drawn from the arrays.
+    """
 
     report: Report
     exercises: list[Exercise]
     arrays: Mapping[str, Arrays]
+    cpu_s: float
 
 
 class UnknownExercise(ValueError):
@@ -56,8 +61,9 @@ def grade(
 ) -> Graded:
     """Grade the exercises ``numbers`` (None: every exercise that the submission attempts).
 
-    ``seed`` determines the hidden scenes. Raises UnknownExercise, and SystemFault if the sandbox fails or a package of the
-    assignment is not installed.
+    ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those that the assignment
+    declares if they are longer; scenes that are left have then timed out. Raises UnknownExercise, and SystemFault if the sandbox
+    fails or a package of the assignment is not installed.
     """
     if absent := missing_packages(assignment):
         raise SystemFault(absent)
@@ -65,9 +71,10 @@ def grade(
     wanted = {s for e in asked for s in e.scenes()}
     inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
     job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
-    result, truths = _play(job, assignment, inputs, sandbox, on_progress)
+    budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
+    result, truths = _play(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
     on_progress("judging", len(job.scenes), len(job.scenes))
-    played = PlayedJob(job, inputs, truths, result)
+    played = PlayedJob(job, inputs, truths, result, budget)
     crossed = cross_check(assignment, played, sandbox, seed)
     _add_known_arrays(assignment, result, truths)
     covered = asked if numbers is not None else attempted(asked, result.defined)
@@ -90,7 +97,7 @@ def grade(
         not_attempted=missed,
     )
     report.total = report.max_score + assignment.max_points(missed)
-    return Graded(report, covered, shown)
+    return Graded(report, covered, shown, budget.cpu_s)
 
 
 def select(assignment: Assignment, numbers: Iterable[str] | None) -> list[Exercise]:
@@ -141,7 +148,7 @@ def _fixed_truth(scene: Scene) -> Arrays:
 
 
 def _play(
-    job: Job, assignment: Assignment, inputs: dict[str, Inputs], sandbox: Sandbox, on_progress: OnProgress
+    job: Job, assignment: Assignment, inputs: dict[str, Inputs], sandbox: Sandbox, budget: TimeBudget, *, on_progress: OnProgress
 ) -> tuple[PlayResult, dict[str, Arrays]]:
     """Play the job. Return its result and the exact answers, which are computed while the guest plays."""
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
@@ -151,7 +158,7 @@ def _play(
         on_progress("playing", places[scene], len(places))
         exact[scene] = truth(assignment.scene(scene), inputs[scene])
 
-    result = sandbox.play(job, on_scene)
+    result = sandbox.play(job, on_scene, budget)
     for name in list(result.arrays):
         scene = assignment.scene(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None

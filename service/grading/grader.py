@@ -20,6 +20,7 @@ from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
+from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 
 
 class SweepFailed(Exception):
@@ -32,7 +33,10 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
         raise SweepFailed(f"assignment {assignment.slug} does not measure speed against accuracy")
     scene = assignment.sweep.scene
     assert not callable(scene.inputs)
-    result = sandbox.play(job_of(submission, assignment, [scene], {scene.name: scene.inputs}))
+    result = sandbox.play(
+        job_of(submission, assignment, [scene], {scene.name: scene.inputs}),
+        budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s)),
+    )
     if not result.finished(scene.name):
         scene_end = result.scene_ends.get(scene.name)
         raise SweepFailed(scene_end.sentence if scene_end else "your code stopped before the measurement")
@@ -45,14 +49,15 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
 _sandbox: Sandbox | None = None
 
 
-def start(isolation: Isolation) -> None:
-    """Start this process's sandbox, and let the process end together with its parent."""
+def start(isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
+    """Start this process's sandbox, and let the process end together with its parent. ``limits`` are those of one grading."""
     global _sandbox  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
     if _sandbox is None:
         atexit.register(_close)
     _close()
-    _sandbox = Sandbox(with_packages(isolation, sorted({name for known in assignments().values() for name in known.packages})))
+    packages = sorted({name for known in assignments().values() for name in known.packages})
+    _sandbox = Sandbox(with_packages(isolation, packages), limits)
     _sandbox.start()
 
 

@@ -13,8 +13,9 @@ from ecp.report import Report
 class GradedFile:
     """One file of a batch: its ``report``, or why it is no valid submission (``refused``), or a system fault (``fault``).
 
-    ``file`` is its path, ``source`` its text and ``seconds`` the time of grading. ``pictures`` are the requested images by file
-    name: figures as NAME.svg or NAME.png, contact sheets of animations as NAME.png. Their titles are in the report.
+    ``file`` is its path, ``source`` its text, ``seconds`` the time of grading and ``cpu_s`` the CPU time used in the sandbox.
+    ``pictures`` are the requested images by file name: figures as NAME.svg or NAME.png, contact sheets of animations as NAME.png.
+    Their titles are in the report.
     """
 
     file: Path
@@ -24,6 +25,7 @@ class GradedFile:
     fault: str | None = None
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     seconds: float = 0.0
+    cpu_s: float = 0.0
 
     @property
     def passed(self) -> bool:

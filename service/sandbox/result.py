@@ -26,6 +26,7 @@ SENTENCES = {
     Ended.NOT_PLAYED: "not played, because an earlier step did not finish",
 }
 
+CODES = {Ended.TIMED_OUT: "timeout", Ended.MEMORY: "memory"}  # diagnosis codes that follow from a scene end
 
 # Diagnosis codes that a guest may report; the host determines all others.
 GUEST_CODES = frozenset(

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
-from service.sandbox.result import Cancelled, PlayResult, SystemFault
+from service.sandbox.result import CODES, Cancelled, PlayResult, SystemFault
 from service.sandbox.self_test_job import self_test_job
+from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import Zygote, ZygoteLost
 
 MOST_PLAYS = 1000  # of one zygote
@@ -15,10 +16,10 @@ TRIES = 2
 
 
 class Sandbox:
-    """A sandbox with one warm guest at the given ``isolation``."""
+    """A sandbox with one warm guest at the given ``isolation``. ``limits`` are those of one grading."""
 
-    def __init__(self, isolation: Isolation) -> None:
-        self.isolation = isolation
+    def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
+        self.isolation, self.limits = isolation, limits
         self._zygote: Zygote | None = None
         self._plays = 0
         self.zygotes = 0  # started so far
@@ -48,29 +49,37 @@ class Sandbox:
             raise SystemFault(f"the sandbox self-test did not finish: it ended as {scene_end.ended}")
         self.self_tested = True
 
-    def play(self, job: Job, on_scene: Callable[[str], None] = lambda scene: None) -> PlayResult:
-        """Play every scene of ``job``. Calls ``on_scene`` with the name of each scene that begins.
+    def play(self, job: Job, on_scene: Callable[[str], None] = lambda scene: None, budget: TimeBudget | None = None) -> PlayResult:
+        """Play every scene of ``job`` within ``budget`` (default: a new one). Calls ``on_scene`` with the name of each that begins.
 
-        A scene that crashes or stalls its process does not affect the others. Raises SystemFault if the sandbox fails, and
-        Cancelled if ``cancelled`` is set.
+        A scene that crashes or stalls its process does not affect the others, until the budget is exceeded: the scenes that are
+        left have then timed out. Raises SystemFault if the sandbox fails or the machine is too busy, and Cancelled if
+        ``cancelled`` is set.
         """
-        result = PlayResult()
+        result, budget = PlayResult(), budget or TimeBudget(self.limits)
         while (left := job.without(set(result.scene_ends))).scenes:
+            if sentence := budget.exceeded():
+                for scene in left.scenes:
+                    result.scene_ends[scene.name] = SceneEnd(
+                        scene=scene.name, ended=Ended.TIMED_OUT, sentence=sentence, code=CODES[Ended.TIMED_OUT]
+                    )
+                break
             before = len(result.scene_ends)
-            self._play_once(left, result, on_scene)
+            self._play_once(left, budget, result, on_scene)
             if len(result.scene_ends) == before:
                 break
             self._skip_followers(job, result)
         return result
 
-    def _play_once(self, job: Job, result: PlayResult, on_scene: Callable[[str], None]) -> None:
+    def _play_once(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> None:
         """Play the job in one child. If the zygote is lost, try again with a second one."""
         for number in range(TRIES):
             self.start()
             assert self._zygote is not None
+            cpu_s = budget.cpu_s
             played = PlayResult()  # of this try alone: what a lost zygote sent is discarded
             try:
-                reusable = self._zygote.play(job, played, on_scene)
+                reusable = self._zygote.play(job, budget, played, on_scene)
             except ZygoteLost as lost:
                 self.close()
                 if number == TRIES - 1:
@@ -86,6 +95,11 @@ class Sandbox:
             if not reusable or self._plays >= MOST_PLAYS:
                 self.close()
                 self.start()  # warms up while the report is written
+            if _lacked_processor(job, played, budget, budget.cpu_s - cpu_s):
+                raise SystemFault(
+                    f"this machine was too busy: of {budget.running_s:.0f} s, the submission waited {budget.waited_s:.0f} s for a "
+                    "processor; run fewer other programs on it, or fewer workers"
+                )
             return
 
     def close(self) -> None:
@@ -99,3 +113,14 @@ class Sandbox:
             if scene.name not in result.scene_ends and scene.after in result.scene_ends and not result.finished(scene.after):
                 sentence = f"not run: it needs the scene {scene.after}, which did not finish"
                 result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)
+
+
+def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget, cpu_s: float) -> bool:
+    """Return whether a process that used ``cpu_s`` reached a wall-clock limit because other programs had the processors."""
+    budgets = [scene.budget_s for scene in job.scenes if _timed_out(played.scene_ends.get(scene.name))]
+    budgets += [job.load_budget_s for cell_end in played.cells.values() if _timed_out(cell_end)]
+    return budget.starved and budget.cpu_left() > 0 and cpu_s < max(budgets, default=0.0)
+
+
+def _timed_out(scene_end: SceneEnd | None) -> bool:
+    return scene_end is not None and scene_end.ended is Ended.TIMED_OUT

@@ -19,7 +19,8 @@ from service.sandbox.guest.run_scenes import CLOCK_FACTOR
 from service.sandbox.guest.wire import QUESTION
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
-from service.sandbox.result import KEPT_OUTPUT, SENTENCES, PlayResult, SystemFault
+from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, PlayResult, SystemFault
+from service.sandbox.time_budget import ProcessorWait, TimeBudget
 from service.sandbox.wire import ProtocolError, Reader, text
 
 GRACE_S = 1.5  # beyond a scene's budget, before the host ends a guest whose own alarm has not
@@ -28,12 +29,11 @@ MOST_RESULT = 64 << 20
 MOST_OUTPUT = 4 << 20
 CHUNK = 1 << 16
 POLL_S = 0.2  # interval at which a cancellation is noticed
-CODES = {Ended.TIMED_OUT: "timeout", Ended.MEMORY: "memory"}
 
 
 @dataclass
 class Pipes:
-    """The host's ends of a child's pipes. ``control`` is the zygote's socket, which reports the child's exit status."""
+    """The host's ends of a child's pipes. ``control`` is the zygote's socket, which reports the child's exit."""
 
     control: socket.socket
     job: int
@@ -41,13 +41,14 @@ class Pipes:
     output: int
 
 
-class ExitStatus(NamedTuple):
-    """The wait ``status`` of a child."""
+class ChildExit(NamedTuple):
+    """The wait ``status`` of a child and the seconds of CPU time that it used."""
 
     status: int
+    cpu_s: float
 
     @classmethod
-    def unpack(cls, data: bytes) -> "ExitStatus":
+    def unpack(cls, data: bytes) -> "ChildExit":
         """Read the zygote's message. Raises OSError if the zygote has ended."""
         if len(data) != REAPED.size:
             raise OSError("the sandbox process stopped unexpectedly")
@@ -65,19 +66,21 @@ class NoAnswer(Exception):
 
 @dataclass
 class PlaySession:
-    """One play of ``job`` in a child.
+    """One play of ``job`` in a child, within the ``budget`` of the grading.
 
-    ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit status once it is known.
-    Another thread may set ``cancelled`` to end the play.
+    ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is known, and ``waited``
+    the time that it had no processor. Another thread may set ``cancelled`` to end the play.
     """
 
     job: Job
+    budget: TimeBudget
     reader: Reader
     pipes: Pipes
+    waited: ProcessorWait
     cancelled: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
     stopped: Ended | None = None
-    ended: ExitStatus | None = None
+    ended: ChildExit | None = None
     _received: int = 0
     _printed: int = 0
     _job_open: bool = True
@@ -101,6 +104,7 @@ class PlaySession:
                     if self.reader.started in self._undriven:
                         self._drive(self.reader.started)
             finally:
+                self.waited.update()
                 for fd in (self.pipes.result, self.pipes.output):
                     if fd in self._selector.get_map():
                         os.close(fd)
@@ -112,8 +116,10 @@ class PlaySession:
 
     def _step(self) -> None:
         """Wait until an end is ready, and read from it or write to it."""
-        ready = self._selector.select(min(POLL_S, self._deadline.left(self.reader.started)))
-        if not ready and self._deadline.left(self.reader.started) == 0:
+        ready = self._selector.select(min(POLL_S, self._deadline.left(self.reader.started), self.budget.wall_left()))
+        if not ready:
+            self.waited.update()
+        if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
             if key.fd == self.pipes.job:
@@ -179,16 +185,17 @@ class PlaySession:
             lost = [self.reader.started]
         else:
             lost = [s.name for s in self.job.scenes if s.name not in result.scene_ends]
+        sentence = self.budget.exceeded() if scene_end is Ended.TIMED_OUT else ""
         for scene in lost:
             result.arrays.pop(scene, None)
             result.scene_ends[scene] = SceneEnd(
-                scene=scene, ended=scene_end, sentence=SENTENCES[scene_end], code=CODES.get(scene_end)
+                scene=scene, ended=scene_end, sentence=sentence or SENTENCES[scene_end], code=CODES.get(scene_end)
             )
 
     def _read_from(self, fd: int) -> bool:
         """Read from one end. Return False at its end of file."""
         if fd == self.pipes.control.fileno():
-            self.ended = ExitStatus.unpack(self.pipes.control.recv(REAPED.size))
+            self.ended = ChildExit.unpack(self.pipes.control.recv(REAPED.size))
             return False
         data = os.read(fd, CHUNK)
         if fd == self.pipes.output:
@@ -207,12 +214,11 @@ class PlaySession:
     @property
     def abnormal(self) -> bool:
         """Whether the child crashed or violated the protocol, which no ordinary mistake does."""
-        crashed = self.stopped is None and self.ended is not None and self.ended.signal not in (0, signal.SIGXCPU)
-        return crashed or self.stopped is Ended.PROTOCOL
+        return (self.stopped or self._by_status()) in (Ended.KILLED, Ended.PROTOCOL)
 
     def _by_status(self) -> Ended | None:
         assert self.ended is not None
-        if self.ended.signal == signal.SIGXCPU:
+        if self.ended.signal == signal.SIGXCPU or (self.ended.signal and not self.budget.cpu_left()):
             return Ended.TIMED_OUT
         if self.ended.signal:
             return Ended.KILLED

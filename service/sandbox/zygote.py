@@ -1,18 +1,21 @@
 """The host's side of a zygote: start it, send it one job at a time, kill it when it misbehaves."""
 
 import contextlib
+import math
 import os
 import signal
 import socket
 import subprocess
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 
-from service.sandbox.guest.zygote import REAPED
+from service.sandbox.guest.zygote import PLAY, REAPED
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
-from service.sandbox.session import ExitStatus, Pipes, PlaySession
+from service.sandbox.session import ChildExit, Pipes, PlaySession
+from service.sandbox.time_budget import ProcessorWait, TimeBudget
 from service.sandbox.wire import Reader, text
 
 START_S = 30.0
@@ -58,8 +61,8 @@ class Zygote:
             self.kill()
             raise SystemFault(f"the sandbox did not start: {words or 'no output'}")
 
-    def play(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> bool:
-        """Play ``job`` in one child and add to ``result``. Calls ``on_scene`` with the name of each scene that begins.
+    def play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> bool:
+        """Play ``job`` in one child within ``budget`` and add to ``result``. Calls ``on_scene`` with the name of each that begins.
 
         Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, or ZygoteLost if the zygote
         does not answer: kill it, and try again with another.
@@ -69,13 +72,14 @@ class Zygote:
         own, theirs = (job_w, result_r, output_r), (job_r, result_w, output_w)
         try:
             try:
-                child = self._fork(theirs)
+                child = self._fork(theirs, budget.cpu_left())
             finally:
                 _close(*theirs)
         except BaseException:
             _close(*own)
             raise
-        session = PlaySession(job, Reader(job, result, on_scene), Pipes(self._control, *own), self._cancelled)
+        began, waited = time.monotonic(), ProcessorWait(child)
+        session = PlaySession(job, budget, Reader(job, result, on_scene), Pipes(self._control, *own), waited, self._cancelled)
         try:
             session.run()
         except OSError as error:
@@ -86,17 +90,18 @@ class Zygote:
             os.close(child)
         if session.ended is None:
             session.ended = self._wait_for_exit()
+        budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
         result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
         session.record_end(result)
         return not session.abnormal
 
-    def _fork(self, fds: tuple[int, int, int]) -> int:
-        """Start a child with these descriptors and return its pidfd."""
+    def _fork(self, fds: tuple[int, int, int], cpu_s: float) -> int:
+        """Start a child with these descriptors and this limit of CPU time, and return its pidfd."""
         self._control.settimeout(ANSWER_S)
         try:
-            socket.send_fds(self._control, [b"play"], fds)
+            socket.send_fds(self._control, [PLAY.pack(max(1, math.ceil(cpu_s)))], fds)
             word, handles, _, _ = socket.recv_fds(self._control, 16, 1)
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
@@ -104,10 +109,10 @@ class Zygote:
             raise ZygoteLost("the sandbox process stopped unexpectedly")
         return handles[0]
 
-    def _wait_for_exit(self) -> ExitStatus:
-        """Return the exit status of a killed child, which the zygote reports."""
+    def _wait_for_exit(self) -> ChildExit:
+        """Return what the zygote reports of a killed child."""
         try:
-            return ExitStatus.unpack(self._control.recv(REAPED.size))
+            return ChildExit.unpack(self._control.recv(REAPED.size))
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
 

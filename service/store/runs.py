@@ -23,6 +23,7 @@ from service.store.records import artefact_statements
 from service.store.tables import outcome, result, run
 
 CHANNEL = "polhode"
+MAX_FAILED_RUNS = 2  # a run that failed is repeated once; one that was lost, up to ``max_runs`` in all
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,13 @@ class Claim(GradingJob):
 async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
     """Start run ``new_run`` of a grading. Return None if the grading already has a result.
 
-    After ``max_runs`` lost or failed runs, record a system fault that lists them, and return None.
+    After MAX_FAILED_RUNS failed runs, or ``max_runs`` lost or failed ones, record a system fault that lists them, and return None.
     """
     async with database.begin() as connection:
         found = (await connection.execute(_CLAIM, {"grading": grading})).first()
         if found is None or found.finished:
             return None
-        if found.lost >= found.max_runs:
+        if found.failed >= MAX_FAILED_RUNS or found.lost + found.failed >= found.max_runs:
             lost = (await connection.execute(_LOST, {"grading": grading})).all()
             listed = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
             fault = f"all {len(lost)} runs of this grading failed or were lost ({listed})"
@@ -164,7 +165,8 @@ async def notify_in(connection: AsyncConnection, submission_id: UUID) -> None:
 _CLAIM = text("""
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
     r.grading_id IS NOT NULL AS finished,
-    (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason IN ('lost', 'failed')) AS lost
+    (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'lost') AS lost,
+    (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'failed') AS failed
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
     LEFT JOIN result r ON r.grading_id = a.id
 WHERE a.id = :grading FOR NO KEY UPDATE OF a

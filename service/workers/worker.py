@@ -15,11 +15,13 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
+from exercises.catalogue import assignments
 from service import logs
 from service.grading import grader
 from service.grading.grader import SweepFailed
 from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.select import IsolationUnavailable, choose
+from service.sandbox.time_budget import TimeLimits
 from service.sandbox.wire import text
 from service.settings import Settings
 from service.store import runs, workers
@@ -32,7 +34,7 @@ HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping r
 REGISTER_S, SWEEP_S, RETRY_SANDBOX_S = 3.0, 30.0, 5.0
 RELEASE_S = 3.0
 PATIENCE_S = 3600.0  # a finished result is kept for an hour of database outage
-MOST_S = 900.0  # far above every submission's budget: a worker that takes longer ends itself
+HOST_S = 60.0  # of a job outside the sandbox: judging, drawing, replacing guests
 
 
 class Worker:
@@ -43,6 +45,8 @@ class Worker:
         self.name, self._settings, self._url = name, settings, settings.database_url
         self._database = Database(self._url, f"polhode worker {name}", connections=3, wait_s=settings.database_wait)
         self._heartbeat_s, self._round_s = settings.lease / HEARTBEATS, min(LONGEST_ROUND_S, settings.lease / ROUNDS)
+        self._limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
+        self._longest_s = HOST_S + max(self._limits.at_least(known.cpu_s).wall_s for known in assignments().values())
         self._thread = ThreadPoolExecutor(1)
         self._clock = workers.ClockWatch()
         self._stopping = asyncio.Event()
@@ -96,7 +100,7 @@ class Worker:
         while not self._stopping.is_set():
             try:
                 isolation = await asyncio.to_thread(choose, self._settings.min_isolation)
-                await self._call(grader.start, isolation)
+                await self._call(grader.start, isolation, self._limits)
                 await self._call(grader.ready)
                 self._isolation = isolation.name
                 return True
@@ -201,17 +205,23 @@ class Worker:
         await asyncio.wait([taking], timeout=self._settings.drain)  # it ends after its present job
         if taking.done():
             return
+        await self._release("released", "the worker was stopped")
+        os._exit(0)  # without cleanup: a clean exit would make Procrastinate mark the job as finished
+
+    async def _release(self, end_reason: str, note: str) -> None:
+        """Queue the unfinished grading again, unless the database does not answer: then its run is lost."""
         if self._claimed is not None:
             with _suppress_outages():
-                await asyncio.wait_for(runs.release(self._database, self._claimed, "released", "the worker was stopped"), RELEASE_S)
-        os._exit(0)  # without cleanup: a clean exit would make Procrastinate mark the job as finished
+                await asyncio.wait_for(runs.release(self._database, self._claimed, end_reason, note), RELEASE_S)
 
     async def _call(self, function: Callable[..., Any], *args: Any) -> Any:
         """Run in the grading thread. A thread that hangs can only be ended with its process."""
         work = asyncio.get_running_loop().run_in_executor(self._thread, function, *args)
-        await asyncio.wait([work], timeout=MOST_S)
+        await asyncio.wait([work], timeout=self._longest_s)
         if not work.done():
-            log.critical("%s did not return within %g s: this worker stops", function.__name__, MOST_S)
+            sentence = f"{function.__name__} did not return within {self._longest_s:g} s: this worker stops"
+            log.critical(sentence)
+            await self._release("failed", sentence)
             os._exit(1)
         return work.result()
 

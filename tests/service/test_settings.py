@@ -13,7 +13,16 @@ def test_a_run_is_lost_after_two_seconds_and_a_database_waited_for_five(monkeypa
     assert (settings.lease, settings.database_wait, settings.drain) == (2.0, 5.0, 3.0)
 
 
-@pytest.mark.parametrize(("name", "value"), [("LEASE", "0.3"), ("LEASE", "61"), ("DATABASE_WAIT", "0"), ("DRAIN", "-1")])
+def test_a_grading_has_sixty_seconds_of_CPU_time_and_twice_as_many_in_all(monkeypatch):
+    for name in ("POLHODE_GRADING_CPU", "POLHODE_GRADING_WALL"):
+        monkeypatch.delenv(name, raising=False)
+    assert (Settings().grading_cpu, Settings().grading_wall) == (60.0, 120.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("LEASE", "0.3"), ("LEASE", "61"), ("DATABASE_WAIT", "0"), ("DRAIN", "-1"), ("GRADING_CPU", "0"), ("GRADING_WALL", "inf")],
+)
 def test_times_out_of_range_are_refused(name, value, monkeypatch):
     monkeypatch.setenv(f"POLHODE_{name}", value)
     with pytest.raises(ValidationError):

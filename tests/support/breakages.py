@@ -356,6 +356,27 @@ SANDBOX = [
         "if self._received > MOST_RESULT:",
         ("tests/service/sandbox/test_sandbox.py::test_endings_and_the_next_submission_is_unharmed",),
     ),
+    Breakage(
+        "each process of a grading has its own elapsed time",
+        "service/sandbox/session.py",
+        "if self.budget.wall_left() == 0 or (not ready",
+        "if (not ready",
+        ("tests/service/sandbox/test_time_budget.py::test_processes_that_sleep_share_one_deadline",),
+    ),
+    Breakage(
+        "each process of a grading has its own CPU time",
+        "service/sandbox/zygote.py",
+        "budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)",
+        "budget.charge(0.0, waited.seconds, time.monotonic() - began)",
+        ("tests/service/sandbox/test_time_budget.py::test_processes_that_compute_share_one_limit_of_CPU_time",),
+    ),
+    Breakage(
+        "a submission that has no processor is judged as one that sleeps",
+        "service/sandbox/time_budget.py",
+        "return self.waited_s > self.running_s / 2",
+        "return False",
+        ("tests/service/sandbox/test_time_budget.py::test_a_submission_without_a_processor_is_not_judged",),
+    ),
 ]
 
 GRADING = [
@@ -594,8 +615,8 @@ STORE = [
     Breakage(
         "a grading whose workers die is begun for ever",
         "service/store/runs.py",
-        "if found.lost >= found.max_runs:",
-        "if found.lost < 0:",
+        "if found.failed >= MAX_FAILED_RUNS or found.lost + found.failed >= found.max_runs:",
+        "if found.failed >= MAX_FAILED_RUNS:",
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
@@ -945,8 +966,8 @@ WORKERS = [
     Breakage(
         "a stopped worker counts the run as failed",
         "service/workers/worker.py",
-        'runs.release(self._database, self._claimed, "released", "the worker was stopped")',
-        'runs.release(self._database, self._claimed, "failed", "the worker was stopped")',
+        'self._release("released", "the worker was stopped")',
+        'self._release("failed", "the worker was stopped")',
         ("tests/service/workers/test_worker.py",),
     ),
     Breakage(

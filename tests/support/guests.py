@@ -10,4 +10,4 @@ def lend(sandbox, monkeypatch):
     """Let what this process grades run in ``sandbox``; the processes of ``--jobs 2`` start a guest each as always."""
     here = os.getpid()
     monkeypatch.setattr(sandbox, "close", lambda: None)
-    monkeypatch.setattr(batch, "Sandbox", lambda isolation: sandbox if os.getpid() == here else Sandbox(isolation))
+    monkeypatch.setattr(batch, "Sandbox", lambda *options: sandbox if os.getpid() == here else Sandbox(*options))

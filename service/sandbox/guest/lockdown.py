@@ -22,7 +22,6 @@ LIMITS = {
     resource.RLIMIT_AS: 768 * MIB,
     resource.RLIMIT_DATA: 512 * MIB,
     resource.RLIMIT_STACK: 8 * MIB,
-    resource.RLIMIT_CPU: 200,  # seconds: a backup, as the host's own limit is reached first
     resource.RLIMIT_NOFILE: 32,
     resource.RLIMIT_NPROC: 1,
     resource.RLIMIT_FSIZE: 0,
@@ -46,10 +45,11 @@ class Layers:
                 raise OSError(f"polhode has no system call filter for this processor ({platform.machine()})")
             self._filter = seccomp.program(self._machine)
 
-    def apply(self, places: Mapping[int, int]) -> None:
+    def apply(self, places: Mapping[int, int], cpu_s: int) -> None:
         """Apply the layers to this process, which cannot undo them, and close all files except ``places``.
 
-        ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there.
+        ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there. The kernel ends this
+        process after ``cpu_s`` seconds of CPU time, or a second later if it ignores the signal.
         """
         os.setsid()
         self._close_all_but(places)
@@ -61,7 +61,8 @@ class Layers:
         die_with_parent()
         if self._limits:
             for which, limit in LIMITS.items():
-                resource.setrlimit(which, (limit, limit + (which == resource.RLIMIT_CPU)))  # SIGXCPU first, then SIGKILL
+                resource.setrlimit(which, (limit, limit))
+            resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))  # SIGXCPU, then SIGKILL
         call("prctl", PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
         if self._rules is not None:
             landlock.restrict(self._rules)

@@ -2,8 +2,8 @@
 
 It reads no submission and has no secret.
 
-For each play the host sends three descriptors (job, result, output). The zygote returns a pidfd, with which the host can kill the
-child, and after the child's exit its wait status.
+For each play the host sends three descriptors (job, result, output) and the child's limit of CPU time. The zygote returns a pidfd,
+with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used.
 """
 
 import gc
@@ -16,7 +16,8 @@ import traceback
 from typing import Any
 
 LOCKDOWN_FAILED = 97
-REAPED = struct.Struct("<i")  # wait status
+PLAY = struct.Struct("<i")  # limit of CPU time in seconds
+REAPED = struct.Struct("<id")  # wait status, CPU time in seconds
 WARM = (
     "ecp.animation_recording",
     "guest.lockdown",
@@ -46,18 +47,19 @@ def main(control_fd: int, user: int | None, layers: list[str], readable: list[st
     gc.freeze()
     control.send(b"ready")
     while True:
-        _, fds, _, _ = socket.recv_fds(control, 1, 3)
+        play, fds, _, _ = socket.recv_fds(control, PLAY.size, 3)
         if len(fds) < 3:
             return
         child = os.fork()
         if child == 0:
-            _child(prepared, *fds)
+            _child(prepared, *PLAY.unpack(play), *fds)
         for fd in fds:
             os.close(fd)
         handle = os.pidfd_open(child)
         socket.send_fds(control, [b"child"], [handle])
         os.close(handle)
-        control.send(REAPED.pack(os.waitpid(child, 0)[1]))
+        _, status, used = os.wait4(child, 0)
+        control.send(REAPED.pack(status, used.ru_utime + used.ru_stime))
 
 
 def _warm_up() -> None:
@@ -67,11 +69,11 @@ def _warm_up() -> None:
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
 
 
-def _child(layers: Any, job: int, result: int, output: int) -> None:
+def _child(layers: Any, cpu_s: int, job: int, result: int, output: int) -> None:
     code = LOCKDOWN_FAILED
     try:
         devnull = os.open(os.devnull, os.O_RDONLY)
-        layers.apply({0: devnull, 1: output, 2: output, 3: job, 4: result})
+        layers.apply({0: devnull, 1: output, 2: output, 3: job, 4: result}, cpu_s)
         from . import run_scenes
 
         code = 1

@@ -5,6 +5,7 @@ import tomllib
 
 import pytest
 
+from service.cli import verification
 from service.cli.__main__ import main
 from tests.support.assignments import change, copied, known
 
@@ -119,6 +120,13 @@ def test_what_no_sample_shows_is_a_warning(folder, capsys):
         "returns-nothing, wrong-shape, signature",
         "warning: no sample is all ✓",
     ]
+
+
+def test_a_right_sample_that_needs_much_time_is_a_warning(folder, capsys, monkeypatch):
+    monkeypatch.setattr(verification, "CPU_FACTOR", 1e4)
+    assert verify(folder) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last.startswith("warning: grading a right sample used 0.") and "declare cpu_s=" in last
 
 
 def test_every_error_of_the_expectations_is_told_and_nothing_is_graded(folder, capsys):

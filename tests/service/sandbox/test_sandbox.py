@@ -308,17 +308,17 @@ def test_submissions_do_not_see_each_other(either_sandbox):
 @BY_THE_HOST
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_sandbox, how):
-    killed = _zygote(either_sandbox)
+    killed = zygote_pid(either_sandbox)
     os.kill(killed, how)
     assert either_sandbox.play(job(GOOD)).finished("one")
-    assert _zygote(either_sandbox) != killed
+    assert zygote_pid(either_sandbox) != killed
 
 
 @BY_THE_HOST
 def test_a_zygote_lost_in_the_middle_costs_nothing(either_sandbox):
     """What the first child had sent is forgotten, and all of it is played again."""
     either_sandbox.wait_ready()
-    end = threading.Timer(0.4, os.kill, (_zygote(either_sandbox), signal.SIGKILL))
+    end = threading.Timer(0.4, os.kill, (zygote_pid(either_sandbox), signal.SIGKILL))
     end.start()
     slow = "import time\ndef f(x):\n    time.sleep(0.1)\n    return [x, x]"
     seen = either_sandbox.play(job(slow, *(scene(f"s{k}") for k in range(8))))
@@ -346,7 +346,7 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
     def start_and_kill():
         start()
         either_sandbox.wait_ready = None
-        os.kill(_zygote(either_sandbox), signal.SIGKILL)
+        os.kill(zygote_pid(either_sandbox), signal.SIGKILL)
 
     either_sandbox.wait_ready()
     monkeypatch.setattr(either_sandbox, "start", start_and_kill)
@@ -357,7 +357,7 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
     assert either_sandbox.play(job(GOOD)).finished("one")
 
 
-def _zygote(sandbox):
+def zygote_pid(sandbox):
     """The zygote's own process, behind bubblewrap's if there is one, while it has no child."""
     pid = sandbox._zygote._process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():

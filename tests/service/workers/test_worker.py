@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import os
+from dataclasses import replace
 
 import pytest
 
@@ -62,6 +63,35 @@ def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting, mo
     grade(database_url, waiting)
     assert sql(database_url, RUNS, waiting) == [("failed", "starting", "the sandbox of this process was not started")]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
+
+
+def test_a_worker_whose_grading_hangs_gives_it_back_and_ends(database_url, waiting, sandbox, monkeypatch):
+    def leave(code):
+        raise Left
+
+    async def hung(database):
+        async with worker_on(database_url) as one:
+            one._longest_s = 0.3
+            with pytest.raises(Left):
+                await one._grade(str(waiting))
+
+    monkeypatch.setattr(grader, "_sandbox", sandbox)
+    monkeypatch.setattr(os, "_exit", leave)
+    run(database_url, hung)
+    ((end_reason, _, note),) = sql(database_url, RUNS, waiting)
+    assert end_reason == "failed" and note == "grade_one did not return within 0.3 s: this worker stops"
+    assert sql(database_url, JOBS, str(waiting)) == [("todo",)]
+
+
+@pytest.mark.parametrize(("declared", "longest"), [(None, 180.0), (100.0, 260.0)])
+def test_a_worker_waits_longer_than_the_longest_grading(declared, longest, rigid_body, monkeypatch):
+    monkeypatch.setattr(worker, "assignments", lambda: {"rigid-body": replace(rigid_body, cpu_s=declared)})
+
+    async def wait():
+        async with worker_on("postgresql://nobody@127.0.0.1:1/none") as one:
+            return one._longest_s
+
+    assert asyncio.run(wait()) == longest
 
 
 def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(database_url, waiting, sandbox, monkeypatch):
@@ -127,4 +157,4 @@ def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, b
 
 def test_what_no_setting_changes():
     assert (worker.REGISTER_S, worker.SWEEP_S, worker.RETRY_SANDBOX_S) == (3.0, 30.0, 5.0)
-    assert (worker.PATIENCE_S, worker.MOST_S) == (3600.0, 900.0), "a result in hand outlives an hour without database"
+    assert worker.PATIENCE_S == 3600.0, "a result in hand outlives an hour without database"

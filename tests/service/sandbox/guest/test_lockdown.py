@@ -13,7 +13,7 @@ LIMITS = {
     "RLIMIT_AS": 768 * MIB,
     "RLIMIT_DATA": 512 * MIB,
     "RLIMIT_STACK": 8 * MIB,
-    "RLIMIT_CPU": 200,
+    "RLIMIT_CPU": 60,
     "RLIMIT_NOFILE": 32,
     "RLIMIT_NPROC": 1,
     "RLIMIT_FSIZE": 0,

@@ -1,0 +1,80 @@
+"""The time that all processes of one grading may use together in the sandbox, and whether they had a processor meanwhile."""
+
+import contextlib
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+WALL_PER_CPU = 2  # a grading's wall-clock limit, in units of its CPU limit
+
+
+@dataclass(frozen=True)
+class TimeLimits:
+    """Limits of one grading, for all its processes in the sandbox together: seconds of CPU time and of wall-clock time."""
+
+    cpu_s: float = 60.0
+    wall_s: float = 120.0
+
+    def at_least(self, cpu_s: float | None) -> "TimeLimits":
+        """Return these limits, raised for an assignment that declares more CPU time."""
+        return self if cpu_s is None else TimeLimits(max(self.cpu_s, cpu_s), max(self.wall_s, WALL_PER_CPU * cpu_s))
+
+
+DEFAULT_LIMITS = TimeLimits()
+
+
+class TimeBudget:
+    """The budget of one grading, which starts now. Each process in the sandbox is charged to it when it ends.
+
+    ``waited_s`` of the ``running_s`` seconds that the processes existed, they were ready to run and had no processor.
+    """
+
+    def __init__(self, limits: TimeLimits) -> None:
+        self.limits = limits
+        self.cpu_s = self.waited_s = self.running_s = 0.0
+        self._until = time.monotonic() + limits.wall_s
+
+    def charge(self, cpu_s: float, waited_s: float, running_s: float) -> None:
+        """Add the times of a process that has ended."""
+        self.cpu_s += cpu_s
+        self.waited_s += waited_s
+        self.running_s += running_s
+
+    def cpu_left(self) -> float:
+        """Return the seconds of CPU time that are left."""
+        return max(0.0, self.limits.cpu_s - self.cpu_s)
+
+    def wall_left(self) -> float:
+        """Return the seconds of wall-clock time that are left."""
+        return max(0.0, self._until - time.monotonic())
+
+    def exceeded(self) -> str:
+        """Return a sentence that names the exceeded limit, or ""."""
+        if not self.cpu_left():
+            return f"your submission used more than {self.limits.cpu_s:g} s of CPU time in all"
+        return "" if self.wall_left() else f"your submission did not finish within {self.limits.wall_s:g} s in all"
+
+    @property
+    def starved(self) -> bool:
+        """Whether the processes waited for a processor during most of their time, as on an overloaded machine."""
+        return self.waited_s > self.running_s / 2
+
+
+class ProcessorWait:
+    """The time that a process, given by its ``pidfd``, was ready to run and had no processor.
+
+    Source: the second number of /proc/PID/schedstat (Linux, Documentation/scheduler/sched-stats.rst). Where the kernel does not
+    report it the time is zero, so that a process without a processor looks like one that sleeps.
+    """
+
+    def __init__(self, pidfd: int) -> None:
+        self.seconds = 0.0
+        found = re.search(r"^Pid:\s*(\d+)$", Path(f"/proc/self/fdinfo/{pidfd}").read_text(), re.MULTILINE)
+        self._path = Path(f"/proc/{found[1]}/schedstat") if found else None
+
+    def update(self) -> None:
+        """Read the time. It stays as it was once the process has been reaped."""
+        if self._path is not None:
+            with contextlib.suppress(OSError, ValueError, IndexError):
+                self.seconds = int(self._path.read_text().split()[1]) / 1e9

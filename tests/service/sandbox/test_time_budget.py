@@ -1,0 +1,123 @@
+"""The time budget of a grading: all its processes share it, and a machine without a free processor is no reason for a verdict."""
+
+import contextlib
+import os
+import subprocess
+import time
+
+import pytest
+
+from ecp.outcome import Ended
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox import session
+from service.sandbox.result import SystemFault
+from service.sandbox.time_budget import WALL_PER_CPU, TimeBudget, TimeLimits
+from tests.service.sandbox.test_sandbox import GOOD, job, scene, zygote_pid
+from tests.support.isolation import BY_THE_HOST
+
+IGNORE_SIGNALS = """
+import os, signal, time
+signal.pthread_sigmask(signal.SIG_BLOCK, range(1, 64))
+"""
+LONGEST_S = 8.0  # far above the limits below, far below the scenes' own limits together
+
+
+@pytest.fixture(autouse=True)
+def short_waits(monkeypatch):
+    monkeypatch.setattr(session, "GRACE_S", 0.3)
+
+
+def play(sandbox, source, scenes=8, budget_s=1.0, **limits):
+    """Play scenes whose own limits are far above those of all together. Return the result, which must not take as long."""
+    began = time.monotonic()
+    budget = TimeBudget(TimeLimits(**limits))
+    seen = sandbox.play(job(source, *(scene(f"s{k}", budget_s=budget_s) for k in range(scenes))), budget=budget)
+    assert time.monotonic() - began < LONGEST_S
+    return seen
+
+
+@BY_THE_HOST
+@pytest.mark.parametrize(
+    "stall",
+    [
+        "time.sleep(1000)",
+        "while True: os.write(1, b'.'), time.sleep(0.01)",
+        pytest.param("while True: os.write(1, b'.'), time.sleep(0.3)", marks=pytest.mark.slow),
+    ],
+    ids=["silent", "printing", "printing slowly"],
+)
+def test_processes_that_sleep_share_one_deadline(either_sandbox, stall):
+    seen = play(either_sandbox, f"{IGNORE_SIGNALS}\ndef f(x):\n    {stall}", wall_s=1.0)
+    assert {e.ended for e in seen.scene_ends.values()} == {Ended.TIMED_OUT} and len(seen.scene_ends) == 8
+    assert seen.scene_ends["s7"].sentence == "your submission did not finish within 1 s in all"
+    assert seen.scene_ends["s7"].code == "timeout"
+    assert either_sandbox.play(job(GOOD)).finished("one"), "the next submission has a budget of its own"
+
+
+@BY_THE_HOST
+def test_processes_that_compute_share_one_limit_of_CPU_time(either_sandbox):
+    seen = play(either_sandbox, f"{IGNORE_SIGNALS}\ndef f(x):\n    while True: pass", budget_s=5.0, cpu_s=0.5)
+    assert {e.ended for e in seen.scene_ends.values()} == {Ended.TIMED_OUT}
+    assert seen.scene_ends["s7"].sentence == "your submission used more than 0.5 s of CPU time in all"
+
+
+def test_what_finished_before_the_limit_is_kept(sandbox):
+    source = f"{IGNORE_SIGNALS}\nn = []\ndef f(x):\n    n.append(x)\n    return [x, x] if len(n) < 3 else time.sleep(1000)"
+    seen = play(sandbox, source, wall_s=1.0)
+    assert [name for name in seen.scene_ends if seen.finished(name)] == ["s0", "s1"]
+
+
+def test_a_submission_that_sleeps_through_its_grading_gets_a_report(rigid_body, sandbox, monkeypatch):
+    monkeypatch.setattr(sandbox, "limits", TimeLimits(cpu_s=5.0, wall_s=1.5))
+    began = time.monotonic()
+    report = grade(Submission(f"{IGNORE_SIGNALS}\ndef euler_eqs(t, w, I):\n    time.sleep(1000)"), rigid_body, sandbox, 3).report
+    assert time.monotonic() - began < LONGEST_S and report.score == 0
+    assert {e.ended for e in report.scene_ends} == {Ended.TIMED_OUT, Ended.NOT_PLAYED}
+
+
+@pytest.fixture
+def one_busy_processor(sandbox):
+    """Let the guest share a processor with a dozen programs that never sleep."""
+    sandbox.wait_ready()
+    pid, before = zygote_pid(sandbox), os.sched_getaffinity(0)
+    hogs = []
+    try:
+        os.sched_setaffinity(pid, {min(before)})
+        os.sched_setaffinity(0, {min(before)})
+        hogs = [subprocess.Popen(["sh", "-c", "while :; do :; done"], start_new_session=True) for _ in range(12)]
+        os.sched_setaffinity(0, before)
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
+        with contextlib.suppress(ProcessLookupError):
+            os.sched_setaffinity(pid, before)
+
+
+COMPUTE = """
+import time
+def f(x):
+    end = time.process_time() + 0.25
+    while time.process_time() < end: pass
+    return [x, x]
+"""
+
+
+def test_a_submission_without_a_processor_is_not_judged(sandbox, one_busy_processor):
+    with pytest.raises(SystemFault, match="this machine was too busy"):
+        sandbox.play(job(COMPUTE, scene("one", budget_s=0.3)))
+
+
+@pytest.mark.slow
+def test_a_submission_that_sleeps_on_a_busy_machine_has_timed_out(sandbox, one_busy_processor):
+    seen = sandbox.play(job("import time\ndef f(x):\n    time.sleep(1000)", scene("one", budget_s=1.5)))
+    assert seen.scene_ends["one"].ended is Ended.TIMED_OUT
+
+
+def test_an_assignment_raises_both_limits_and_lowers_none():
+    limits = TimeLimits(cpu_s=60.0, wall_s=120.0)
+    assert limits.at_least(None) == limits == limits.at_least(10.0)
+    assert limits.at_least(100.0) == TimeLimits(cpu_s=100.0, wall_s=100.0 * WALL_PER_CPU)

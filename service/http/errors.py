@@ -17,6 +17,7 @@ from service.store.database import DatabaseLost, is_loss, is_outage
 
 log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
+LOG_EVERY_S = 60.0  # for each reason of an outage, rather than for each request
 
 TITLES = {
     "assignment-broken": "Assignment unavailable",
@@ -67,6 +68,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
+    app.state.outages_logged = {}
     for outage in (DBAPIError, NoConnection, ConnectorException, DatabaseLost):
         app.add_exception_handler(outage, _outage)
 
@@ -128,26 +130,17 @@ async def _outage(request: Request, error: Exception) -> Response:
     if not is_outage(error):
         raise error
     loss = is_loss(error)
-    _log_outage(str(getattr(error, "orig", error)).split("\n")[0] if loss else type(error).__name__)
+    reason = str(getattr(error, "orig", error)).split("\n")[0] if loss else type(error).__name__
+    logged, now = request.app.state.outages_logged, time.monotonic()
+    if now - logged.get(reason, float("-inf")) > LOG_EVERY_S:
+        logged[reason] = now
+        log.error("database unavailable: %s", reason)
     if loss:
         detail = (
             "this server has lost its database, and nothing can be stored until the course staff has restored it: keep your work"
         )
         return _respond(request, Problem(503, "database-lost", detail, retry_after=60))
     return _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
-
-
-def _log_outage(reason: str) -> None:
-    """Log an outage once a minute, not for every request."""
-    now = time.monotonic()
-    if now - _logged_at.get(reason, float("-inf")) > LOG_EVERY_S:
-        _logged_at.clear()
-        _logged_at[reason] = now
-        log.error("database unavailable: %s", reason)
-
-
-LOG_EVERY_S = 60.0
-_logged_at: dict[str, float] = {}
 
 
 def internal_error() -> JSONResponse:

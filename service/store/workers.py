@@ -49,6 +49,7 @@ class ClockWatch:
     """Compares the database's clock with the monotonic clock of this process to notice jumps."""
 
     monotonic: Callable[[], float] = time.monotonic
+    jumps: int = field(default=0, init=False)
     _offset: tuple[float, float] | None = field(default=None, init=False)  # lower and upper bound of the difference
     _settled_at: float = field(default=float("-inf"), init=False)
 
@@ -64,7 +65,7 @@ class ClockWatch:
             jump = max(self._offset[0] - before[1], before[0] - self._offset[1])
             if jump > lease_s / 2:  # less cannot make a living worker's last heartbeat too old
                 log.warning("the database's clock jumped by at least %.1f s: no run counts as lost for %g s", jump, lease_s)
-                self._settled_at = ended + lease_s
+                self._settled_at, self.jumps = ended + lease_s, self.jumps + 1
         return ended >= self._settled_at
 
 

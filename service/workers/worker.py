@@ -187,8 +187,11 @@ class Worker:
             with _suppress_outages():
                 if turn % register_every == 0:
                     await self._register(self._isolation, None)
+                jumps = self._clock.jumps
                 if again := await workers.recover(self._database, lease, self._clock):
                     log.warning("gradings of lost runs queued again: %s", ", ".join(map(str, again)))
+                if jumps != self._clock.jumps:  # the time of the last registration is that of another clock
+                    await self._register(self._isolation, None)
                 if turn % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
                     log.warning("gradings without a job queued again: %s", ", ".join(map(str, found)))
             await asyncio.sleep(self._round_s)

@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 # Always write bytecode: without it every import of SciPy takes two seconds.
-INSTALL := env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
+INSTALL := umask 022; env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests wait a lot, so several processes run whole files, in the order of tests/conftest.py.
 TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
@@ -21,6 +21,7 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(INSTALL) --require-hashes -r requirements.lock
 	@$(INSTALL) --no-deps --no-build-isolation -e .
+	@chmod -R o+rX exercises/kit service/sandbox/guest  # a sandbox that root starts reads them as another user
 	@rm -rf .venv/lib/python3*/site-packages/ecp .venv/lib/python3*/site-packages/service  # hatch's copies of editable packages
 	@touch $@
 

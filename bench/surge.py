@@ -1,13 +1,14 @@
 """A surge of submissions before a deadline on a real server: losses, waits, and the waits that polhode plan
 predicts.
 
-``python -m bench.surge`` takes five minutes on two cores. Students send the samples below at times drawn as
-``polhode plan`` draws them. The waits are read from the database and compared with a simulation of the same
-arrivals. ``--write`` stores the measured grading times for ``polhode plan``.
+``python -m bench.surge`` takes five minutes on two cores, and ``--notebook`` fifteen. Students send the samples below at
+times drawn as ``polhode plan`` draws them. The waits are read from the database and compared with a simulation of the
+same arrivals and with what ``polhode plan`` predicts. ``--write`` stores the measured grading times for ``polhode plan``.
 """
 
 import argparse
 import asyncio
+import contextlib
 import json
 import os
 import platform
@@ -17,7 +18,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -29,13 +29,25 @@ import psycopg
 
 from exercises.catalogue import assignments
 from service.cli.demo import free_port
-from service.cli.simulate_queue import MEASURED, Arrivals, Deadline, draw, start_times, summary, table
+from service.cli.simulate_queue import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3
 RIGHT = ("cross", "terms", "roll", "oop", "cross_solve", "einsum_levi_civita", "skew_matrix", "list_return")
 WRONG = ("sign_first", "sign_all", "divisor", "factor_two_all", "shape", "raises", "syntax", "product_all_shifted")
+NOTEBOOKS = (
+    "right_course_notebook.ipynb",
+    "right_notebook.ipynb",
+    "right_notebook_with_checks.ipynb",
+    "wrong_notebook.ipynb",
+    "right_all.py",
+    "right_greek_whole_notebook.py",
+)
 SLACK_S = 1.0  # two times this far apart are surely in order
+WHAT = {
+    "exercise": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong samples",
+    "notebook": f"{len(NOTEBOOKS)} samples with all exercises",
+}
 START_S, STOP_S, ANSWER_S = 90.0, 60.0, 60.0
 
 
@@ -68,6 +80,7 @@ def main() -> int:
     parser.add_argument("--students", type=int, default=300)
     parser.add_argument("--seconds", type=float, default=120.0, help="seconds before the deadline in which they submit")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
+    parser.add_argument("--notebook", action="store_true", help="send whole notebooks; default: exercise 2")
     parser.add_argument("--rush", action="store_true", help="submission rate grows towards the deadline")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--most", type=float, default=1800.0, metavar="SECONDS", help="give up after this time")
@@ -76,16 +89,19 @@ def main() -> int:
     for how in (signal.SIGINT, signal.SIGTERM):
         signal.signal(how, signal.default_int_handler)
     minutes = arguments.seconds / 60
-    asked = Deadline(arguments.students, minutes, arguments.workers, SUBMISSIONS, arguments.rush, arguments.seed, seconds=(1.0,))
+    kind = "notebook" if arguments.notebook else "exercise"
+    asked = Deadline(
+        arguments.students, minutes, arguments.workers, SUBMISSIONS, arguments.rush, arguments.seed, seconds=measured(kind)
+    )
     until = time.monotonic() + arguments.most
     with server(asked.workers) as (url, database):
         began = time.time()
-        answers = asyncio.run(send(url, draw(asked), asked.seed))
+        answers = asyncio.run(send(url, draw(asked), bodies(kind), asked.seed))
         rows = results(database, sum(a.status in (200, 202) for a in answers), until)
-    return report(asked, answers, rows, began, write=arguments.write)
+    return report(asked, answers, rows, began, kind if arguments.write else None)
 
 
-@contextmanager
+@contextlib.contextmanager
 def server(workers: int) -> Iterator[tuple[str, str]]:
     """Run a server with ``workers`` warm workers; yield its URL and its database's URL."""
     with tempfile.TemporaryDirectory(prefix="surge-", ignore_cleanup_errors=True) as folder:
@@ -108,18 +124,24 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
                 print(f"the server ended with {process.poll()} and logged {len(lines)} lines", *lines[-10:], sep="\n  ")
 
 
-async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
-    """Send every submission at its time and return the responses in the same order."""
+def bodies(kind: str) -> list[dict[str, object]]:
+    """Return the requests to choose from: exercise 2 of short samples, or whole notebooks."""
     folder = assignments()["rigid-body"].folder / "samples"
+    if kind == "notebook":
+        return [{"source": (folder / name).read_text(), "filename": name} for name in NOTEBOOKS]
     names = [f"right_{name}.py" for name in RIGHT] + [f"wrong_{name}.py" for name in WRONG]
-    sources = np.random.default_rng(seed).choice([(folder / name).read_text() for name in names], len(arrivals.accepted))
+    return [{"source": (folder / name).read_text(), "filename": name, "exercises": ["2"]} for name in names]
+
+
+async def send(url: str, arrivals: Arrivals, choice: list[dict[str, object]], seed: int) -> list[Answer]:
+    """Send every submission at its time and return the responses in the same order."""
+    chosen = [choice[k] for k in np.random.default_rng(seed).integers(len(choice), size=len(arrivals.accepted))]
     limits, zero = httpx2.Limits(max_connections=100, max_keepalive_connections=100), time.monotonic()
     async with httpx2.AsyncClient(base_url=url, timeout=ANSWER_S, limits=limits, trust_env=False) as client:
 
-        async def one(moment: float, person: int, turn: int, source: str) -> Answer:
+        async def one(moment: float, person: int, turn: int, body: dict[str, object]) -> Answer:
             await asyncio.sleep(zero + moment - time.monotonic())
             headers = {"Remote-User": f"s{person:04}", "Idempotency-Key": f"{person}-{turn}"}
-            body = {"source": f"{source}\n# {person}, {turn}\n", "exercises": ["2"]}
             sent = time.monotonic()
             try:
                 status = (await client.post("/v1/assignments/rigid-body/submissions", json=body, headers=headers)).status_code
@@ -127,7 +149,7 @@ async def send(url: str, arrivals: Arrivals, seed: int) -> list[Answer]:
                 status = type(error).__name__
             return Answer(status, time.monotonic() - sent, sent - zero - moment)
 
-        each = zip(arrivals.accepted.tolist(), arrivals.person.tolist(), arrivals.turn.tolist(), sources, strict=True)
+        each = zip(arrivals.accepted.tolist(), arrivals.person.tolist(), arrivals.turn.tolist(), chosen, strict=True)
         return await asyncio.gather(*(one(*a) for a in each))
 
 
@@ -148,8 +170,11 @@ GROUP BY p.name, a.id, r.grading_id ORDER BY a.requested_at, a.id
 """
 
 
-def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, *, write: bool) -> int:
-    """Print the results. Return 0 if no submission was refused, lost, faulted or overtaken."""
+def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float, write: str | None) -> int:
+    """Print the results, and store the grading times as those of the kind ``write``, if it is given.
+
+    Return 0 if no submission was refused, lost, faulted or overtaken.
+    """
     refused = [a.status for a in answers if a.status not in (200, 202)]
     graded = [r for r in rows if r.grading is not None and r.started is not None]
     faults = [r.fault for r in rows if r.fault is not None]
@@ -174,10 +199,15 @@ def report(asked: Deadline, answers: list[Answer], rows: list[Row], began: float
         print(f"  {_times(graded[k], began)} before {_times(graded[other], began)}")
     more = spent.mean() - np.mean([r.grading for r in graded])
     print(f"a worker is busy {spent.mean():.3f} s per submission, {more:.3f} s more than the grading")
-    for name, when in (("measured", begun), ("predicted for these arrivals", start_times(arrivals, asked.workers))):
-        print(f"\n{name}\n{table(summary(arrivals, when, asked.workers, 60 * asked.minutes))}")
+    planned = draw(asked)
+    for name, which, when in (
+        ("measured", arrivals, begun),
+        ("predicted for these arrivals and these grading times", arrivals, start_times(arrivals, asked.workers)),
+        ("predicted by polhode plan", planned, start_times(planned, asked.workers)),
+    ):
+        print(f"\n{name}\n{table(summary(which, when, asked.workers, 60 * asked.minutes))}")
     if write:
-        _write(asked, spent)
+        _write(asked, write, spent)
     return 1 if refused or lost or faults or wrong else 0
 
 
@@ -242,18 +272,19 @@ def _ready(process: subprocess.Popen[bytes], url: str, data: Path, workers: int)
     raise RuntimeError("the server did not start")
 
 
-def _write(asked: Deadline, seconds: np.ndarray) -> None:
+def _write(asked: Deadline, kind: str, seconds: np.ndarray) -> None:
     models = [
         line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")
     ]
     document = {
         "measured_at": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{(models or [platform.machine()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}",
-        "what": f"exercise 2 of {len(RIGHT)} right and {len(WRONG)} wrong samples, from start to the worker's next start, "
-        f"by bench.surge with {asked.students} students, {60 * asked.minutes:g} s and {asked.workers} workers",
+        "what": f"{WHAT[kind]}, from start to the worker's next start, by bench.surge with {asked.students} students, "
+        f"{60 * asked.minutes:g} s and {asked.workers} workers",
         "seconds": [round(float(s), 4) for s in seconds],
     }
-    MEASURED.write_text(json.dumps(document, ensure_ascii=False, indent=0) + "\n")
+    known = json.loads(MEASURED.read_text()) | {kind: document}
+    MEASURED.write_text(json.dumps(known, ensure_ascii=False, indent=0) + "\n")
     print(f"\nwritten to {MEASURED}")
 
 

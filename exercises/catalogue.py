@@ -133,11 +133,12 @@ def find(slug: str) -> Assignment:
     NoAssignment if there is none.
     """
     slug = slug.replace("_", "-")
-    if (error := load_catalogue().invalid.get(slug)) and slug not in load_catalogue().valid:
+    valid, invalid = load_catalogue()
+    if (error := invalid.get(slug)) and slug not in valid:
         raise error
-    if slug not in load_catalogue().valid:
-        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(load_catalogue().valid)) or 'none'}")
-    return load_catalogue().valid[slug]
+    if slug not in valid:
+        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(valid)) or 'none'}")
+    return valid[slug]
 
 
 @functools.cache

@@ -11,7 +11,7 @@ from fastapi.middleware.cors import CORSMiddleware
 from fastapi.staticfiles import StaticFiles
 
 from exercises.catalogue import load_catalogue
-from service.api import events, exports, figures, health, history, kit, submissions
+from service.api import events, exports, figures, health, history, kit, parse_submission, submissions
 from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
@@ -88,14 +88,16 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.database = database = Database(
         settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait, find_loss=app.state.find_loss
     )
-    await register(database, load_catalogue().valid.values())
-    for broken in load_catalogue().invalid.values():
+    valid, invalid = load_catalogue()
+    await register(database, valid.values())
+    for broken in invalid.values():
         log.error("%s", broken)
     app.state.secret = await secret(database, "forms")
     app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
     app.state.password_checker, app.state.login_limiter = PasswordChecker(database), LoginRateLimiter()
     app.state.worker_status = health.WorkerStatus(database)
     app.state.listener, app.state.renderer = Listener(database), Renderer()
+    app.state.large_bodies = parse_submission.LargeBodies()
     app.state.listener.start()
     app.state.queue = ChangeFeed(
         app.state.listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease)
@@ -104,6 +106,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         yield
     finally:
         app.state.renderer.stop()
+        app.state.large_bodies.process.stop()
         app.state.hub.stop()
         app.state.password_checker.stop()
         await app.state.listener.stop()

@@ -9,6 +9,7 @@ from pydantic import AliasChoices, Field, SecretStr, field_validator, model_vali
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 LEASE_S, DATABASE_WAIT_S = 2.0, 5.0
+LONGEST_ESCAPE = 6  # characters of JSON for one byte, as in \u0001
 
 
 class Settings(BaseSettings):
@@ -23,8 +24,15 @@ class Settings(BaseSettings):
         validation_alias=AliasChoices("POLHODE_MIN_ISOLATION", "POLHODE_MIN_TIER"),
         description="The weakest isolation level to grade at: namespaces (bubblewrap), or process, as in an ordinary container.",
     )
+    allow_root_guest: bool = Field(
+        False, description="Grade even if a server that runs as root cannot run submissions as another user."
+    )
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
+    submission_kib: int = Field(
+        256, ge=1, le=65536, description="Largest source of a submission in KiB, of a notebook without its outputs."
+    )
+    upload_mib: int = Field(20, ge=1, le=1024, description="Largest upload of a submission in MiB, of a notebook with its outputs.")
     grading_cpu: float = Field(
         60.0,
         gt=0,
@@ -82,6 +90,14 @@ class Settings(BaseSettings):
             if os.environ.get("POLHODE_HUB_API_URL"):
                 raise ValueError("POLHODE_HUB_API_URL needs POLHODE_IDENTITY=token")
             self.hub_api_url = None
+        return self
+
+    @model_validator(mode="after")
+    def _upload_holds_a_submission(self) -> "Settings":
+        if 1024 * self.upload_mib < LONGEST_ESCAPE * self.submission_kib:
+            raise ValueError(
+                f"POLHODE_UPLOAD_MIB must hold at least {LONGEST_ESCAPE} times POLHODE_SUBMISSION_KIB, its longest form in JSON"
+            )
         return self
 
     @field_validator("oidc_issuer")

@@ -152,7 +152,7 @@ def animation(student, inputs):
     check_signature(student[name], tuple(arguments), name)
     ecp.animate.shown.clear()
     ecp.animate.made.clear()
-    unkept = False
+    unkept, record, checked = False, watch, unchanged
     try:
         anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
     except Exception as error:
@@ -162,8 +162,13 @@ def animation(student, inputs):
     if not isinstance(anim, Animation) and ecp.animate.shown:
         anim = ecp.animate.shown[-1]
     own = getattr(student[name], "own", None) if isinstance(student[name], FromCell) else None
-    seen = watch(anim, float(inputs["seconds"]))
+    checked()
+    seen = record(anim, float(inputs["seconds"]))
     return seen | {"cost": np.array([*seen["cost"], unkept])} | (own or NOT_OWN)
+
+
+def unchanged():
+    """Do nothing. In the sandbox this is a check that a submission has replaced nothing of this module."""
 
 
 def _lacks_a_file(error):

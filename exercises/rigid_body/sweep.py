@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 import reference
 from ecp.checks import Arrays
 from ecp.outcome import SweepResult, SweptPoint
@@ -15,6 +17,8 @@ from reference.method import Scene as Charted
 CHARTED = Charted("exercise 2", TORQUE_FREE, BODY, 20.0)
 SOLVERS = ("DOP853", "RK45", "LSODA")
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
+MOST_CALLS = 40_001  # of one run: plays.py stops it then
+MOST_S = 80.0  # the longest that the sandbox plays a scene of this budget
 NOTEBOOKS = ("DOP853", 1e-11)
 ENOUGH = 1e-8
 SETTINGS = [(solver, rtol) for solver in SOLVERS for rtol in TOLERANCES]
@@ -37,8 +41,13 @@ def _truth(inputs: Inputs) -> Arrays:
 
 def read(seen: Arrays, truth: Arrays) -> SweepResult:
     """Return errors of every run and a summary line: the error at the notebook's setting, the cost of a call,
-    the cheapest to 1e-8.
+    the cheapest to 1e-8. Raises ValueError for calls and seconds that no run can have.
     """
+    calls, seconds = seen["calls"], np.append(seen["seconds"], seen["per_call"])
+    if not np.all((calls >= 1) & (calls <= MOST_CALLS) & (calls == np.trunc(calls))):
+        raise ValueError(f"a number of calls is not a whole number from 1 to {MOST_CALLS}")
+    if not np.all((seconds >= 0) & (seconds <= MOST_S)):
+        raise ValueError(f"a time is not between 0 and {MOST_S:g} s")
     exact, points = Sampled(truth["w"], truth["R"]), []
     for k, (solver, rtol) in enumerate(SETTINGS):
         found = errors(CHARTED, Run(seen["w"][k], seen["R"][k], int(seen["calls"][k])), exact)

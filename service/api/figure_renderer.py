@@ -3,16 +3,11 @@ picture.
 """
 
 import asyncio
-import functools
-import multiprocessing
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
+from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading import grader
-from service.sandbox.guest.lockdown import die_with_parent
 from service.store.records import SubmissionRecord
 
 TIMEOUT_S = 60.0
@@ -26,10 +21,9 @@ class Renderer:
     """Renders figures and charts, one at a time."""
 
     def __init__(self) -> None:
-        self._pool: ProcessPoolExecutor | None = None
+        self._process = SeparateProcess(TIMEOUT_S)
         self._charts: dict[tuple[str, int], bytes] = {}
         self._tasks: dict[tuple[Any, ...], asyncio.Task[bytes]] = {}
-        self._lock = asyncio.Lock()
 
     async def figure(self, stored: SubmissionRecord, name: str, packed: bytes, form: str) -> bytes:
         """Return a figure of a graded submission as PNG or SVG.
@@ -51,10 +45,7 @@ class Renderer:
 
     def stop(self) -> None:
         """Kill the rendering process."""
-        if self._pool is not None:
-            for process in list((self._pool._processes or {}).values()):
-                process.kill()
-            self._pool.shutdown(wait=True, cancel_futures=True)
+        self._process.stop()
 
     async def _shared(self, key: tuple[Any, ...], function: Callable[..., bytes], *args: Any) -> bytes:
         """Render once for concurrent requests; a disconnecting client does not cancel the rendering."""
@@ -64,14 +55,7 @@ class Renderer:
         return await asyncio.shield(self._tasks[key])
 
     async def _call(self, function: Callable[..., bytes], *args: Any) -> bytes:
-        async with self._lock:
-            if self._pool is None:
-                spawn = multiprocessing.get_context("spawn")
-                self._pool = ProcessPoolExecutor(1, mp_context=spawn, initializer=die_with_parent, initargs=(os.getpid(),))
-            try:
-                work = asyncio.get_running_loop().run_in_executor(self._pool, functools.partial(function, *args))
-                return await asyncio.wait_for(work, TIMEOUT_S)
-            except (BrokenProcessPool, TimeoutError) as error:
-                self.stop()
-                self._pool = None
-                raise RenderFailed from error
+        try:
+            return await self._process.call(function, *args)
+        except ProcessLost as error:
+            raise RenderFailed from error

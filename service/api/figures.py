@@ -71,9 +71,10 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
     async for _ in request.app.state.listener.wait_for_changes(str(stored.id), SWEEP_WAIT_S):
         if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
-        if failure := await find_artefact(database, stored.grading, "sweep.refused"):
+        if failure := await find_artefact(database, stored.grading, sweeps.REFUSED):
             raise Problem(404, "not-found", f"the speed vs accuracy measurement failed: {failure[0].decode()}")
-        await sweeps.request(database, stored.grading)
+        if fault := await sweeps.request(database, stored.grading):
+            raise Problem(409, "not-ready", f"polhode failed to measure speed vs accuracy: {fault}; ask the course staff")
     raise Problem(503, "busy", "the speed vs accuracy measurement is still running: try again later")
 
 

@@ -32,7 +32,8 @@ async def readyz(request: Request) -> JSONResponse:
     """Report whether submissions can be graded, with the result of each check."""
     checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}
     # A broken assignment does not make the server unready: the others can be graded.
-    invalid = {"assignments": f"broken: {', '.join(load_catalogue().invalid)}"} if load_catalogue().invalid else {}
+    broken = load_catalogue().invalid
+    invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
     try:
         database = request.app.state.database
         if missing := [row.name for row in await database.rows(_MISSING, {"tables": list(metadata.tables)})]:

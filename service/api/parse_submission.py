@@ -1,38 +1,47 @@
 """Parse a submission from an HTTP request, either JSON or an uploaded file, with a size cap."""
 
-import json
-from dataclasses import dataclass
+import asyncio
+import contextlib
 
 from fastapi import Request
-from starlette.datastructures import UploadFile
 
 from exercises.assignment import Assignment
+from service.api import submission_body
+from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading.grade import UnknownExercise, select
-from service.grading.submission import MOST_BYTES, BadSubmission, Submission
+from service.grading.json_submission import BadDocument, ParsedSubmission, read_json
+from service.grading.submission import KIB, MIB, BadSubmission, SizeLimits, TooLarge, upload_too_large
 from service.http.errors import Problem
-from service.http.requests import read_capped
 
-MOST_BODY = 2 * MOST_BYTES + 64 * 1024  # JSON escapes may double the size of a source
+SMALL = 256 * KIB  # parsed at once: the server cannot respond to others meanwhile
+MOST_LARGE = 8  # larger bodies in memory at a time
+PARSE_S, WAIT_S = 30.0, 60.0
+DISCARDED = 10  # times the limit: a client that is still sending would not see the response
 
 
-@dataclass(frozen=True)
-class ParsedSubmission:
-    """A valid submission and the requested exercises (None: those it attempts)."""
+class LargeBodies:
+    """Large bodies of submissions: a limited number is in memory, and a separate process parses them."""
 
-    submission: Submission
-    exercises: list[str] | None
+    def __init__(self) -> None:
+        self.places = asyncio.Semaphore(MOST_LARGE)
+        self.process = SeparateProcess(PARSE_S, submission_body.start_process)
 
 
 async def parse_submission(request: Request, assignment: Assignment) -> ParsedSubmission:
-    """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid."""
-    kind = request.headers.get("content-type", "").split(";")[0].strip().lower()
-    await read_capped(request, MOST_BODY, f"the submission is larger than {MOST_BYTES} bytes: send less")
-    if kind == "application/json":
-        parsed = await _from_json(request)
-    elif kind == "multipart/form-data":
-        parsed = await _from_form(request)
-    else:
+    """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid, 503 while too many are large."""
+    content_type, settings = request.headers.get("content-type", ""), request.app.state.settings
+    kind = content_type.split(";")[0].strip().lower()
+    if kind not in (submission_body.FORM, submission_body.JSON):
         raise Problem(415, "unsupported-media-type", f"send application/json or multipart/form-data, not {kind or 'nothing'}")
+    limits = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
+    try:
+        parsed = await _parse(request, kind, limits)
+    except TooLarge as error:
+        raise Problem(413, "too-large", str(error), error.pointer) from error
+    except BadDocument as error:
+        raise Problem(422 if error.pointer else 400, "invalid-request", str(error), error.pointer or None) from error
+    except BadSubmission as error:
+        raise Problem(422, "bad-submission", str(error), error.pointer) from error
     try:
         select(assignment, parsed.exercises)
     except UnknownExercise as error:
@@ -40,54 +49,44 @@ async def parse_submission(request: Request, assignment: Assignment) -> ParsedSu
     return parsed
 
 
-async def _from_json(request: Request) -> ParsedSubmission:
+async def _parse(request: Request, kind: str, limits: SizeLimits) -> ParsedSubmission:
+    content_type, large = request.headers["content-type"], request.app.state.large_bodies
+    async with contextlib.AsyncExitStack() as stack:
+        chunks, size = [], 0
+        async for chunk in request.stream():
+            if size <= SMALL < size + len(chunk):
+                await _take_place(large, stack)
+            size += len(chunk)
+            if size <= limits.upload:
+                chunks.append(chunk)
+                continue
+            chunks.clear()
+            await stack.aclose()
+            if size > DISCARDED * limits.upload:
+                break
+        if size > limits.upload:
+            raise TooLarge(upload_too_large(limits))
+        body = b"".join(chunks)
+        if size <= SMALL:
+            return (
+                await submission_body.parse_form(content_type, body, limits)
+                if kind == submission_body.FORM
+                else read_json(body, limits)
+            )
+        chunks.clear()
+        try:
+            parsed: ParsedSubmission = await large.process.call(submission_body.parse, content_type, body, limits)
+        except ProcessLost as error:
+            raise Problem(503, "busy", "reading the submission took too long: try again in a minute", retry_after=60) from error
+        return parsed
+
+
+async def _take_place(large: LargeBodies, stack: contextlib.AsyncExitStack) -> None:
+    """Wait for a place among the large bodies, which ``stack`` releases. Raises Problem 503."""
     try:
-        document = json.loads(await request.body())
-    except (ValueError, RecursionError):
-        raise Problem(400, "invalid-request", "the body is not valid JSON") from None
-    if not isinstance(document, dict) or not isinstance(document.get("source"), str):
-        raise Problem(422, "invalid-request", 'the body must be a JSON object with a string "source"', "/source")
-    if unknown := sorted(set(document) - {"source", "exercises", "filename"}):
-        raise Problem(422, "invalid-request", f"unknown field {unknown[0]}: remove it", f"/{unknown[0]}")
-    name = _filename(document.get("filename", "submission.py"), "/filename")
-    return ParsedSubmission(_submission(document["source"].encode("utf-8", "replace"), name), _exercises(document))
-
-
-async def _from_form(request: Request) -> ParsedSubmission:
-    try:
-        form = await request.form(max_files=1, max_fields=20)
-    except Exception as error:
-        raise Problem(400, "invalid-request", f"the form cannot be parsed: {error}") from error
-    try:
-        upload = form.get("file")
-        if not isinstance(upload, UploadFile):
-            raise Problem(422, "invalid-request", 'the form must have a file in its field "file"', "/file")
-        name = _filename(upload.filename or "submission.py", "/file")
-        numbers = [n for n in form.getlist("exercises") if isinstance(n, str)]
-        return ParsedSubmission(_submission(await upload.read(), name), _exercises({"exercises": numbers or None}))
-    finally:
-        await form.close()
-
-
-def _filename(value: object, pointer: str) -> str:
-    name = "".join(c for c in value if c.isprintable()) if isinstance(value, str) else ""
-    if not name.endswith((".py", ".ipynb")):
-        raise Problem(422, "bad-submission", f"cannot grade the file {name[:80]!r}: submit a .py or .ipynb file", pointer)
-    return name
-
-
-def _submission(data: bytes, name: str) -> Submission:
-    try:
-        return Submission.from_bytes(data, name)
-    except BadSubmission as error:
-        status, kind = (413, "too-large") if len(data) > MOST_BYTES else (422, "bad-submission")
-        raise Problem(status, kind, str(error), "/source") from error
-
-
-def _exercises(document: dict[str, object]) -> list[str] | None:
-    numbers = document.get("exercises")
-    if numbers is None:
-        return None
-    if not isinstance(numbers, list) or not numbers or not all(isinstance(n, str) for n in numbers):
-        raise Problem(422, "invalid-request", '"exercises" must be a non-empty list of exercise numbers as strings', "/exercises")
-    return sorted(set(numbers))
+        await asyncio.wait_for(large.places.acquire(), WAIT_S)
+    except TimeoutError:
+        raise Problem(
+            503, "busy", "too many large submissions arrive at this moment: try again in a minute", retry_after=10
+        ) from None
+    stack.callback(large.places.release)

@@ -15,7 +15,10 @@ from service.store.course import credentials
 from service.store.database import Database
 
 SHORTEST, LONGEST = 10, 200
+THREADS, MOST_WAITING = 2, 64  # a hash takes 64 MiB and about 50 ms
 _HASHER = PasswordHasher()
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 class InvalidPassword(ValueError):
@@ -64,11 +67,6 @@ def needs_rehash(stored: str) -> bool:
 def dummy_hash() -> str:
     """Return a valid hash that belongs to no person."""
     return hash_password("dummy")
-
-
-P = ParamSpec("P")
-T = TypeVar("T")
-THREADS, MOST_WAITING = 2, 64  # a hash takes 64 MiB and about 50 ms
 
 
 class PasswordChecker:

@@ -48,7 +48,8 @@ def _print_error(error: Exception) -> None:
         return
     for wrong in error.errors(include_input=False, include_url=False):  # type: ignore[attr-defined]
         name = "_".join(map(str, wrong["loc"])).upper().removeprefix("POLHODE_")  # an alias has the prefix already
-        print(f"polhode: POLHODE_{name}: {wrong['msg']}", file=sys.stderr)
+        place = f"POLHODE_{name}: " if name else ""  # an error of several settings names them itself
+        print(f"polhode: {place}{wrong['msg'].removeprefix('Value error, ')}", file=sys.stderr)
 
 
 def _close(stream: TextIO | None) -> None:
@@ -61,6 +62,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     from service.cli import database, export_assignment, grade, new_assignment, people, plan, queue, verify
 
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(dest="command", required=True)
     serve = commands.add_parser("serve", help="start the server, with an embedded database unless POLHODE_DATABASE_URL is set")
     serve.add_argument("--host", help="address to listen on (POLHODE_HOST, default 127.0.0.1)")
@@ -69,7 +71,9 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     worker = commands.add_parser(
         "worker", help="grade for the server on this machine, or for the one with the database POLHODE_DATABASE_URL"
     )
-    worker.add_argument("--slots", type=int, dest="workers", help="gradings at a time (POLHODE_WORKERS, default one per processor)")
+    worker.add_argument(
+        "--slots", type=grade.count, dest="workers", help="gradings at a time (POLHODE_WORKERS, default one per processor)"
+    )
     worker.add_argument("--with-parent", type=int, metavar="PID", help="exit when the parent process PID exits")
     worker.set_defaults(run=_worker)
     chart = commands.add_parser("chart", help="measure the reference methods and chart their cost and where they fail")
@@ -81,13 +85,23 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     chart.set_defaults(run=_chart)
     mutants = commands.add_parser("mutants", help="grade mutants of the solution and list those that the checks misjudge")
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
-    mutants.add_argument("--most", type=int, metavar="N", help="only the first N mutants")
+    mutants.add_argument("--most", type=grade.count, metavar="N", help="only the first N mutants")
     mutants.set_defaults(run=_mutants)
     for more in (grade, verify, new_assignment, export_assignment, database, queue, plan, people):
         more.add(commands)
     commands.add_parser("doctor", help="check which sandbox features this machine supports").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments and their exercises").set_defaults(run=_assignments)
     return parser.parse_args(argv)
+
+
+class _Version(argparse.Action):
+    """Print the installed version and exit. argparse's own action needs the version on every start."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib import metadata
+
+        print(f"polhode {metadata.version('polhode')}")
+        parser.exit()
 
 
 def _serve(arguments: argparse.Namespace) -> int:
@@ -110,6 +124,9 @@ def _worker(arguments: argparse.Namespace) -> int:
 
     settings = Settings() if arguments.workers is None else Settings(workers=arguments.workers)
     logs.install(settings.log_level)
+    if settings.workers < 1:
+        print("polhode: this worker would grade nothing: set POLHODE_WORKERS or --slots to at least 1", file=sys.stderr)
+        return 2
     if settings.database_url is None:
         settings = settings.model_copy(update={"database_url": running_url(settings.data)})
     if settings.database_url is None:
@@ -144,7 +161,7 @@ def _chart(arguments: argparse.Namespace) -> int:
 
     try:
         if arguments.what == "stability":
-            print(f"written to {write_stability(arguments.out)}/")
+            print(f"written to {write_stability(arguments.scene, arguments.out)}/")
         else:
             print(f"written to {write_work_precision(arguments.scene, arguments.out)}/")
     except ValueError as error:
@@ -179,7 +196,7 @@ def _doctor(arguments: argparse.Namespace) -> int:
     from service.cli.doctor import examine
     from service.settings import Settings
 
-    lines, valid = examine(Settings().min_isolation)
+    lines, valid = examine(Settings().min_isolation, Settings().allow_root_guest)
     print("\n".join(lines))
     return 0 if valid else 2
 
@@ -187,13 +204,14 @@ def _doctor(arguments: argparse.Namespace) -> int:
 def _assignments(arguments: argparse.Namespace) -> int:
     from exercises.catalogue import load_catalogue
 
-    for assignment in load_catalogue().valid.values():
+    valid, invalid = load_catalogue()
+    for assignment in valid.values():
         print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
         for exercise in assignment.exercises:
             print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
-    for error in load_catalogue().invalid.values():
+    for error in invalid.values():
         print(f"polhode: {error}", file=sys.stderr)
-    return CANNOT if load_catalogue().invalid else 0
+    return CANNOT if invalid else 0
 
 
 if __name__ == "__main__":

@@ -10,6 +10,12 @@ from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 from service.settings import Settings
 
+if TYPE_CHECKING:
+    from service.store.database import Database
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command and its subcommands."""
@@ -26,16 +32,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     actions.add_parser("check", help="check the stored data for inconsistencies").set_defaults(run=_check)
 
 
-if TYPE_CHECKING:
-    from service.settings import Settings
-    from service.store.database import Database
-
-P = ParamSpec("P")
-T = TypeVar("T")
-
-
 @contextmanager
-def database_url(settings: "Settings", *, create: bool = False, restore: bool = False) -> Iterator[str]:
+def database_url(settings: Settings, *, create: bool = False, restore: bool = False) -> Iterator[str]:
     """Provide the database's URL for the duration of the block, starting the embedded database if it is not
     running.
 

@@ -15,6 +15,7 @@ from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, try_namespaces
 from service.sandbox.self_test_job import FORBIDDEN
+from service.settings import Settings
 
 SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and the remedy
     "kernel/apparmor_restrict_unprivileged_userns": ("1", "sysctl kernel.apparmor_restrict_unprivileged_userns=0"),
@@ -23,19 +24,19 @@ SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and
 }
 
 
-def examine(least: Level) -> tuple[list[str], bool]:
+def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:
     """Return the findings as lines, and whether this machine can grade at isolation level ``least`` or stronger."""
     machine = platform.machine()
     lines = [
         f"kernel        {platform.release()} on {machine}{'' if machine in MACHINES else ': no system-call filter'}",
         f"Landlock      {f'version {v}' if (v := landlock.version()) else 'missing: needs Linux 5.13 and lsm=…,landlock at boot'}",
-        f"user          {'root: the guest runs as user ' + str(lockdown.GUEST_UID) if os.geteuid() == 0 else os.geteuid()}",
+        f"user          {'root' if os.geteuid() == 0 else os.geteuid()}",
     ]
-    available, reason = try_namespaces()
+    available, reason = try_namespaces(allow_root)
     lines.append(f"namespaces    {'yes' if available else f'no: {reason}'}")
     lines += [f"              try: {advice}" for advice in ([] if available else _advice())]
     try:
-        chosen = choose(least)
+        chosen = choose(least, allow_root)
     except IsolationUnavailable as missing:
         return [*lines, f"isolation     none: {missing}"], False
     lines.append(f"isolation     {chosen.name}")
@@ -43,12 +44,13 @@ def examine(least: Level) -> tuple[list[str], bool]:
     try:
         sandbox.self_test()
     except SystemFault as fault:
-        return [*lines, f"self-test     {fault}"], False
+        return [*lines, f"guest         {sandbox.identity or 'did not start'}", f"self-test     {fault}"], False
     finally:
         sandbox.close()
     absent = [sentence for known in assignments().values() if (sentence := missing_packages(known))]
     return [
         *lines,
+        f"guest         {sandbox.identity}",
         f"self-test     passed: all {len(FORBIDDEN)} forbidden operations were blocked",
         f"limits        {_limits()}",
         f"packages      {packages.listing(sorted({name for known in assignments().values() for name in known.packages}))}",
@@ -60,7 +62,7 @@ def _limits() -> str:
     of, mib = lockdown.LIMITS, lockdown.MIB
     memory = f"address space {of[resource.RLIMIT_AS] // mib} MiB, data {of[resource.RLIMIT_DATA] // mib} MiB"
     files = f"descriptors {of[resource.RLIMIT_NOFILE]}, file size {of[resource.RLIMIT_FSIZE]}"
-    return f"{memory}, CPU {of[resource.RLIMIT_CPU]} s, {files}"
+    return f"{memory}, CPU {Settings().grading_cpu:g} s, {files}"
 
 
 def _advice() -> list[str]:

@@ -9,13 +9,13 @@ from pathlib import Path
 from exercises.assignment import Assignment, NoAssignment
 from exercises.catalogue import find, load_catalogue, slug_of
 from exercises.catalogue import folders as assignment_folders
-from service.grading.submission import MOST_BYTES
+from service.grading.submission import DEFAULT_SIZES
 
-SUFFIXES = (".py", ".ipynb")
+SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
 
 class NoSubmissionFound(ValueError):
-    """A name matches no submission; the message says which."""
+    """A name matches no file that can be a submission; the message says which."""
 
 
 def find_files(named: Iterable[str]) -> list[Path]:
@@ -23,14 +23,16 @@ def find_files(named: Iterable[str]) -> list[Path]:
 
     A folder stands for all .py and .ipynb files in it and below that are not hidden, sorted by name. A symbolic
     link is followed only if it is named itself: inside a folder a student's link could lead to another
-    student's file. Raises NoSubmissionFound if a name matches nothing, OSError for a folder that cannot be
-    listed.
+    student's file. Raises NoSubmissionFound if a name matches nothing or a file that is neither .py, .ipynb nor
+    .json, OSError for a folder that cannot be listed.
     """
     found: dict[Path, Path] = {}
     for name in named:
         files = list(_files(name))
         if not files:
             raise NoSubmissionFound(f"{name}: {'no .py or .ipynb file in this folder' if Path(name).is_dir() else 'no such file'}")
+        if other := [file.name for file in files if file.suffix.lower() not in (*SUFFIXES, JSON)]:
+            raise NoSubmissionFound(f"{', '.join(other)}: cannot be a submission: name a .py, .ipynb or .json file")
         for file in files:
             found.setdefault(file.resolve(), file)
     return list(found.values())
@@ -88,14 +90,19 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
     known, invalid = load_catalogue()
     if len(only := [slug_of(home) for home in homes] or [*known, *invalid]) == 1:
         return find(only[0])
-    words = {word for file in files for word in _words(file)}
-    likely = [a for a in known.values() if a.functions() & words]
+    named = _named({name for a in known.values() for name in a.functions()}, files) if len(known) > 1 else set()
+    likely = [a for a in known.values() if a.functions() & named]
     if len(likely) == 1 and not invalid:
         return likely[0]
     broken = "".join(f"; {error}" for error in invalid.values())
     raise NoAssignment(f"cannot determine the assignment: give --assignment {' or '.join(sorted(known)) or 'SLUG'}{broken}")
 
 
-def _words(file: Path) -> set[str]:
-    with file.open("rb") as stream:
-        return set(re.findall(r"\w+", stream.read(MOST_BYTES).decode("utf-8", "replace")))
+def _named(functions: Iterable[str], files: Iterable[Path]) -> set[str]:
+    """Return those of the functions that the files name."""
+    pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, functions))})\b")
+    found: set[str] = set()
+    for file in files:
+        with file.open("rb") as stream:
+            found.update(pattern.findall(stream.read(DEFAULT_SIZES.upload).decode("utf-8", "replace")))
+    return found

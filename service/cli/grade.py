@@ -41,7 +41,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def count(text: str) -> int:
-    """Return a number of processes, for argparse."""
+    """Return a number of at least 1, for argparse."""
     if (number := int(text)) < 1:
         raise argparse.ArgumentTypeError(f"expected at least 1, got {text}")
     return number
@@ -62,20 +62,22 @@ def _grade(arguments: argparse.Namespace) -> int:
 
     settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the libraries are imported
-        isolation = executor.submit(choose, settings.min_isolation)
+        isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
         from exercises.assignment import InvalidAssignment, NoAssignment
         from service.cli.files import resolve_assignment
         from service.cli.output_dir import OutputDir
         from service.cli.progress import Progress
         from service.grading.batch import GradeOptions, GradeRequest, grade_files
         from service.grading.grade import UnknownExercise
+        from service.grading.submission import KIB, MIB, SizeLimits
         from service.sandbox.time_budget import TimeLimits
     try:
         files = find_files(arguments.files)
         assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
         limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
-        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits)
+        sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
+        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits, sizes)
         written = report_options.ReportFiles(arguments, files)
         asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
         folder = OutputDir(arguments.out, files) if arguments.out else None

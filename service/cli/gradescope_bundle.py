@@ -23,6 +23,8 @@ KEPT = ("entry_points.txt", "licenses/LICENSE")  # copied from the installed dis
 LOCK = "requirements.lock"
 HERE = Path(__file__).parent / "gradescope_zip"
 LEFT_OUT = ("__pycache__", "kit", "samples")
+SCRIPTS = ("setup.sh", "run_autograder")
+MARK = "{{ARGUMENTS}}"
 
 
 def own_wheel(*outside: Path) -> tuple[str, bytes]:
@@ -58,10 +60,6 @@ def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
 def _is_packaged(path: Path) -> bool:
     """Return False for a notebook that is not the students' own, which may contain solutions."""
     return path.suffix != ".ipynb" or path.name == "notebook.ipynb"
-
-
-SCRIPTS = ("setup.sh", "run_autograder")
-MARK = "{{ARGUMENTS}}"
 
 
 def bundle(assignment: Assignment, numbers: Sequence[str] | None) -> bytes:

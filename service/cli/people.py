@@ -3,10 +3,11 @@
 import argparse
 import getpass
 import os
+import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 from uuid import UUID
 
 from service.cli.database import database_url, report_errors, run_async
@@ -22,19 +23,27 @@ NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the commands."""
-    roster = commands.add_parser("roster", help="import people from a CSV file and give each a token to log in with")
+    roster = commands.add_parser("roster", help="import people from a CSV file, or list the people of the course in that format")
     roster.add_argument(
-        "file", type=Path, metavar="ROSTER.csv", help="CSV with a header: name; optional: role, full_name, email, student_id"
+        "file",
+        nargs="?",
+        type=Path,
+        metavar="ROSTER.csv",
+        help="CSV with a header: name; optional: role, full_name, email, student_id; default: list the people",
     )
     roster.add_argument(
-        "--tokens", type=Path, required=True, metavar="TOKENS.csv", help="new file for the tokens, readable only by you"
+        "--tokens",
+        type=Path,
+        metavar="TOKENS.csv",
+        help="also give each imported person a token to log in with, in this new file, readable only by you",
     )
-    roster.add_argument("--days", type=_days, default=DAYS, help=f"days until the tokens expire (default {DAYS:g})")
+    roster.add_argument("--days", type=_days, help=f"with --tokens: days until the tokens expire (default {DAYS:g})")
     roster.set_defaults(run=_roster)
     token = commands.add_parser("token", help="create, list and revoke tokens")
     kinds = token.add_subparsers(dest="kind", required=True)
     give = kinds.add_parser("give", help="create a token for a person and print it; it is shown only once")
     give.add_argument("name", help="user name")
+    give.add_argument("--new", action="store_true", help="add the person to the course as a student if they are not in it")
     give.add_argument("--days", type=_days, default=DAYS, help=f"days until it expires (default {DAYS:g})")
     give.add_argument(
         "--scope",
@@ -61,6 +70,25 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 @report_errors
 def _roster(arguments: argparse.Namespace) -> int:
+    if arguments.file is None and (arguments.tokens or arguments.days):
+        print("polhode: --tokens and --days apply to an import: give the file ROSTER.csv too", file=sys.stderr)
+        return 2
+    if arguments.days and not arguments.tokens:
+        print("polhode: --days applies to tokens: give the file --tokens TOKENS.csv too", file=sys.stderr)
+        return 2
+    return _list_people() if arguments.file is None else _import_roster(arguments)
+
+
+def _list_people() -> int:
+    from service.store.course import people
+
+    with database_url(Settings()) as url:
+        rows = run_async(url, people.everybody)
+    print(table(people.ROSTER, ([getattr(row, column) for column in people.ROSTER] for row in rows), end="\n"), end="")
+    return 0
+
+
+def _import_roster(arguments: argparse.Namespace) -> int:
     from service.store.course import audit, people, tokens
 
     try:
@@ -69,20 +97,30 @@ def _roster(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
-    async def import_roster(database: "Database") -> None:
-        """Import the roster in one transaction, which commits only after the token file is complete."""
-        terms = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": arguments.days * tokens.DAY_S}
+    async def import_roster(database: "Database", target: TextIO | None = None) -> None:
+        """Import the roster in one transaction, which commits only after the token file, if any, is complete."""
+        names, seconds = [entry.name for entry in roster], (arguments.days or DAYS) * tokens.DAY_S
+        rows: list[tuple[str, str]] = []
         async with database.begin() as connection:
             await people.enroll(connection, roster)
-            rows = await tokens.create_all(connection, [entry.name for entry in roster], **terms)
-            await audit.record(connection, getpass.getuser(), "roster", arguments.file.name, {"people": len(roster)})
-            target.write(table(("name", "token"), rows))
-            target.flush()
+            if target:
+                label = "issued with the roster"
+                rows = await tokens.create_all(connection, names, label=label, scopes=tokens.SCOPES, seconds=seconds)
+            about = {"people": len(roster), "tokens": len(rows)}
+            await audit.record(connection, getpass.getuser(), "roster", arguments.file.name, about)
+            if target:
+                target.write(table(("name", "token"), rows))
+                target.flush()
 
+    if arguments.tokens is None:
+        with database_url(Settings()) as url:
+            run_async(url, import_roster)
+        print(f"imported {len(roster)} people, without tokens")
+        return 0
     with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:
         try:
             with database_url(Settings()) as url:
-                run_async(url, import_roster)
+                run_async(url, lambda database: import_roster(database, target))
         except BaseException:
             arguments.tokens.unlink()
             raise
@@ -100,14 +138,24 @@ def _give(arguments: argparse.Namespace) -> int:
         print(f"polhode: {error}", file=sys.stderr)
         return 2
 
-    async def create(database: "Database") -> str:
+    async def create(database: "Database") -> str | None:
         seconds, scopes = arguments.days * tokens.DAY_S, arguments.scope or tokens.SCOPES
         async with database.begin() as connection:
+            if not arguments.new and not await people.is_member(connection, name):
+                return None
             await audit.record(connection, getpass.getuser(), "give token", name, {"scopes": list(scopes)})
             return await tokens.create(connection, name, label=arguments.label, scopes=scopes, seconds=seconds)
 
     with database_url(Settings()) as url:
-        print(run_async(url, create))
+        token = run_async(url, create)
+    if token is None:
+        print(
+            f"polhode: no person named {name}: import a roster with polhode roster, or add this person with "
+            f"polhode token give --new {shlex.quote(name)}",
+            file=sys.stderr,
+        )
+        return 2
+    print(token)
     return 0
 
 
@@ -174,7 +222,7 @@ def _password(arguments: argparse.Namespace) -> int:
     with database_url(Settings()) as url:
         known = run_async(url, store)
     if not known:
-        print(f"polhode: no person named {name}: add people with polhode roster or polhode token give", file=sys.stderr)
+        print(f"polhode: no person named {name}: add people with polhode roster or polhode token give --new", file=sys.stderr)
         return 1
     print(f"the password of {name} is set; all browser sessions of {name} are logged out")
     return 0

@@ -14,6 +14,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     plan.add_argument(
         "--p99", type=float, metavar="SECONDS", help="find the number of workers that keeps 99 of 100 waits below this"
     )
+    plan.add_argument("--notebook", action="store_true", help="students submit whole notebooks; default: one exercise")
     plan.add_argument("--submissions", type=int, default=3, metavar="K", help="submissions per student (default 3)")
     plan.add_argument(
         "--rush", action="store_true", help="submissions per minute grow linearly towards the deadline; default: constant"
@@ -23,14 +24,15 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _plan(arguments: argparse.Namespace) -> int:
-    from service.cli.simulate_queue import Deadline, simulate, table, workers_needed
+    from service.cli.simulate_queue import Deadline, measured, simulate, table, workers_needed
 
     given = {name: getattr(arguments, name) for name in ("students", "minutes", "submissions", "rush", "seed")}
     if arguments.workers is None and arguments.p99 is None:
         print("polhode: nothing to simulate: give --workers, --p99 or both", file=sys.stderr)
         return 2
     try:
-        deadline = Deadline(workers=1 if arguments.workers is None else arguments.workers, **given)
+        seconds = measured("notebook" if arguments.notebook else "exercise")
+        deadline = Deadline(workers=1 if arguments.workers is None else arguments.workers, seconds=seconds, **given)
         if arguments.workers is not None:
             print(table(simulate(deadline)))
         if arguments.p99 is not None:

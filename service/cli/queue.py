@@ -4,8 +4,8 @@ import argparse
 import getpass
 import sys
 import time
-from datetime import datetime
-from typing import TYPE_CHECKING, TypeVar
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 from uuid import UUID
 
 from service.cli.database import database_url, report_errors, run_async
@@ -14,8 +14,8 @@ from service.settings import Settings
 if TYPE_CHECKING:
     from service.store.queue_overview import QueueSnapshot
 
-T = TypeVar("T")
 EVERY_S = 1.0
+NONE, RULES = "none", ("due_at", "grace_s", "submission_limit")
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -28,17 +28,25 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     regrade.add_argument("--faults", action="store_true", help="select all submissions without a report because of a system fault")
     regrade.add_argument("--all", action="store_true", help="select all submissions that are not being graded")
     regrade.set_defaults(run=_regrade)
-    assign = commands.add_parser("assign", help="set deadline, grace period and submission limit; options not given are reset")
+    assign = commands.add_parser(
+        "assign",
+        help="set or show deadline, grace period and submission limit; options not given stay unchanged",
+        argument_default=argparse.SUPPRESS,  # distinguishes an option that is not given from one that removes a limit
+    )
     assign.add_argument("slug", help="slug of the assignment")
-    assign.add_argument("--due", type=_moment, help="deadline, such as 2026-12-01T12:00+01:00; default: none")
+    assign.add_argument(
+        "--due", dest="due_at", type=_moment, metavar="TIME", help="deadline, such as 2026-12-01T12:00+01:00; none: no deadline"
+    )
     assign.add_argument(
         "--grace",
+        dest="grace_s",
         type=_seconds,
-        default=0.0,
         metavar="SECONDS",
-        help="accept submissions this long after the deadline, marked late (default 0)",
+        help="accept submissions this long after the deadline, marked late; 0: no grace period",
     )
-    assign.add_argument("--most", type=_count, metavar="N", help="submissions per student; default: unlimited")
+    assign.add_argument(
+        "--most", dest="submission_limit", type=_count, metavar="N", help="submissions per student; none: unlimited"
+    )
     assign.set_defaults(run=_assign)
 
 
@@ -94,26 +102,29 @@ def _regrade(arguments: argparse.Namespace) -> int:
 
 @report_errors
 def _assign(arguments: argparse.Namespace) -> int:
-    from service.store.queue_overview import Rules, set_rules
+    from service.store.queue_overview import change_rules
 
+    changes = {name: value for name, value in vars(arguments).items() if name in RULES}
     with database_url(Settings()) as url:
-        rules = Rules(arguments.due, arguments.grace, arguments.most)
-        known = run_async(url, lambda database: set_rules(database, arguments.slug, rules, getpass.getuser()))
-    if not known:
+        rules = run_async(url, lambda database: change_rules(database, arguments.slug, changes, getpass.getuser()))
+    if rules is None:
         print(
             f"polhode: the database has no assignment {arguments.slug}: polhode assignments lists the known ones", file=sys.stderr
         )
         return 2
-    due = f"due {arguments.due.isoformat()}, grace period {arguments.grace:g} s" if arguments.due else "no deadline"
-    print(f"{arguments.slug}: {due}, {arguments.most or 'unlimited'} submissions per student")
+    due = f"due {rules.due_at.astimezone(UTC).isoformat()}" if rules.due_at else "no deadline"
+    limit = rules.submission_limit or "unlimited"
+    print(f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student")
     return 0
 
 
-def _moment(text: str) -> datetime:
+def _moment(text: str) -> datetime | None:
+    if text == NONE:
+        return None
     try:
         moment = datetime.fromisoformat(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"expected a time such as 2026-12-01T12:00+01:00, got {text}") from None
+        raise argparse.ArgumentTypeError(f"expected a time such as 2026-12-01T12:00+01:00, or none, got {text}") from None
     if moment.tzinfo is None:
         raise argparse.ArgumentTypeError(f"{text} has no time zone: append one such as +01:00 or Z")
     if not 2000 <= moment.year < 3000:
@@ -127,7 +138,9 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _count(text: str) -> int:
+def _count(text: str) -> int | None:
+    if text == NONE:
+        return None
     if not 1 <= (count := int(text)) <= 10**6:
-        raise argparse.ArgumentTypeError(f"expected a number from 1 to 1000000, got {text}")
+        raise argparse.ArgumentTypeError(f"expected a number from 1 to 1000000, or none, got {text}")
     return count

@@ -36,11 +36,9 @@ def add(grade: argparse.ArgumentParser) -> None:
     grade.add_argument("--junit", type=Path, metavar="FILE", help="write the reports as JUnit XML")
     grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
     grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write Gradescope's results.json (for one file only)")
+    grade.add_argument("--hidden", choices=VISIBILITIES, help="with --gradescope: visibility of hidden checks (default visible)")
     grade.add_argument(
-        "--hidden", choices=VISIBILITIES, default="visible", help="Gradescope visibility of hidden checks (default visible)"
-    )
-    grade.add_argument(
-        "--max-score", type=_positive, metavar="N", help="Gradescope points of all checks together; default: one per check"
+        "--max-score", type=_positive, metavar="N", help="with --gradescope: points of all checks together; default: one per check"
     )
     grade.add_argument(
         "--classroom50", type=Path, metavar="FILE", help="write Classroom 50's result.json (for one file, in its runner)"
@@ -75,6 +73,8 @@ class ReportFiles:
 
     def __init__(self, arguments: argparse.Namespace, files: Sequence[Path]) -> None:
         self._arguments, self._about = arguments, None
+        if not arguments.gradescope and (arguments.hidden or arguments.max_score):
+            raise InvalidOutputOption("--hidden and --max-score apply to Gradescope's results: give --gradescope FILE too")
         for form in ("gradescope", "classroom50"):
             if getattr(arguments, form) and len(files) != 1:
                 raise InvalidOutputOption(f"--{form} takes one file, got {len(files)}")
@@ -111,7 +111,9 @@ class ReportFiles:
             checks = [check.id for check in assignment.checks()]
             found.append((arguments.csv, grades.assignment_csv(rows(graded, assignment), checks)))
         if arguments.gradescope:
-            results = gradescope.document(graded[0], assignment, max_score=arguments.max_score, hidden=arguments.hidden)
+            results = gradescope.document(
+                graded[0], assignment, max_score=arguments.max_score, hidden=arguments.hidden or "visible"
+            )
             found.append((arguments.gradescope, json.dumps(results, indent=1)))
         if self._about:
             document = classroom50.document(graded[0], assignment, self._about)

@@ -1,8 +1,11 @@
 """Run the server: the HTTP application, the workers, and an embedded database unless another one is set."""
 
+import asyncio
+import contextlib
 import signal
 import socket
 import sys
+import time
 from collections.abc import Callable
 from types import FrameType
 
@@ -11,14 +14,17 @@ from fastapi import FastAPI
 from sqlalchemy.exc import DBAPIError
 
 from service import logs
+from service.api.health import WorkerStatus
 from service.app import create_app
 from service.auth import oidc
 from service.settings import Settings
-from service.store.database import WrongSchema
+from service.store.database import WrongSchema, is_outage
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
 
 CLOSE_S = 2  # seconds that a stopping server leaves to open responses, such as event streams
+POLL_S, WORKERS_S = 0.2, 30.0  # how often the start looks for workers, and when it reports that there are none
+NO_WORKER = "no worker is running, so submissions wait: start one with polhode worker"
 
 
 def serve(settings: Settings) -> int:
@@ -33,7 +39,8 @@ def serve(settings: Settings) -> int:
         listening = open_socket(settings)
         supervisor = Supervisor(settings)
         supervisor.begin()
-        server = http_server(settings.model_copy(update={"database_url": supervisor.url}), supervisor.find_loss)
+        settings = settings.model_copy(update={"database_url": supervisor.url})
+        server = http_server(settings, supervisor.find_loss, announce=True)
         server.run(sockets=[listening])
         return 0 if server.started else 2
     except (oidc.NotInstalled, DatabaseUnavailable, WrongSchema, DBAPIError, OSError) as error:
@@ -46,22 +53,75 @@ def serve(settings: Settings) -> int:
             supervisor.stop()
 
 
-def http_server(settings: Settings, find_loss: Callable[[], str | None] = lambda: None) -> uvicorn.Server:
-    """Return the HTTP server of the application, to run on a socket of ``open_socket``. ``settings.database_url``
-    must be set; for ``find_loss`` see ``create_app``.
+def http_server(
+    settings: Settings, find_loss: Callable[[], str | None] = lambda: None, *, announce: bool = False
+) -> uvicorn.Server:
+    """Return the HTTP server of the application, to run on a socket of ``open_socket``.
+
+    ``settings.database_url`` must be set; for ``find_loss`` see ``create_app``. With ``announce`` the server
+    prints where it listens and, once a worker has reported it, the isolation level.
     """
     app = create_app(settings, find_loss)
-    return _Server(uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S))
+    config = uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S)
+    return _Server(config, announce=announce)
 
 
 class _Server(uvicorn.Server):
     """A uvicorn server that notifies waiting requests before it closes their connections."""
+
+    def __init__(self, config: uvicorn.Config, *, announce: bool) -> None:
+        super().__init__(config)
+        self._announce = announce
+        self._announcement: asyncio.Task[None] | None = None
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started and self._announce:
+            assert isinstance(self.config.app, FastAPI)
+            _print(f"listening on {', '.join(map(_address, sockets or []))}")
+            self._announcement = asyncio.create_task(_announce_isolation(self.config.app.state.worker_status))
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        if self._announcement is not None:
+            self._announcement.cancel()
+        await super().shutdown(sockets)
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         assert isinstance(self.config.app, FastAPI)
         if (listener := getattr(self.config.app.state, "listener", None)) is not None:
             listener.leave()
         super().handle_exit(sig, frame)
+
+
+async def _announce_isolation(status: WorkerStatus) -> None:
+    """Print the isolation level as soon as a worker has reported it; until then, why nothing is graded."""
+    began, printed, isolation = time.monotonic(), "", None
+    while isolation is None:
+        reason = None
+        try:
+            isolation, reason = await status.current()
+        except Exception as error:
+            if not is_outage(error):
+                raise
+        late = time.monotonic() - began > WORKERS_S
+        sentence = f"submissions are not accepted: {reason}" if reason else NO_WORKER if late else printed
+        if isolation is not None:
+            sentence = f"workers grade at isolation level {isolation}"
+        if sentence != printed:
+            _print(sentence)
+            printed = sentence
+        await asyncio.sleep(POLL_S)
+
+
+def _print(sentence: str) -> None:
+    with contextlib.suppress(OSError):  # a full disk or a closed pipe must not stop the server
+        print(f"polhode: {sentence}", flush=True)
+
+
+def _address(listening: socket.socket) -> str:
+    """Return the URL of a listening socket."""
+    host, port = listening.getsockname()[:2]
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
 
 def open_socket(settings: Settings) -> socket.socket:

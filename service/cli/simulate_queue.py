@@ -26,8 +26,9 @@ QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 
 @dataclass(frozen=True)
 class Deadline:
-    """The parameters of a simulation; ``seconds`` are the grading times to draw from. Raises ValueError listing
-    all values that are out of range.
+    """The parameters of a simulation; ``seconds`` are the grading times to draw from, by default those of one exercise.
+
+    Raises ValueError listing all values that are out of range.
     """
 
     students: int
@@ -36,7 +37,7 @@ class Deadline:
     submissions: int = 3
     rush: bool = False
     seed: int = 0
-    seconds: tuple[float, ...] = field(default_factory=lambda: tuple(json.loads(MEASURED.read_text())["seconds"]), repr=False)
+    seconds: tuple[float, ...] = field(default_factory=lambda: measured("exercise"), repr=False)
 
     def __post_init__(self) -> None:
         if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
@@ -44,6 +45,11 @@ class Deadline:
             raise ValueError(f"{', '.join(others)}{' and ' if others else ''}{last} must be more than 0")
         if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
             raise ValueError(f"the simulation is too large: at most {MOST} submissions and {YEAR_MIN} minutes")
+
+
+def measured(kind: str) -> tuple[float, ...]:
+    """Return the measured grading times (s) of ``kind``: "exercise" (one exercise) or "notebook" (a whole notebook)."""
+    return tuple(json.loads(MEASURED.read_text())[kind]["seconds"])
 
 
 @dataclass(frozen=True)

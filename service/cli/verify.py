@@ -40,8 +40,9 @@ def _verify(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable, choose
     from service.settings import Settings
 
+    settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the assignments are imported
-        isolation = executor.submit(choose, Settings().min_isolation)
+        isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
         from exercises import validation
         from exercises.assignment import InvalidAssignment
         from exercises.samples import load_samples
@@ -74,7 +75,8 @@ def _select(names: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     from exercises.catalogue import find, load_catalogue
 
     if not names:
-        return list(load_catalogue().valid.values()), [str(error) for error in load_catalogue().invalid.values()]
+        known, broken = load_catalogue()
+        return list(known.values()), [str(error) for error in broken.values()]
     selected, invalid = [], []
     for name in names:
         slugs = _slugs(name)

@@ -8,6 +8,9 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # of the zip format
+MOST_BYTES = 80
+DEVICES = {"con", "prn", "aux", "nul", *(f"{device}{n}" for device in ("com", "lpt") for n in "0123456789¹²³")}
+_UNSAFE = re.compile(r"[^\w.@+-]+|_{2,}")
 
 
 class ZipStream:
@@ -57,11 +60,6 @@ class _Buffer(io.RawIOBase):
     def take(self) -> bytes:
         taken, self._parts = b"".join(self._parts), []
         return taken
-
-
-MOST_BYTES = 80
-DEVICES = {"con", "prn", "aux", "nul", *(f"{device}{n}" for device in ("com", "lpt") for n in "0123456789¹²³")}
-_UNSAFE = re.compile(r"[^\w.@+-]+|_{2,}")
 
 
 def safe_filename(text: str, default: str = "file") -> str:

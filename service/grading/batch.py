@@ -1,8 +1,10 @@
 """Grading files without a server, in parallel processes with one sandbox each."""
 
+import json
 import logging
 import multiprocessing
 import os
+import re
 import signal
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -15,10 +17,11 @@ from ecp.outcome import SweepResult
 from exercises import validation
 from exercises.assignment import Assignment
 from service.grading import charts, rendering
-from service.grading.grade import Graded, grade, missing_packages, select
+from service.grading.grade import Graded, UnknownExercise, grade, missing_packages, select
 from service.grading.grader import SweepFailed, sweep
+from service.grading.json_submission import ParsedSubmission, read_json
 from service.grading.result import GradedFile
-from service.grading.submission import MOST_BYTES, BadSubmission, Submission
+from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
 from service.sandbox.guest.lockdown import die_with_parent
 from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
@@ -28,11 +31,13 @@ from service.sandbox.time_budget import DEFAULT_LIMITS, TimeLimits
 
 log = logging.getLogger(__name__)
 OnProgress = Callable[[int], None]
+LONG = 1000
+_STRING = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"')  # a JSON string
 
 
 @dataclass(frozen=True)
 class GradeRequest:
-    """A file to grade and the numbers of its exercises (None: the exercises that it attempts)."""
+    """A file to grade and the numbers of its exercises (None: the exercises that it requests or attempts)."""
 
     file: Path
     exercises: tuple[str, ...] | None = None
@@ -40,8 +45,8 @@ class GradeRequest:
 
 @dataclass(frozen=True)
 class GradeOptions:
-    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, and the time
-    ``limits`` of each grading.
+    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, the time
+    ``limits`` of each grading, and the size limits of each file.
     """
 
     assignment: Assignment
@@ -49,6 +54,7 @@ class GradeOptions:
     formats: Collection[str] = ()
     sweep: bool = False
     limits: TimeLimits = DEFAULT_LIMITS
+    sizes: SizeLimits = DEFAULT_SIZES
 
 
 def grade_files(
@@ -69,15 +75,16 @@ def grade_files(
     if absent := missing_packages(options.assignment):
         raise SystemFault(absent)
     isolation = with_packages(isolation, options.assignment.packages)
-    contents = [_read(request.file) for request in requests]
+    for request in requests:
+        request.file.open("rb").close()
     processes = min(len(requests), jobs or len(os.sched_getaffinity(0)))
     if processes <= 1:
-        yield from _grade_in_process(requests, contents, options, isolation, on_progress)
+        yield from _grade_in_process(requests, options, isolation, on_progress)
         return
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _initialize, (options, isolation))
     try:
-        futures = [pool.submit(_grade, request, content) for request, content in zip(requests, contents, strict=True)]
+        futures = [pool.submit(_grade, request) for request in requests]
         yield from _in_order(requests, futures, on_progress)
     finally:
         for child in set(multiprocessing.active_children()) - others:
@@ -87,15 +94,14 @@ def grade_files(
 
 def _grade_in_process(
     requests: Sequence[GradeRequest],
-    contents: Sequence[bytes],
     options: GradeOptions,
     isolation: Isolation,
     on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
     grader = _FileGrader(options, isolation)
     try:
-        for number, (request, content) in enumerate(zip(requests, contents, strict=True), start=1):
-            graded = grader.grade(request, content)
+        for number, request in enumerate(requests, start=1):
+            graded = grader.grade(request)
             on_progress(number)
             yield graded
     finally:
@@ -127,18 +133,22 @@ class _FileGrader:
         self.options, self.sandbox = options, Sandbox(isolation, options.limits)
         self.sandbox.start()
 
-    def grade(self, request: GradeRequest, content: bytes) -> GradedFile:
-        """Grade one file. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be graded."""
+    def grade(self, request: GradeRequest) -> GradedFile:
+        """Grade one file.
+
+        Raises OSError if it cannot be read. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be
+        graded.
+        """
         if not self.sandbox.self_tested:
             self.sandbox.self_test()
-        began = time.perf_counter()
+        began, options = time.perf_counter(), self.options
         try:
-            submission = Submission.from_bytes(content, request.file.name)
+            parsed, source = _read(request, options)
         except BadSubmission as reason:
             return GradedFile(file=request.file, refused=str(reason))
-        source, options = submission.source, self.options
+        submission, exercises = parsed.submission, parsed.exercises
         try:
-            graded = grade(submission, options.assignment, self.sandbox, options.seed, request.exercises)
+            graded = grade(submission, options.assignment, self.sandbox, options.seed, exercises)
             if options.sweep:
                 graded.report.sweep = _sweep(submission, options.assignment, self.sandbox)
             drawn = _draw(graded, options)
@@ -163,15 +173,37 @@ def _initialize(options: GradeOptions, isolation: Isolation) -> None:
     _grader = _FileGrader(options, isolation)
 
 
-def _grade(request: GradeRequest, content: bytes) -> GradedFile:
+def _grade(request: GradeRequest) -> GradedFile:
     assert _grader is not None
-    return _grader.grade(request, content)
+    return _grader.grade(request)
 
 
-def _read(file: Path) -> bytes:
-    """Return the file's bytes, or of a file that is too large just enough to detect that."""
-    with file.open("rb") as stream:
-        return stream.read(MOST_BYTES + 1)
+def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmission, str]:
+    """Return the submission and the text whose lines the report refers to, "" for a JSON document.
+
+    Raises BadSubmission, OSError.
+    """
+    sizes = options.sizes
+    with request.file.open("rb") as stream:
+        content = stream.read(sizes.upload + 1)  # one more byte than accepted reveals a file that is too large
+    if len(content) <= sizes.upload and request.file.suffix.lower() == ".json":
+        parsed = read_json(content, sizes)
+        try:
+            select(options.assignment, parsed.exercises)
+        except UnknownExercise as error:
+            raise BadSubmission(str(error)) from error
+        return parsed if request.exercises is None else ParsedSubmission(parsed.submission, list(request.exercises)), ""
+    submission = Submission.from_bytes(content, request.file.name, sizes)
+    text = content.decode("utf-8-sig")
+    exercises = None if request.exercises is None else list(request.exercises)
+    return ParsedSubmission(submission, exercises), submission.source if submission.source == text else _shortened(text)
+
+
+def _shortened(notebook: str) -> str:
+    """Return the notebook's text with its lines, but without long strings that are not code, such as pictures."""
+    sources = [cell["source"] for cell in json.loads(notebook)["cells"] if cell["cell_type"] == "code"]
+    code = {piece for source in sources for piece in ([source] if isinstance(source, str) else source)}
+    return _STRING.sub(lambda found: found[0] if len(found[0]) < LONG or json.loads(found[0]) in code else '""', notebook)
 
 
 def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> SweepResult:

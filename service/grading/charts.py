@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -37,6 +37,15 @@ SHOWN = {"error": "error of ω"}
 STYLES = ("-", "--", ":", "-.")
 EXACT_ERROR = 1.5e-15  # largest error of R over the 2100 bodies of tests/reference/truth.npz
 LEAST = 1e-17  # where a log axis shows zero
+LEAST_S = 1e-6  # shorter times are shown as this one
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+N = TypeVar("N", bound=_Named)
 
 
 def write_work_precision(names: list[str] | None, out: Path) -> Path:
@@ -46,11 +55,8 @@ def write_work_precision(names: list[str] | None, out: Path) -> Path:
     """
     from reference.work_precision import SCENES, measure, rows
 
-    chosen = [s for s in SCENES if names is None or any(n in s.name for n in names)]
-    if not chosen:
-        raise ValueError(f"no scene matches {', '.join(names or [])}; available: {', '.join(s.name for s in SCENES)}")
     found = []
-    for scene in chosen:
+    for scene in _named(SCENES, names):
         print(f"measuring {scene.name} …", flush=True)
         found += rows(measure([scene]))
     document = _write_document(out / "work-precision.json", points=found)
@@ -58,6 +64,14 @@ def write_work_precision(names: list[str] | None, out: Path) -> Path:
     for number, name in enumerate(scenes(document)):
         (out / f"work-precision-{number}.svg").write_bytes(draw_work_precision(document, name))
     return out
+
+
+def _named(known: Sequence[N], names: list[str] | None) -> list[N]:
+    """Return the elements whose names contain one of ``names`` (None: all). Raises ValueError if there is none."""
+    chosen = [one for one in known if names is None or any(name in one.name for name in names)]
+    if not chosen:
+        raise ValueError(f"no scene matches {', '.join(names or [])}; available: {', '.join(one.name for one in known)}")
+    return chosen
 
 
 @functools.cache
@@ -133,9 +147,8 @@ def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *,
         style |= {"ms": 5, "lw": 0.5, "alpha": 0.5} if small else {"ms": 9, "lw": 1.6}
         by_calls.loglog([p.calls for p in points], errors, **style)
         if unit:
-            by_time.loglog(
-                [max(p.seconds, 1e-6) / unit for p in points], errors, label=f"{whose}, {method}" if whose else None, **style
-            )
+            times = [max(p.seconds, LEAST_S) / max(unit, LEAST_S) for p in points]
+            by_time.loglog(times, errors, label=f"{whose}, {method}" if whose else None, **style)
 
 
 def _error(point: dict[str, Any]) -> float | None:
@@ -171,12 +184,15 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def write_stability(out: Path) -> Path:
-    """Measure every entry of the atlas and write stability.json, a CSV and an SVG per entry."""
+def write_stability(names: list[str] | None, out: Path) -> Path:
+    """Measure the atlas entries whose names contain one of ``names`` (None: all). Write stability.json, a CSV and an SVG per entry.
+
+    Raises ValueError if no entry matches.
+    """
     from reference.stability_atlas import ATLAS
 
     entries = []
-    for entry in ATLAS:
+    for entry in _named(ATLAS, names):
         print(f"measuring: {entry.name} …", flush=True)
         rows = entry.measure()
         entries.append({"name": entry.name, "claim": entry.claim, "holds": entry.holds(rows), "rows": rows})

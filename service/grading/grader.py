@@ -2,6 +2,7 @@
 
 import atexit
 import json
+import math
 import time
 from collections import Counter
 from collections.abc import Sequence
@@ -22,6 +23,8 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 
+MOST_CALLS, MOST_SECONDS = 10**9, 1e6  # of one solver in a sweep; assignments allow less
+
 
 class SweepFailed(Exception):
     """Speed against accuracy could not be measured. The message is for the student."""
@@ -33,17 +36,31 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
         raise SweepFailed(f"assignment {assignment.slug} does not measure speed against accuracy")
     scene = assignment.sweep.scene
     assert not callable(scene.inputs)
+    began = time.monotonic()
     result = sandbox.play(
         job_of(submission, assignment, [scene], {scene.name: scene.inputs}),
         budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s)),
     )
+    elapsed = time.monotonic() - began
     if not result.finished(scene.name):
         scene_end = result.scene_ends.get(scene.name)
         raise SweepFailed(scene_end.sentence if scene_end else "your code stopped before the measurement")
+    exact = truth(scene, scene.inputs)
     try:
-        return assignment.sweep.read(result.arrays[scene.name], truth(scene, scene.inputs))
+        swept = assignment.sweep.read(result.arrays[scene.name], exact)
     except (ArithmeticError, ValueError) as error:
         raise SweepFailed(f"the results cannot be compared with the exact motion ({error})") from error
+    if not plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:
+        raise SweepFailed("the measurement returned impossible numbers of calls or seconds: submit your functions alone")
+    return swept
+
+
+def plausible(swept: SweepResult) -> bool:
+    """Return whether every number of a sweep is finite and in its range, so that it can be drawn."""
+    return all(
+        1 <= p.calls <= MOST_CALLS and 0 <= p.seconds <= MOST_SECONDS and (p.error is None or 0 <= p.error < math.inf)
+        for p in swept.points
+    )
 
 
 _sandbox: Sandbox | None = None
@@ -118,9 +135,10 @@ def draw_chart(kind: str, number: int) -> bytes:
 
 def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
     """Draw the sweeps of a class, as ``sweep_one`` returned them, with the reference methods. Uses the most frequent scene only."""
-    found = [read(SweepResult, one) for one in documents]
-    scene = Counter(swept.scene for swept in found).most_common(1)[0][0]
-    return charts.draw_class(charts.load_work_precision(), scene, [s.points for s in found if s.scene == scene])
+    found = [swept for swept in (read(SweepResult, one) for one in documents) if plausible(swept)]
+    measured = charts.load_work_precision()
+    scene = Counter([swept.scene for swept in found] or charts.scenes(measured)).most_common(1)[0][0]
+    return charts.draw_class(measured, scene, [s.points for s in found if s.scene == scene])
 
 
 def _assignment(slug: str) -> Assignment:

@@ -8,6 +8,11 @@ from ecp.judge import Verdict
 from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 
+MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
+"""The states of a check and their marks."""
+WORDS = {"pass": "passed", "fail": "failed", "timeout": "timed out", "error": "stopped by an error", "unmeasured": "not measured"}
+NOT_STOPPED = (Ended.FINISHED, Ended.NOT_PLAYED, Ended.MISSING)
+
 
 @dataclass(frozen=True, kw_only=True)
 class GradedFile:
@@ -51,12 +56,6 @@ def summary(files: Sequence[GradedFile]) -> str:
     refused, faults = sum(file.refused is not None for file in files), sum(file.fault is not None for file in files)
     kinds = {"all ✓": passed, "not all ✓": len(files) - passed - refused - faults, "no submission": refused, "not graded": faults}
     return f"{len(files)} file{'s' * (len(files) != 1)}: " + ", ".join(f"{n} {kind}" for kind, n in kinds.items() if n)
-
-
-MARKS = {"pass": "✓", "fail": "✗", "timeout": "⏱", "error": "!", "unmeasured": "–"}
-"""The states of a check and their marks."""
-WORDS = {"pass": "passed", "fail": "failed", "timeout": "timed out", "error": "stopped by an error", "unmeasured": "not measured"}
-NOT_STOPPED = (Ended.FINISHED, Ended.NOT_PLAYED, Ended.MISSING)
 
 
 def state(outcome: Outcome, scene_ends: Iterable[SceneEnd]) -> str:

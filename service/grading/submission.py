@@ -2,41 +2,69 @@
 
 import hashlib
 import json
+import math
 import re
 from dataclasses import dataclass
 from pathlib import PurePath
 
+from ecp.notebook.outputs import strip_outputs
 from ecp.outcome import SceneEnd
 from service.sandbox.job import Cell
 
-MOST_BYTES = 256 * 1024
+KIB, MIB = 2**10, 2**20
 MOST_CELLS = 500
 MOST_NAME = 120
+NOT_A_NOTEBOOK = "this file is named .ipynb but is not a Jupyter notebook (format 4)"
 
 
 class BadSubmission(ValueError):
-    """The file is no valid submission. The message is for the student."""
+    """The file is no valid submission. The message is for the student.
+
+    ``pointer`` is the JSON pointer (RFC 6901) to the offending part of a request.
+    """
+
+    def __init__(self, sentence: str, pointer: str = "/source") -> None:
+        super().__init__(sentence)
+        self.pointer = pointer
+
+
+class TooLarge(BadSubmission):
+    """The file exceeds a size limit."""
+
+
+@dataclass(frozen=True)
+class SizeLimits:
+    """The most bytes of an uploaded file, and of the source that remains without a notebook's outputs."""
+
+    upload: int = 20 * MIB
+    source: int = 256 * KIB
+
+
+DEFAULT_SIZES = SizeLimits()
 
 
 @dataclass(frozen=True)
 class Submission:
-    """Source text and its file name. A name that ends in .ipynb means a notebook."""
+    """Source text and its file name. A name that ends in .ipynb means a notebook, which is kept without outputs."""
 
     source: str
     filename: str = "submission.py"
 
     @classmethod
-    def from_bytes(cls, data: bytes, filename: str) -> "Submission":
-        """Read an uploaded file. Raises BadSubmission if it is too large, not text, empty, or named like a notebook but not one."""
-        if len(data) > MOST_BYTES:
-            raise BadSubmission(f"the submission is too large: at most {MOST_BYTES} bytes are accepted")
+    def from_bytes(cls, data: bytes, filename: str, limits: SizeLimits = DEFAULT_SIZES) -> "Submission":
+        """Read an uploaded file.
+
+        Raises TooLarge, and BadSubmission if the file is not text, empty, or named like a notebook but not one.
+        """
+        if len(data) > limits.upload:
+            raise TooLarge(upload_too_large(limits))
         try:
             source = data.decode("utf-8-sig")
         except UnicodeDecodeError:
             raise BadSubmission(f"{filename} is not a text file (UTF-8): save it as UTF-8") from None
         if "\x00" in source:
             raise BadSubmission(f"{filename} is not a text file (it contains zero bytes): save it as UTF-8")
-        submission = cls(source, _name(filename))
+        submission = cls(_without_outputs(source, filename, limits), _name(filename))
         if len(submission.cells()) > MOST_CELLS:
             raise BadSubmission(f"{filename} has more than {MOST_CELLS} code cells: submit fewer cells")
         if not any(cell.source.strip() for cell in submission.cells()):
@@ -50,9 +78,32 @@ class Submission:
 
     def cells(self) -> tuple[Cell, ...]:
         """Return the code cells of a notebook, or the whole file as one cell."""
-        if not self.filename.lower().endswith(".ipynb"):
+        if not _is_notebook(self.filename):
             return (Cell("submission.py", self.source),)
         return _notebook_cells(self.source)
+
+
+def upload_too_large(limits: SizeLimits) -> str:
+    """Return the message for a file that exceeds ``limits.upload``."""
+    remedy = "clear the outputs of the notebook (in Jupyter: Edit, Clear Outputs of All Cells), save it and submit it again"
+    return f"the submission is larger than {limits.upload / MIB:g} MiB: {remedy}"
+
+
+def _is_notebook(filename: str) -> bool:
+    return filename.lower().endswith(".ipynb")
+
+
+def _without_outputs(source: str, filename: str, limits: SizeLimits) -> str:
+    """Return the source, of a notebook without its outputs. Raises BadSubmission."""
+    try:
+        source = strip_outputs(source) if _is_notebook(filename) else source
+    except ValueError:
+        raise BadSubmission(NOT_A_NOTEBOOK) from None
+    if (size := len(source.encode())) > limits.source:
+        counted = "without outputs it" if _is_notebook(filename) else "it"
+        allowed = f"{counted} has {math.ceil(size / KIB)} KiB and at most {limits.source / KIB:g} KiB are accepted"
+        raise TooLarge(f"the submission is too large: {allowed}; remove data and pictures from the code and text, or submit less")
+    return source
 
 
 def _name(filename: str) -> str:
@@ -66,7 +117,7 @@ def _notebook_cells(source: str) -> tuple[Cell, ...]:
         notebook = json.loads(source)
         code = [_text(c["source"]) for c in notebook["cells"] if c["cell_type"] == "code"]
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise BadSubmission("this file is named .ipynb but is not a Jupyter notebook (format 4)") from None
+        raise BadSubmission(NOT_A_NOTEBOOK) from None
     return tuple(Cell(f"cell {number}", text) for number, text in enumerate(code, start=1))
 
 

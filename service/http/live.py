@@ -20,6 +20,9 @@ from service.store.runs import CHANNEL
 log = logging.getLogger(__name__)
 POLL_S = 2.0  # polling interval, because a notification may be lost with its connection
 POSITIONS_CACHED_S = 0.5
+EVERY_S = 1.0
+LONGEST_S = 3600.0
+T = TypeVar("T")
 
 
 class Listener:
@@ -105,11 +108,6 @@ class Listener:
         for events in self._waiting.values():
             for event in events:
                 event.set()
-
-
-T = TypeVar("T")
-EVERY_S = 1.0
-LONGEST_S = 3600.0
 
 
 class ChangeFeed(Generic[T]):

@@ -20,6 +20,8 @@ from service.store.records import recent
 
 router = APIRouter()
 LATEST = 100
+TOKEN_S = 200.0 * tokens.DAY_S
+MOST_PEOPLE = 5000
 
 
 @router.get("/", response_class=HTMLResponse)
@@ -35,10 +37,6 @@ async def index(request: Request, person: CurrentUser) -> Response:
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
-
-
-TOKEN_S = 200.0 * tokens.DAY_S
-MOST_PEOPLE = 5000
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

@@ -25,6 +25,8 @@ from service.store.regrades import BEST, EVERY, Regrade
 
 router = APIRouter()
 _feeds: weakref.WeakValueDictionary[UUID, ChangeFeed[Any]] = weakref.WeakValueDictionary()  # of open pages
+GROUPS = ("gains", "loses", "unchanged", "faults", "overtaken")
+MOST_CHANGED = 12
 
 
 async def _find(request: Request, id: str) -> Regrade:
@@ -135,10 +137,6 @@ def _feed(request: Request, id: UUID) -> ChangeFeed[Regrade | None]:
     if feed is None:
         feed = _feeds[id] = ChangeFeed(state.listener, lambda: regrades.find(state.database, id), lambda regrade: regrade)
     return feed
-
-
-GROUPS = ("gains", "loses", "unchanged", "faults", "overtaken")
-MOST_CHANGED = 12
 
 
 def diff(pairs: Sequence[Row[Any]], changes: Iterable[Row[Any]], labels: Mapping[str, str]) -> dict[str, Any]:

@@ -10,6 +10,9 @@ from service.grading.submission import BREAK, SourceLocation, Submission, source
 from service.sandbox.wire import text
 
 MOST_LINES = 2000
+MOST_WORK = 2e7  # upper bound of comparison steps, a few seconds
+CONTEXT = 3  # unchanged lines around a change
+SIGNS = {"same": " ", "gone": "−", "new": "+"}
 
 
 @dataclass(frozen=True)
@@ -79,12 +82,6 @@ def _marks(scene_ends: Iterable[SceneEnd]) -> dict[SourceLocation, list[Mark]]:
 
 def _last_marked(marks: Iterable[SourceLocation], cell: str) -> int:
     return max((place.line for place in marks if place.cell == cell), default=0)
-
-
-MOST_LINES = 2000
-MOST_WORK = 2e7  # upper bound of comparison steps, a few seconds
-CONTEXT = 3  # unchanged lines around a change
-SIGNS = {"same": " ", "gone": "−", "new": "+"}
 
 
 @dataclass(frozen=True)

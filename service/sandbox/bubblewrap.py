@@ -21,23 +21,28 @@ from service.sandbox.guest_files import (
     site_packages,
     standard_library,
 )
-from service.sandbox.isolation import ENVIRONMENT, LAYERS, Guest, Isolation
+from service.sandbox.isolation import ENVIRONMENT, LAYERS, Guest, Isolation, reason_to_stay_root
 
-GUEST_HOME, SCRATCH = "/polhode", "/polhode/scratch"  # not /tmp: the checkout itself may lie there
+GUEST_HOME = "/polhode"  # not /tmp: the checkout itself may lie there
+GUEST_CODE, SCRATCH = f"{GUEST_HOME}/code", f"{GUEST_HOME}/scratch"  # apart: Landlock's rules hold for all below a folder
 
 
-def namespace_isolation(program: str, layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Isolation:
+def namespace_isolation(
+    program: str, layers: Collection[str] = LAYERS, more: Collection[str] = (), allow_root: bool = False
+) -> Isolation:
     """Return isolation by ``program``, the path of bwrap. The guest can also import the distributions ``more``.
 
     A zygote started as root keeps only the capabilities that it needs to change to an unprivileged user id.
     """
     binds = [*runtime(), *(site_packages() / name for name in packages(more))]
-    user = GUEST_UID if os.geteuid() == 0 else None
+    stays_root = reason_to_stay_root([*binds, GUEST, kit()])
+    user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     applied = [x for x in LAYERS if x in layers]
-    path, listable = [GUEST_HOME, str(site_packages())], [str(site_packages()), str(standard_library())]
-    guest = Guest(path, user, applied, [*map(str, binds), GUEST_HOME, *DEVICES], listable)
+    path, listable = [GUEST_CODE, str(site_packages())], [str(site_packages()), str(standard_library())]
+    guest = Guest(path, user, applied, [*map(str, binds), GUEST_CODE, *DEVICES], listable)
     around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
-    return Isolation("namespaces", ("bubblewrap", *applied), around, guest.command(interpreter()), {"PATH": "/usr/bin:/bin"})
+    command = guest.command(interpreter())
+    return Isolation("namespaces", ("bubblewrap", *applied), around, command, {"PATH": "/usr/bin:/bin"}, stays_root, allow_root)
 
 
 def _namespaces() -> list[str]:
@@ -49,13 +54,13 @@ def _namespaces() -> list[str]:
 
 
 def _files(binds: list[Path]) -> list[str]:
-    folders = {parent for path in binds for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME)}
+    folders = {parent for path in binds for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME), Path(GUEST_CODE)}
     args: list[str] = []
     for folder in sorted(folders):
         args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
     for path in binds:
         args += ["--ro-bind", os.path.realpath(path), str(path)]
-    args += ["--ro-bind", str(GUEST), f"{GUEST_HOME}/guest", "--ro-bind", str(kit()), f"{GUEST_HOME}/ecp"]
+    args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(kit()), f"{GUEST_CODE}/ecp"]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
     args += ["--perms", "0755", "--size", str(1 << 20), "--tmpfs", SCRATCH, "--perms", "0755", "--dir", f"{SCRATCH}/mpl"]

@@ -30,6 +30,11 @@ def interpreter() -> Path:
     return Path(os.path.realpath(sys._base_executable))  # type: ignore[attr-defined]
 
 
+def base_prefix() -> Path:
+    """Return the folder of the interpreter's installation."""
+    return Path(os.path.realpath(sys.base_prefix))
+
+
 def site_packages() -> Path:
     """Return the folder of installed packages."""
     return Path(sysconfig.get_path("purelib"))

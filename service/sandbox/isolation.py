@@ -1,14 +1,26 @@
 """Isolation of a guest: the command that starts it and the layers that its children apply, at one of two isolation levels."""
 
+import functools
 import json
 import os
+import subprocess
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
 from service.sandbox.guest.lockdown import GUEST_UID
-from service.sandbox.guest_files import DEVICES, GUEST, interpreter, kit, packages, runtime, site_packages, standard_library
+from service.sandbox.guest_files import (
+    DEVICES,
+    GUEST,
+    base_prefix,
+    interpreter,
+    kit,
+    packages,
+    runtime,
+    site_packages,
+    standard_library,
+)
 
 BOOT = """
 import json, sys
@@ -17,6 +29,19 @@ sys.path += settings.pop("path")
 from guest.zygote import main
 main(int(sys.argv[2]), **settings)
 """
+# Opens folders as root and runs the command with /proc/self/fd/N in place of their paths: see `process_isolation`.
+OPEN_FOLDERS = """
+import fcntl, json, os, re, sys
+folders, command = json.loads(sys.argv[1]), sys.argv[2:]
+for folder in sorted(folders, key=len, reverse=True):
+    number = fcntl.fcntl(os.open(folder, os.O_PATH | os.O_DIRECTORY), fcntl.F_DUPFD, 100)
+    whole = re.compile(r'(?<![^"])' + re.escape(folder) + r'(?=["/]|$)')
+    command = [whole.sub(f"/proc/self/fd/{number}", argument) for argument in command]
+os.execv(command[0], command)
+"""
+CHANGE_USER = f"import os; os.setgroups([]); os.setresgid(*[{GUEST_UID}] * 3); os.setresuid(*[{GUEST_UID}] * 3)"
+OWN_FOLDERS = Path("/proc/self/fd")
+TRY_S = 20.0
 Level = Literal["namespaces", "process"]
 LAYERS = ("landlock", "seccomp", "limits")  # applied by each child; bubblewrap adds namespaces around the zygote
 ENVIRONMENT = {
@@ -36,7 +61,8 @@ class Isolation:
     """The isolation of a guest: its ``level``, its ``layers``, and the command and environment that start it.
 
     The command is ``around`` followed by ``inside``, the interpreter's own command. The host appends the number of the zygote's
-    control socket.
+    control socket. ``stays_root`` says why the guest of a server that runs as root cannot change to an unprivileged user; such a
+    guest fails the self-test unless ``allow_root`` is set.
     """
 
     level: Level
@@ -44,11 +70,13 @@ class Isolation:
     around: tuple[str, ...]
     inside: tuple[str, ...]
     environment: Mapping[str, str]
+    stays_root: str = ""
+    allow_root: bool = False
 
     @property
     def name(self) -> str:
         """Return the level and its layers as reports show them."""
-        return f"{self.level}: {', '.join(self.layers) or 'no layers'}"
+        return f"{self.level}: {', '.join(self.layers) or 'no layers'}{' (the guest runs as root)' if self.stays_root else ''}"
 
     @property
     def command(self) -> tuple[str, ...]:
@@ -61,7 +89,7 @@ class Guest:
     """Settings of a zygote.
 
     ``path`` is its import path and ``user`` the user id that it changes to (None: unchanged). Its children apply ``layers``,
-    which let them read below ``readable`` and list below ``listable``.
+    which let them read below ``readable`` and list below ``listable``. They keep ``folders`` open.
     """
 
     path: Sequence[str]
@@ -69,34 +97,72 @@ class Guest:
     layers: Sequence[str]
     readable: Sequence[str]
     listable: Sequence[str]
+    folders: Sequence[str] = ()
 
     def command(self, interpreter: Path) -> tuple[str, ...]:
         """Return the command that starts the zygote with ``interpreter``."""
-        return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(asdict(self)))
+        return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(asdict(self), ensure_ascii=False))
 
 
-def process_isolation(layers: Collection[str] = LAYERS, more: Collection[str] = ()) -> Isolation:
+def process_isolation(layers: Collection[str] = LAYERS, more: Collection[str] = (), allow_root: bool = False) -> Isolation:
     """Return isolation without namespaces. The guest can also import the distributions ``more``.
 
-    Tests leave out ``layers`` to show what each one stops.
+    A guest started as root changes to an unprivileged user. If the interpreter or the packages lie below a folder closed to that
+    user, such as /root, root opens their own folders first and the guest finds its files through these descriptors: a child
+    imports most modules only when a submission needs them. Tests leave out ``layers`` to show what each one stops.
     """
     import matplotlib
 
-    path = [str(GUEST.parent), str(kit().parent), str(site_packages())]
-    readable = [*map(str, runtime()), *(str(site_packages() / name) for name in packages(more)), str(GUEST), str(kit()), *DEVICES]
-    applied = [x for x in LAYERS if x in layers]
-    user = GUEST_UID if os.geteuid() == 0 and all(map(_open_to_all, [*readable, *path])) else None
+    path = [GUEST.parent, kit().parent, site_packages()]
+    readable = [*runtime(), *(site_packages() / name for name in packages(more)), GUEST, kit(), *map(Path, DEVICES)]
+    folders = [folder for folder in dict.fromkeys((*path, base_prefix())) if not _reachable(folder)]
+    stays_root = reason_to_stay_root([*readable, *path]) or _reason_unreachable([*readable, *path], folders)
+    user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
+    opened = folders if user is not None else []
+    applied, listable = [x for x in LAYERS if x in layers], [*map(str, path), str(standard_library())]
+    guest = Guest([*map(str, path)], user, applied, [*map(str, readable)], listable, [*map(str, opened)])
+    around = (str(interpreter()), "-I", "-S", "-c", OPEN_FOLDERS, json.dumps(guest.folders)) if opened else ()
     environment = ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir(), "HOME": "/"}
-    return Isolation(
-        "process",
-        tuple(applied),
-        (),
-        Guest(path, user, applied, readable, [*path, str(standard_library())]).command(interpreter()),
-        environment,
-    )
+    return Isolation("process", tuple(applied), around, guest.command(interpreter()), environment, stays_root, allow_root)
 
 
-def _open_to_all(path: str) -> bool:
-    """Return whether every user of this machine may read ``path``."""
-    folders = all(parent.stat().st_mode & 0o001 for parent in Path(path).parents)
-    return folders and bool(Path(path).stat().st_mode & 0o004)
+def reason_to_stay_root(paths: Sequence[Path]) -> str:
+    """Return why a guest that root starts cannot be another user who reads ``paths``, apart from the folders above them.
+
+    Return an empty string if it can, and if this process does not run as root.
+    """
+    if os.geteuid() != 0:
+        return ""
+    if refused := _refused_to_change_user():
+        return refused
+    return next((f"{path} is closed to other users" for path in paths if path.name != "__pycache__" and not _open(path)), "")
+
+
+@functools.cache
+def _refused_to_change_user() -> str:
+    """Return why this machine does not let root become the guest's user, or an empty string if it does."""
+    command = [str(interpreter()), "-I", "-S", "-c", CHANGE_USER]
+    tried = subprocess.run(command, capture_output=True, text=True, timeout=TRY_S, check=False)
+    reason = tried.stderr.strip().rpartition("\n")[2]
+    return f"root may not change to user {GUEST_UID} here ({reason})" if tried.returncode != 0 else ""
+
+
+def _reason_unreachable(paths: Sequence[Path], folders: Sequence[Path]) -> str:
+    """Return why another user cannot reach one of ``paths`` if root opens ``folders`` for it, or an empty string."""
+    if os.geteuid() != 0:
+        return ""
+    if folders and not OWN_FOLDERS.is_dir():
+        return f"{folders[0]} lies below a folder closed to other users, and {OWN_FOLDERS} is missing"
+    return next((f"{path} lies below a folder closed to other users" for path in paths if not _reachable(path, folders)), "")
+
+
+def _open(path: Path) -> bool:
+    """Return whether every user of this machine may read ``path`` once they have reached it."""
+    needed = 0o005 if path.is_dir() else 0o004
+    return path.stat().st_mode & needed == needed
+
+
+def _reachable(path: Path, opened: Sequence[Path] = ()) -> bool:
+    """Return whether every user of this machine may reach ``path`` from the root folder or from one of the ``opened`` folders."""
+    ways = [path.parents, *(list(path.parents)[: len(path.relative_to(f).parts)] for f in opened if path.is_relative_to(f))]
+    return any(all(folder.stat().st_mode & 0o001 for folder in way) for way in ways)

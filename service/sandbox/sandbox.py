@@ -1,9 +1,11 @@
 """A sandbox: one warm guest that plays jobs, replaced after many plays, after an abnormal one, and when it is lost."""
 
+import logging
 import threading
 from collections.abc import Callable
 
 from ecp.outcome import Ended, SceneEnd
+from service.sandbox.identity import ROOT_ALLOWED, Identity
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, Cancelled, PlayResult, SystemFault
@@ -11,6 +13,7 @@ from service.sandbox.self_test_job import self_test_job
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import Zygote, ZygoteLost
 
+log = logging.getLogger(__name__)
 MOST_PLAYS = 1000  # of one zygote
 TRIES = 2
 
@@ -24,6 +27,7 @@ class Sandbox:
         self._plays = 0
         self.zygotes = 0  # started so far
         self.self_tested = False
+        self.identity: Identity | None = None  # what the guest of the self-test reported
         self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
 
     def start(self) -> None:
@@ -40,13 +44,24 @@ class Sandbox:
         self._zygote.wait_ready()
 
     def self_test(self) -> None:
-        """Run the self-test. Raises SystemFault if the sandbox cannot start or lets a forbidden operation succeed."""
+        """Run the self-test.
+
+        Raises SystemFault if the sandbox cannot start, if its guest has privileges, or if a forbidden operation succeeds.
+        """
+        self.wait_ready()
+        assert self._zygote is not None
+        self.identity = self._zygote.identity
         result = self.play(self_test_job())
         if result.stdout:
             raise SystemFault(f"the sandbox is not secure: a submission could {', '.join(result.stdout.splitlines())}")
         (scene_end,) = result.scene_ends.values()
         if scene_end.ended is not Ended.MISSING:
             raise SystemFault(f"the sandbox self-test did not finish: it ended as {scene_end.ended}")
+        assert self.identity is not None
+        if refusal := self.identity.refusal(self.isolation):
+            raise SystemFault(refusal)
+        if self.identity.is_root:
+            log.warning(ROOT_ALLOWED, self.isolation.stays_root)
         self.self_tested = True
 
     def play(self, job: Job, on_scene: Callable[[str], None] = lambda scene: None, budget: TimeBudget | None = None) -> PlayResult:

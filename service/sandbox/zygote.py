@@ -1,6 +1,7 @@
 """The host's side of a zygote: start it, send it one job at a time, kill it when it misbehaves."""
 
 import contextlib
+import json
 import math
 import os
 import signal
@@ -11,7 +12,8 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 
-from service.sandbox.guest.zygote import PLAY, REAPED
+from service.sandbox.guest.zygote import PLAY, READY, REAPED
+from service.sandbox.identity import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
 from service.sandbox.session import ChildExit, Pipes, PlaySession
@@ -37,6 +39,7 @@ class Zygote:
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
         self._ready = False
+        self.identity: Identity | None = None  # known once it is ready
         self._process = subprocess.Popen(
             [*command, str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
@@ -54,7 +57,9 @@ class Zygote:
             return
         self._control.settimeout(START_S)
         with contextlib.suppress(OSError):
-            self._ready = self._control.recv(5) == b"ready"
+            message = self._control.recv(4096)
+            self._ready = message.startswith(READY)
+            self.identity = Identity(**json.loads(message[len(READY) :])) if self._ready else None
         if not self._ready:
             self._log.seek(0)
             words = self._log.read(2000).decode(errors="replace").strip()

@@ -1,11 +1,11 @@
 """Show the queue to the staff, and regrade submissions immediately."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, text, update
+from sqlalchemy import Row, select, text, update
 
 from service.store import runs
 from service.store.course import audit
@@ -67,13 +67,24 @@ async def regrade(database: Database, which: Sequence[UUID] | str, actor: str, *
 
 async def set_rules(database: Database, slug: str, rules: Rules, actor: str) -> bool:
     """Set the rules of an assignment. Return False if the assignment does not exist."""
+    return await change_rules(database, slug, asdict(rules), actor) is not None
+
+
+async def change_rules(database: Database, slug: str, changes: Mapping[str, datetime | float | None], actor: str) -> Rules | None:
+    """Change the rules named in ``changes``, which are fields of Rules, and return all rules of the assignment.
+
+    Return None if the assignment does not exist.
+    """
+    columns, where = [assignment.c[field.name] for field in fields(Rules)], assignment.c.slug == slug
     async with database.begin() as connection:
-        changed = (await connection.execute(update(assignment).where(assignment.c.slug == slug).values(asdict(rules)))).rowcount
-        if not changed:
-            return False
-        detail = {name: str(value) for name, value in asdict(rules).items()}
-        await audit.record(connection, actor, "rules", slug, detail)
-    return True
+        if not changes:
+            row = (await connection.execute(select(*columns).where(where))).first()
+            return None if row is None else Rules(**row._mapping)
+        row = (await connection.execute(update(assignment).where(where).values(changes).returning(*columns))).first()
+        if row is None:
+            return None
+        await audit.record(connection, actor, "rules", slug, {name: str(value) for name, value in row._mapping.items()})
+    return Rules(**row._mapping)
 
 
 _WAITING = """

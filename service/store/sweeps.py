@@ -1,7 +1,12 @@
-"""Sweeps: speed against accuracy of a submission's own function, stored as artefacts."""
+"""Sweeps: speed against accuracy of a submission's own function, stored as artefacts of its grading.
+
+``sweep.json`` and ``sweep.svg`` are the result, ``sweep.refused`` is the sentence for a submission that cannot be measured,
+``sweep.run.N`` marks the begin of run N, and ``sweep.fault.N`` says why polhode failed in it.
+"""
 
 import json
 from collections.abc import Iterable
+from importlib import metadata
 from typing import Any
 from uuid import UUID
 
@@ -11,23 +16,59 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from service.store.course.gradebook import StudentRow
 from service.store.database import Database
 from service.store.queue import KINDS, STEP, send
+from service.store.records import artefact_statements
 
-SWEPT = "sweep.json"
+SWEPT, REFUSED = "sweep.json", "sweep.refused"
+MOST_RUNS = 3  # of one grading's sweep, lost ones included
 
 
-async def request(database: Database, grading: UUID) -> None:
-    """Queue a sweep of this grading's function unless one is queued.
+async def request(database: Database, grading: UUID) -> str | None:
+    """Queue a sweep of this grading's function unless one is queued or done. It goes before regrades, as a person waits for it.
 
-    It goes before regrades, as a person waits for it.
+    Return None, or why polhode failed to measure it: a request runs a failed sweep again only in another version of polhode.
     """
     async with database.begin() as connection:
-        await _queue_once(connection, grading, "interactive")
+        await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
+        stored = {row.name: row.content for row in (await connection.execute(_STORED, {"grading": grading})).all()}
+        if faults := sorted(name for name in stored if name not in (SWEPT, REFUSED)):
+            fault: dict[str, str] = json.loads(stored[faults[-1]])
+            if fault["version"] == metadata.version("polhode") or faults[-1] == LAST_FAULT:
+                return fault["reason"]
+        if SWEPT not in stored and REFUSED not in stored:
+            await _queue_once(connection, grading, "interactive")
+    return None
+
+
+async def begin(database: Database, grading: UUID) -> int | None:
+    """Record the begin of a run of this sweep and return its number from 1.
+
+    Return None after MOST_RUNS runs; record a fault if all of them were lost with their workers.
+    """
+    async with database.begin() as connection:
+        await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
+        number = (await connection.execute(_RUNS, {"grading": grading})).scalar_one() + 1
+        lost = fault(MOST_RUNS, f"{MOST_RUNS} runs failed or were lost with their workers")
+        begun = {f"sweep.run.{number}": b""} if number <= MOST_RUNS else lost
+        for statement in artefact_statements(grading, begun):
+            await connection.execute(statement)
+    return number if number <= MOST_RUNS else None
+
+
+def fault(number: int, reason: str) -> dict[str, bytes]:
+    """Return the artefact that says why polhode failed in run ``number`` of a sweep."""
+    return {f"sweep.fault.{number}": json.dumps({"reason": reason, "version": metadata.version("polhode")}).encode()}
+
+
+LAST_FAULT = f"sweep.fault.{MOST_RUNS}"
 
 
 async def request_class(database: Database, class_: Iterable[StudentRow]) -> int:
-    """Queue sweeps of all counted submissions without one, behind all other jobs, and return their number."""
+    """Queue sweeps of all counted submissions without one, behind all other jobs, and return their number.
+
+    Sweeps in which polhode failed are queued again, up to MOST_RUNS runs in all.
+    """
     gradings = _gradings(class_)
-    done = {row.grading_id for row in await database.rows(_DONE, {"gradings": gradings})}
+    done = {row.grading_id for row in await database.rows(_DONE, {"gradings": gradings, "last": LAST_FAULT})}
     async with database.begin() as connection:
         return sum([await _queue_once(connection, grading, "bulk") for grading in gradings if grading not in done])
 
@@ -35,8 +76,8 @@ async def request_class(database: Database, class_: Iterable[StudentRow]) -> int
 async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, int]:
     """Return how many counted submissions have a sweep, and how many gradable ones have none."""
     gradings = _gradings(class_)
-    rows = await database.rows(_DONE, {"gradings": gradings})
-    return sum(row.name == SWEPT for row in rows), len(gradings) - len(rows)
+    rows = await database.rows(_DONE, {"gradings": gradings, "last": LAST_FAULT})
+    return sum(row.name == SWEPT for row in rows), len(gradings) - len({row.grading_id for row in rows})
 
 
 async def documents(database: Database, class_: Iterable[StudentRow]) -> list[dict[str, Any]]:
@@ -65,8 +106,15 @@ SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo'
 
 _DONE = """
 SELECT grading_id, name FROM grading_artefact
-WHERE grading_id = ANY(CAST(:gradings AS uuid[])) AND name IN ('sweep.json', 'sweep.refused')
+WHERE grading_id = ANY(CAST(:gradings AS uuid[])) AND name IN ('sweep.json', 'sweep.refused', :last)
 """
+
+_STORED = text("""
+SELECT k.name, a.content FROM grading_artefact k JOIN artefact a USING (sha256)
+WHERE k.grading_id = :grading AND (k.name IN ('sweep.json', 'sweep.refused') OR k.name LIKE 'sweep.fault.%')
+""")
+
+_RUNS = text("SELECT count(*) FROM grading_artefact WHERE grading_id = :grading AND name LIKE 'sweep.run.%'")
 
 _CONTENTS = """
 SELECT a.content FROM grading_artefact k JOIN artefact a USING (sha256)

@@ -17,6 +17,9 @@ from service.settings import LEASE_S
 from service.store.database import Database
 from service.store.queue import send_grading
 
+log = logging.getLogger(__name__)
+JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
+
 
 async def register_worker(
     database: Database, worker: str, isolation: str | None, unavailable_reason: str | None, zygote_restarts: int = 0
@@ -38,10 +41,6 @@ INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts) VALUES
 ON CONFLICT (name) DO UPDATE
     SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts, seen_at = now()
 """)
-
-
-log = logging.getLogger(__name__)
-JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
 
 
 @dataclass

@@ -22,6 +22,7 @@ log = logging.getLogger(__name__)
 SHORT_LIFE_S, LONGEST_PAUSE_S = 3.0, 5.0
 STOPS = (signal.SIGTERM, signal.SIGINT)
 SETTLE_S = 5.0  # added to the drain time
+NICENESS = 10  # workers and guests yield to the web server and the database
 
 
 class WorkerPool:
@@ -36,6 +37,7 @@ class WorkerPool:
         """Keep all workers running until SIGTERM or SIGINT, then let them drain. Return the exit status."""
         for signal_number in STOPS:
             signal.signal(signal_number, self._stop)
+        os.nice(NICENESS)
         assignments()
         gc.freeze()  # keeps imported modules in shared pages
         workers = [_WorkerProcess(number) for number in range(self._settings.workers)]

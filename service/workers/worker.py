@@ -24,7 +24,7 @@ from service.sandbox.select import IsolationUnavailable, choose
 from service.sandbox.time_budget import TimeLimits
 from service.sandbox.wire import text
 from service.settings import Settings
-from service.store import runs, workers
+from service.store import runs, sweeps, workers
 from service.store.database import Database, WrongSchema, check_schema, is_outage, patiently
 from service.store.queue import QUEUE, new_app
 from service.store.records import store_artefacts
@@ -99,7 +99,7 @@ class Worker:
         """
         while not self._stopping.is_set():
             try:
-                isolation = await asyncio.to_thread(choose, self._settings.min_isolation)
+                isolation = await asyncio.to_thread(choose, self._settings.min_isolation, self._settings.allow_root_guest)
                 await self._call(grader.start, isolation, self._limits)
                 await self._call(grader.ready)
                 self._isolation = isolation.name
@@ -151,8 +151,7 @@ class Worker:
             await patiently(partial(runs.supersede, self._database, claimed), PATIENCE_S)
         except Exception as error:
             log.exception("grading failed")
-            note = text(str(error) if isinstance(error, SystemFault) else f"{type(error).__name__}: {error}", 400)
-            await patiently(partial(runs.release, self._database, claimed, "failed", note), PATIENCE_S)
+            await patiently(partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S)
         finally:
             heartbeats.cancel()
             grader.stop_playing(False)
@@ -161,13 +160,22 @@ class Worker:
     async def _sweep(self, attempt: str) -> None:
         """Run the job that measures speed against accuracy; ``attempt`` is the id of the grading."""
         job = await patiently(partial(runs.read_grading, self._database, uuid.UUID(attempt)), PATIENCE_S)
+        number = await patiently(partial(sweeps.begin, self._database, job.grading), PATIENCE_S)
+        if number is not None:
+            artefacts = await self._measure(job, number)
+            await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
+        await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
+
+    async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:
+        """Measure speed against accuracy in run ``number``. Return the artefacts of its result, or of its failure of any kind."""
         try:
             document, chart = await self._call(grader.sweep_one, job.submission, job.assignment)
-            artefacts = {"sweep.json": document.encode(), "sweep.svg": chart}
         except SweepFailed as reason:
-            artefacts = {"sweep.refused": str(reason).encode()}
-        await patiently(partial(store_artefacts, self._database, job.grading, artefacts), PATIENCE_S)
-        await patiently(partial(runs.notify, self._database, job.submission_id), PATIENCE_S)
+            return {sweeps.REFUSED: str(reason).encode()}
+        except Exception as error:
+            log.exception("measuring speed against accuracy failed")
+            return sweeps.fault(number, _reason(error))
+        return {sweeps.SWEPT: document.encode(), "sweep.svg": chart}
 
     def _set_progress(self, phase: str, scene: int, scenes: int) -> None:
         """Called in the grading thread."""
@@ -227,6 +235,11 @@ class Worker:
             await self._release("failed", sentence)
             os._exit(1)
         return work.result()
+
+
+def _reason(error: Exception) -> str:
+    """Return why polhode failed, as it is stored."""
+    return text(str(error) if isinstance(error, SystemFault) else f"{type(error).__name__}: {error}", 400)
 
 
 @contextlib.contextmanager

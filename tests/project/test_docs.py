@@ -8,7 +8,7 @@ import pytest
 from ecp import checks
 from exercises.samples import samples
 from service import app
-from service.api import parse_submission
+from service.grading.submission import SizeLimits
 from service.http import errors
 from service.settings import Settings
 
@@ -37,7 +37,7 @@ def test_every_problem_is_documented():
     )
     for kind in raised | set(errors.TITLES):
         assert f"`{kind}`" in doc("docs/http.md"), kind
-    assert parse_submission.MOST_BYTES == 256 * 1024 and "256 KiB" in doc("docs/http.md")
+    assert SizeLimits().source == 256 * 1024 and "256 KiB" in doc("docs/http.md")
 
 
 def test_every_setting_is_documented():

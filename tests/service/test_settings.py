@@ -29,6 +29,15 @@ def test_times_out_of_range_are_refused(name, value, monkeypatch):
         Settings()
 
 
+def test_an_upload_holds_a_submission_in_its_longest_form(monkeypatch):
+    assert (Settings().submission_kib, Settings().upload_mib) == (256, 20)
+    monkeypatch.setenv("POLHODE_SUBMISSION_KIB", "4096")
+    with pytest.raises(ValidationError, match="POLHODE_UPLOAD_MIB must hold at least 6 times POLHODE_SUBMISSION_KIB"):
+        Settings()
+    monkeypatch.setenv("POLHODE_UPLOAD_MIB", "24")
+    assert Settings().submission_kib == 4096
+
+
 @pytest.mark.parametrize(
     ("name", "value", "level"),
     [

@@ -22,12 +22,12 @@ class Server:
     def __init__(self, data: Path, *, port: int | None = None, **environment: str) -> None:
         self.data, self.port = data, port or free_port()
         self.url = f"http://127.0.0.1:{self.port}"
-        self.log = data.parent / f"serve-{self.port}.log"
-        with self.log.open("wb") as log:
+        self.log, self.out = (data.parent / f"serve-{self.port}.{name}" for name in ("log", "out"))
+        with self.log.open("wb") as log, self.out.open("wb") as out:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "service.cli", "serve", "--port", str(self.port)],
                 env=os.environ | {"POLHODE_DATA": str(data)} | environment,
-                stdout=log,
+                stdout=out,
                 stderr=log,
             )
 

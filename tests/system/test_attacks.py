@@ -177,12 +177,12 @@ def declared(file):
 
 
 def attacks():
-    """Every attack at both levels; ``make test`` has each short one at one of them, of those against verdicts every second one."""
+    """Every attack at both levels; ``make test`` has each short one at one of them, of those against verdicts every third one."""
     for _, files in groupby(ATTACKS, family):
         for k, file in enumerate(files):
             first = "process" if family(file) in ISOLATION else LEVELS[k % 2]
             for level in LEVELS:
-                spared = (k % 2 and family(file) in VERDICTS) or file.stem in LONG
+                spared = (k % 3 and family(file) in VERDICTS) or file.stem in LONG
                 marks = [] if level == first and not spared else [pytest.mark.slow]
                 yield pytest.param(level, file, id=f"{level}-{file.stem}", marks=marks)
 

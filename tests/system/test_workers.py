@@ -115,7 +115,8 @@ def test_a_clock_that_jumps_while_a_submission_is_graded(front, url, hours):
     assert {end for (end,) in rows(url, ends, ids)} <= {"finished", "superseded"}
 
 
-@pytest.mark.parametrize("before", [2, pytest.param(0, marks=pytest.mark.slow)], ids=["two lost before", "none lost before"])
+@pytest.mark.slow  # test_runs.py: three lost runs are a fault
+@pytest.mark.parametrize("before", [2, 0], ids=["two lost before", "none lost before"])
 def test_a_submission_whose_workers_die_is_a_fault_after_three_and_the_next_one_is_served(before, front, url, monkeypatch, capsys):
     id, seen = post(front.url, SLOW.format(1))["id"], []
     lost = "INSERT INTO run (id, grading_id, worker, started_at, ended_at, phase, end_reason, note) "
@@ -173,6 +174,7 @@ def test_workers_end_with_a_crew_that_is_killed_and_the_server_starts_another(fr
     )
     (crew,) = {int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1]) for pid in workers}
     assert set(children(crew)) == set(workers) and crew != front.process.pid
+    assert {os.getpriority(os.PRIO_PROCESS, pid) for pid in workers} == {os.getpriority(os.PRIO_PROCESS, front.process.pid) + 10}
     os.kill(crew, signal.SIGKILL)
     wait_for(lambda: not any(b"service.cli" in command_of(pid) for pid in workers))
     assert post(front.url, SLOW.format(0), Prefer="wait=60")["report"]["passed"]
@@ -211,7 +213,7 @@ def test_progress_reaches_every_server(front, url):
         assert kinds[0] == "queued" and "running" in kinds and kinds[-1] == "graded"
         data = [json.loads(e["data"]) for e in told]
         places = [d["position"] for d in data if d["status"] == "queued"]
-        assert places[0] in (1, 2) and places == sorted(places, reverse=True)
+        assert places[0] <= 4 and places == sorted(places, reverse=True)
         assert any(d["status"] == "running" and d["scenes"] for d in data) and data[-1]["score"] == data[-1]["max_score"] == 5
         again = events(other.url, ids[-1], Last_Event_ID=told[-2]["id"])
         assert [e["event"] for e in again] == ["graded"]

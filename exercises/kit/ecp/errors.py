@@ -7,16 +7,28 @@ from email.utils import parsedate_to_datetime
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
+MOST_BYTES = 16 * 2**20
+DEFAULT_PORTS = {"http": 80, "https": 443}
+PASSING = (429, 502, 503, 504)
+LONGEST_DETAIL, SHORTEST_TOKEN = 500, 6
+SENTENCES = {
+    "nobody": "You are not logged in at {place}{detail}: run ecp.login() and try again.",
+    "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
+    "none-left": "You have no submissions left{detail}: nothing was submitted.",
+    "too-large": "The submission is too large for the server at {place}{detail}: submit less, such as ecp.submit(euler_eqs).",
+    "busy": "The server at {place} is busy{detail}: try again in a few minutes.",
+    "fault": "The server at {place} failed; this is not your mistake{number}: try again, then ask your course staff.",
+    "not-polhode": "There is no polhode server at {place}, something else answered ({status}{page}): check the address.",
+    "": "The server at {place} refused the request ({status}).",
+}
+WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(PASSING, "busy")
+
 
 class NotebookError(Exception):
     """An error whose message says what happened and what to do. IPython shows the message without a traceback."""
 
     def _render_traceback_(self) -> list[str]:
         return [str(self)]
-
-
-MOST_BYTES = 16 * 2**20
-DEFAULT_PORTS = {"http": 80, "https": 443}
 
 
 class RequestError(NotebookError):
@@ -112,21 +124,6 @@ def moved(status: int, url: str, target: str) -> HTTPError:
 def too_long(url: str) -> HTTPError:
     """Return the error for an answer longer than MOST_BYTES."""
     return HTTPError(200, "not-polhode", f"The answer of {place(url)} is too long for a polhode server: check the address.")
-
-
-PASSING = (429, 502, 503, 504)
-LONGEST_DETAIL, SHORTEST_TOKEN = 500, 6
-SENTENCES = {
-    "nobody": "You are not logged in at {place}{detail}: run ecp.login() and try again.",
-    "deadline-over": "The deadline has passed{detail}: nothing was submitted.",
-    "none-left": "You have no submissions left{detail}: nothing was submitted.",
-    "too-large": "The submission is too large for the server at {place}{detail}: clear the outputs or send less.",
-    "busy": "The server at {place} is busy{detail}: try again in a few minutes.",
-    "fault": "The server at {place} failed; this is not your mistake{number}: try again, then ask your course staff.",
-    "not-polhode": "There is no polhode server at {place}, something else answered ({status}{page}): check the address.",
-    "": "The server at {place} refused the request ({status}).",
-}
-WITHOUT_PROBLEM = {401: "nobody", 404: "not-polhode", 413: "too-large", 500: "fault"} | dict.fromkeys(PASSING, "busy")
 
 
 def refusal(answer: Answer, url: str, headers: Mapping[str, str]) -> HTTPError:

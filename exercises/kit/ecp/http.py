@@ -26,8 +26,14 @@ from ecp.errors import (
 )
 from ecp.sse import Event, parse_events
 
+__all__ = ["Answer", "Event", "HTTPError", "RequestError", "Unreachable", "call", "events"]
+
 AGENT = f"polhode-kit/1 python/{sys.version_info.major}.{sys.version_info.minor}"
 REDIRECTS, MOST_REDIRECTS = (301, 302, 303, 307, 308), 5
+CONTACT_S = 15.0  # patience with a server that has not answered yet
+FINAL = ("graded", "faulted")
+SHORTEST_WAIT_S, FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 0.5, 16.0
+chance = random.Random()  # noqa: S311  a student's own random.seed() stays untouched
 
 
 class Request(NamedTuple):
@@ -97,14 +103,6 @@ def _backend() -> Backend:
     from ecp.http_sockets import Sockets
 
     return Sockets()
-
-
-__all__ = ["Answer", "Event", "HTTPError", "RequestError", "Unreachable", "call", "events"]
-
-CONTACT_S = 15.0  # patience with a server that has not answered yet
-FINAL = ("graded", "faulted")
-SHORTEST_WAIT_S, FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 0.5, 16.0
-chance = random.Random()  # noqa: S311  a student's own random.seed() stays untouched
 
 
 def call(

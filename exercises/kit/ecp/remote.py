@@ -13,6 +13,7 @@ from ecp.errors import NotebookError
 from ecp.gather import Bundle, CannotSend, gather, whole_notebook
 from ecp.http import CONTACT_S, Event, RequestError, call, events
 from ecp.identity import JSON, authorization
+from ecp.notebook.outputs import strip_outputs
 from ecp.progress import Line
 from ecp.report import Report
 from ecp.report_html import html
@@ -84,7 +85,10 @@ def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
         text = path.read_bytes().decode("utf-8-sig").lstrip("\ufeff")
     except (OSError, UnicodeDecodeError) as error:
         raise CannotSend(f"{path} cannot be read ({error}): nothing was submitted.") from None
-    return Bundle(_without_outputs(text) if path.suffix == ".ipynb" else text, filename=path.name)
+    if path.suffix.lower() == ".ipynb":
+        with contextlib.suppress(ValueError):  # the server reports what is wrong with it
+            text = strip_outputs(text)
+    return Bundle(text, filename=path.name)
 
 
 def _post(url: str, body: dict[str, Any], headers: Mapping[str, str], line: Line) -> dict[str, Any]:
@@ -101,18 +105,6 @@ def _report(document: dict[str, Any], page: str) -> Report:
         return read(Report, document["report"])
     except NotADocument as error:
         raise NotGraded(f"This kit cannot read the report ({error}): reinstall the kit. The report is at {page}") from None
-
-
-def _without_outputs(text: str) -> str:
-    """Return the notebook without its cells' outputs: pictures would make it too large, and grading does not
-    read them.
-    """
-    try:
-        notebook = json.loads(text)
-        cells = [{**cell, "outputs": []} if cell["cell_type"] == "code" else cell for cell in notebook["cells"]]
-    except (ValueError, LookupError, TypeError):
-        return text  # the server reports what is wrong with it
-    return json.dumps({**notebook, "cells": cells}, ensure_ascii=False)
 
 
 def _wait(url: str, headers: Mapping[str, str], line: Line, page: str) -> dict[str, Any]:

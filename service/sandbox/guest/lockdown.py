@@ -8,7 +8,8 @@ import os
 import platform
 import resource
 import signal
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from . import landlock, seccomp
@@ -33,11 +34,15 @@ KEEP_IGNORED = {signal.SIGPIPE, signal.SIGXFSZ}  # Python turns these into excep
 
 
 class Layers:
-    """The ``layers`` that each child applies, of "landlock", "seccomp" and "limits". The zygote prepares them once."""
+    """The ``layers`` that each child applies, of "landlock", "seccomp" and "limits". The zygote prepares them once.
 
-    def __init__(self, layers: list[str], readable: list[str], listable: list[str]) -> None:
+    A child keeps the open ``folders`` (/proc/self/fd/N), through which it finds files below closed ones.
+    """
+
+    def __init__(self, layers: list[str], readable: list[str], listable: list[str], folders: Sequence[str] = ()) -> None:
         self._limits = "limits" in layers
         self._rules = landlock.ruleset(readable, listable) if "landlock" in layers else None
+        self._folders = [int(os.path.basename(folder)) for folder in folders]
         self._machine = MACHINES.get(platform.machine())
         self._filter: bytes | None = None
         if "seccomp" in layers:
@@ -78,9 +83,9 @@ class Layers:
             self._rules = _above(self._rules)
         for place, fd in high.items():
             os.dup2(fd, place)
-        rules = self._rules
-        first = max(places) + 1
-        for start, end in ((first, rules - 1), (rules + 1, 0x7FFFFFFF)) if rules is not None else ((first, 0x7FFFFFFF),):
+        kept = sorted([max(places), *self._folders, *([] if self._rules is None else [self._rules])])
+        for before, after in pairwise([*kept, 0x80000000]):
+            start, end = before + 1, after - 1
             if start <= end:
                 syscall(CLOSE_RANGE, start, end, 0)
 
@@ -100,6 +105,15 @@ def drop_privileges(user: int | None) -> None:
         os.setresuid(user, user, user)
     header: Any = (ctypes.c_uint32 * 2)(CAPABILITY_VERSION_3, 0)
     call("capset", header, (ctypes.c_uint32 * 6)())
+
+
+def identity() -> dict[str, Any]:
+    """Return this process's users, groups and capabilities, as the kernel reports them."""
+    header: Any = (ctypes.c_uint32 * 2)(CAPABILITY_VERSION_3, 0)
+    sets: Any = (ctypes.c_uint32 * 6)()  # effective, permitted and inheritable, twice 32 bits each
+    call("capget", header, sets)
+    capabilities = [n for n in range(64) if any(sets[n // 32 * 3 + kind] >> n % 32 & 1 for kind in range(3))]
+    return {"users": os.getresuid(), "groups": [*os.getresgid(), *os.getgroups()], "capabilities": capabilities}
 
 
 def _above(fd: int) -> int:

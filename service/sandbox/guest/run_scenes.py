@@ -18,6 +18,7 @@ from ecp.return_value import describe_exception, is_written, real_array
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
 from .magics import last_name, pieces, runnable
+from .seal import Seal
 from .wire import Questions, Writer
 
 Names = dict[str, Any]
@@ -53,13 +54,15 @@ def run(job_fd: int, result_fd: int) -> None:
     """Play the job. Each scene's arrays and scene end are sent before the next scene starts."""
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
-    plays, student = _load_plays(job["plays"]), _prepare(job["setup"])
+    (plays, unchanged), student = _load_plays(job["plays"]), _prepare(job["setup"])
     write.event("prepared")
     with animate.watched():
-        _run(job, plays, student, questions, write)
+        _run(job, plays, student, questions, write, unchanged=unchanged)
 
 
-def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> None:
+def _run(
+    job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer, *, unchanged: Callable[[], None]
+) -> None:
     recorder = Recorder()
     with recorder.recording():
         shows = _load_submission(student, job, recorder, write)
@@ -72,12 +75,14 @@ def _run(job: dict[str, Any], plays: Names, student: Names, questions: Questions
         if scene["after"] in asked - finished:
             sentence = f"not run: it needs the scene {scene['after']}, which did not finish"
             write.event("scene", scene=scene["name"], ended="not-played", sentence=sentence)
-        elif _play(scene, plays, student, questions, write):
+        elif _play(scene, plays, student, questions, write, unchanged=unchanged):
             finished.add(scene["name"])
     write.event("done")
 
 
-def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer) -> bool:
+def _play(
+    scene: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer, *, unchanged: Callable[[], None]
+) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
     if not callable(student.get(scene["function"])):
@@ -86,12 +91,15 @@ def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questi
         return False
 
     def answer() -> None:
+        unchanged()
         function = student[scene["function"]]
         if scene["asked"]:
             for t, w, moments in questions:
                 write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
             return
-        for key, array in plays[scene["play"]](student, scene["inputs"]).items():
+        arrays = plays[scene["play"]](student, scene["inputs"])
+        unchanged()
+        for key, array in arrays.items():
             write.array(name, key, array)
 
     ended = _run_limited(answer, Budget(scene["budget_s"]))
@@ -99,25 +107,33 @@ def _play(scene: dict[str, Any], plays: Names, student: Names, questions: Questi
     return ended["ended"] == "finished"
 
 
-def _load_plays(source: str) -> Names:
-    """Return the names that plays.py defines. It gets its own numpy and kit modules, which a submission cannot replace."""
+def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
+    """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has been replaced.
+
+    plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. It gets the function too, by
+    the name ``unchanged``.
+    """
     public = {name: importlib.import_module(name) for name in PRIVATE}
     plays: Names = {"__name__": "plays"}
+    seal = Seal()
     own = types.ModuleType("numpy")
     own.__dict__.update(vars(np))
     try:
         for name in PRIVATE:
             del sys.modules[name]
-        for name in PRIVATE:
-            vars(importlib.import_module(name))["np"] = own
+        private = [vars(importlib.import_module(name)) for name in PRIVATE]
+        for names in private:
+            names["np"] = own
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
+        plays["unchanged"] = seal.check
+        seal.close([plays, *private, vars(own)], ["plays", *PRIVATE])
     finally:
         for name, module in public.items():
             sys.modules[name] = module
             parent, _, child = name.rpartition(".")
             setattr(sys.modules[parent], child, module)
-    return plays
+    return plays, seal.check
 
 
 def _prepare(setup: str) -> Names:

@@ -3,11 +3,13 @@
 It reads no submission and has no secret.
 
 For each play the host sends three descriptors (job, result, output) and the child's limit of CPU time. The zygote returns a pidfd,
-with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used.
+with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. Its first message
+is READY and its identity as JSON.
 """
 
 import gc
 import importlib
+import json
 import os
 import socket
 import struct
@@ -16,6 +18,7 @@ import traceback
 from typing import Any
 
 LOCKDOWN_FAILED = 97
+READY = b"ready"
 PLAY = struct.Struct("<i")  # limit of CPU time in seconds
 REAPED = struct.Struct("<id")  # wait status, CPU time in seconds
 WARM = (
@@ -33,19 +36,21 @@ WARM = (
 )
 
 
-def main(control_fd: int, user: int | None, layers: list[str], readable: list[str], listable: list[str]) -> None:
+def main(
+    control_fd: int, *, user: int | None, layers: list[str], readable: list[str], listable: list[str], folders: list[str]
+) -> None:
     """Fork a child for each play that the control socket asks for, until the host closes it."""
     control = socket.socket(fileno=control_fd)
-    from .lockdown import Layers, die_with_parent, drop_privileges
+    from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
     _warm_up()
-    prepared = Layers(layers, readable, listable)  # before dropping privileges: only root may be able to open the paths
+    prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
     gc.collect()
     gc.freeze()
-    control.send(b"ready")
+    control.send(READY + json.dumps(identity()).encode())
     while True:
         play, fds, _, _ = socket.recv_fds(control, PLAY.size, 3)
         if len(fds) < 3:

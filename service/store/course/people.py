@@ -44,6 +44,11 @@ async def add_person(connection: AsyncConnection, name: str) -> UUID:
     return id
 
 
+async def is_member(connection: AsyncConnection, name: str) -> bool:
+    """Return whether a person of that name is in the course."""
+    return (await connection.execute(_ROLE_OF, {"name": name, "course": COURSE})).first() is not None
+
+
 async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | None]]) -> None:
     """Add or update people, each given as (name, role, full name, email, student id).
 

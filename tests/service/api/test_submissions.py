@@ -237,6 +237,7 @@ def wait_graded(server, ids):
             time.sleep(0.1)
 
 
+@pytest.mark.slow  # in make test workers are killed (test_workers.py), and databases (test_server.py)
 def test_what_was_accepted_survives_a_kill_and_stopping_does_not_wait_for_what_runs(new_server, tmp_path):
     data = tmp_path / "da ta,+"
     first = new_server(data, "/livez", POLHODE_WORKERS="0")

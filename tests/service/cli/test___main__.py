@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from importlib import metadata
 
 import pytest
 
@@ -16,6 +17,7 @@ WRONG = [
     (["serve"], {"POLHODE_PORT": "abc"}, "POLHODE_PORT: "),
     (["serve"], {"POLHODE_DATABASE_URL": "mysql://root:secret@host/db"}, "POLHODE_DATABASE_URL: "),
     (["queue"], {"POLHODE_DATABASE_URL": "postgresql://u:secret@127.0.0.1:1/db"}, "connection"),
+    (["queue"], {"POLHODE_SUBMISSION_KIB": "9999"}, "polhode: POLHODE_UPLOAD_MIB must hold at least 6 times"),
     (["regrade"], {}, "give exactly one of ids"),
     (["regrade", "--all", "--faults"], {}, "give exactly one of ids"),
     (["assign", "rigid-body", "--grace", "nan"], {}, "expected 0 to"),
@@ -24,11 +26,18 @@ WRONG = [
     (["assign", "rigid-body", "--due", "2026-12-01T12:00"], {}, "time zone"),
     (["export", "gradescope", "--out", "x.zip", "--assignment", "nope"], {}, "no assignment nope"),
     (["export", "gradescope", "--out", "x.zip", "--exercise", "9"], {}, "no exercise 9"),
+    (["roster", "--tokens", "t.csv"], {}, "apply to an import: give the file ROSTER.csv too"),
+    (["roster", "--days", "9"], {}, "apply to an import: give the file ROSTER.csv too"),
+    (["roster", "people.csv", "--days", "9"], {}, "give the file --tokens TOKENS.csv too"),
+    (["mutants", "--most", "0"], {}, "expected at least 1"),
+    (["worker", "--slots", "0"], {}, "expected at least 1"),
+    (["chart", "stability", "--scene", "foo"], {}, "no scene matches foo; available: energy drifts, "),
     (["plan", "--students", "1000000000", "--minutes", "1", "--workers", "1"], {}, "at most"),
 ]
 # These open logs and handle signals first, which is for a process of their own.
 WRONG_FOR_LONG = [
     (["worker"], NOWHERE, "or set POLHODE_DATABASE_URL"),
+    (["worker"], NOWHERE | {"POLHODE_WORKERS": "0"}, "set POLHODE_WORKERS or --slots to at least 1"),
     (["serve", "--host", "203.0.113.1"], NOWHERE, "203.0.113.1 port 8000"),
 ]
 
@@ -82,6 +91,10 @@ def test_a_server_or_worker_refuses_tables_of_a_later_version_in_a_sentence(data
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
     assert_one_sentence(ended, LATER)
     assert ended.stderr.count("\n") == 1
+
+
+def test_the_version_is_that_of_the_installed_distribution():
+    assert polhode("--version") == (0, f"polhode {metadata.version('polhode')}\n", "")
 
 
 def test_regrading_what_does_not_exist_and_rules_that_are_set(monkeypatch, database_url):

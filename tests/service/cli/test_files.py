@@ -6,6 +6,7 @@ from exercises.assignment import InvalidAssignment, NoAssignment
 from service.cli.__main__ import main
 from service.cli.files import NoSubmissionFound, find_files, resolve_assignment
 from tests.support.assignments import change, copied, known
+from tests.support.command_line import polhode
 
 
 @pytest.fixture
@@ -35,7 +36,6 @@ def test_a_folder_gives_what_is_in_it_and_below_but_nothing_hidden(tree):
     ("named", "found"),
     [
         (["b.py", "a.ipynb"], ["b.py", "a.ipynb"]),
-        (["notes.txt"], ["notes.txt"]),  # whoever names a file means it
         (["deep", "b.py", "deep/er/../er/c.py"], ["deep/er/c.py", "b.py"]),
         (["*.*"], ["a.ipynb", "b.py"]),
         (["**/c.py"], ["deep/er/c.py"]),
@@ -50,6 +50,14 @@ def test_files_folders_and_patterns(tree, named, found):
 def test_a_name_that_leads_nowhere(tree, name):
     with pytest.raises(NoSubmissionFound, match=r"no such file|no \.py or \.ipynb"):
         find_files(["b.py", name])
+
+
+def test_a_named_file_that_cannot_be_a_submission(tree):
+    (tree / "README.md").write_text("# euler_eqs")
+    with pytest.raises(NoSubmissionFound, match=r"README\.md: cannot be a submission: name a \.py, \.ipynb or \.json file"):
+        find_files(["b.py", "README.md"])
+    told = polhode("grade", "b.py", "README.md", "--assignment", "rigid-body")
+    assert told.returncode == 2 and "README.md: cannot be a submission" in told.stderr and not told.stdout
 
 
 def test_a_name_with_the_characters_of_a_pattern(tree):

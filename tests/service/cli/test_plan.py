@@ -7,7 +7,19 @@ import numpy as np
 import pytest
 
 from service.cli import plan as command
-from service.cli.simulate_queue import QUANTILES, Arrivals, Deadline, draw, simulate, start_times, summary, table, workers_needed
+from service.cli.__main__ import main
+from service.cli.simulate_queue import (
+    QUANTILES,
+    Arrivals,
+    Deadline,
+    draw,
+    measured,
+    simulate,
+    start_times,
+    summary,
+    table,
+    workers_needed,
+)
 
 
 def arrivals(accepted, person, service):
@@ -207,3 +219,13 @@ def test_command(capsys):
     assert polhode_plan("--students 30 --minutes 1") == 2
     assert polhode_plan("--students 30 --minutes 1 --workers 0") == 2
     assert "--workers must be more than 0" in capsys.readouterr().err
+
+
+def test_whole_notebooks_take_longer_than_one_exercise(capsys):
+    asked = ["plan", "--students", "100", "--minutes", "1", "--workers", "1"]
+    printed = []
+    for more in ([], ["--notebook"]):
+        assert main([*asked, *more]) == 0
+        printed.append(capsys.readouterr().out)
+    assert printed[0] != printed[1]
+    assert sum(measured("notebook")) / len(measured("notebook")) > sum(measured("exercise")) / len(measured("exercise"))

@@ -75,6 +75,9 @@ def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(polho
     assert list(later.values()).count("after_due_date") == 2 and later["Figures"] == "visible"
     assert report_options.VISIBILITIES == gradescope.VISIBILITIES
     (folder / "r.json").unlink()
+    for ignored in (("--hidden", "visible"), ("--max-score", "10")):
+        told = polhode("grade", "right_terms.py", "--exercise", "2", *ignored, "--csv", "g.csv")
+        assert told.returncode == 2 and "give --gradescope FILE too" in told.stderr and not (folder / "g.csv").exists()
     told = polhode("grade", ".", "--gradescope", "r.json")
     assert told.returncode == 2 and "--gradescope takes one file, got 3" in told.stderr
     assert not told.stdout and not (folder / "r.json").exists()
@@ -119,7 +122,7 @@ def test_in_github_actions_no_command_of_a_student_is_heard_also_where_nobody_as
 @pytest.mark.parametrize("form", ["csv", "gradescope"])
 def test_after_a_fault_nothing_is_written_that_could_be_taken_for_a_grade(rigid_body, tmp_path, form):
     asked = dict.fromkeys(("csv", "gradescope", "classroom50", "junit", "out", "exercise", "max_score"))
-    asked |= {"github": False, "hidden": "visible"}
+    asked |= {"github": False, "hidden": None}
     arguments = argparse.Namespace(**asked | {form: tmp_path / "grades", "junit": tmp_path / "junit.xml"})
     file = Path("x.py")
     report_options.ReportFiles(arguments, [file]).write([GradedFile(file=file, fault="the guest went away")], rigid_body)

@@ -1,9 +1,12 @@
 """Grading files: what polhode itself fails at is a fault of that file, and never what its author gets points for."""
 
+import json
 from dataclasses import replace
 
+from service.formats.source_lines import SourceLines
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.sandbox.select import choose
+from tests.support.big_notebook import with_outputs
 
 
 def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, tmp_path):
@@ -16,3 +19,32 @@ def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, t
     failed, refused = grade_files([GradeRequest(file, ("2",)) for file in files], wanted, choose(), jobs=1)
     assert "before the submission ran" in failed.fault and failed.refused is None and failed.points is None
     assert "not a text file" in refused.refused and refused.fault is None and refused.points == 0
+
+
+def test_a_notebook_with_outputs_is_graded_as_without_and_its_lines_are_those_of_the_file(rigid_body, tmp_path):
+    content = (rigid_body.folder / "samples" / "right_notebook.ipynb").read_bytes()
+    files = [tmp_path / "plain" / "mine.ipynb", tmp_path / "full" / "mine.ipynb"]
+    for file, text in zip(files, (content, with_outputs(content)), strict=True):
+        file.parent.mkdir()
+        file.write_bytes(text)
+    requests = [GradeRequest(file, ("2",)) for file in files]
+    plain, full = grade_files(requests, GradeOptions(rigid_body, seed=1), choose(), jobs=1)
+    assert plain.passed and full.passed and full.report.text() == plain.report.text()
+    assert len(full.source) < 30_000 < len(files[1].read_bytes())
+    lines = files[1].read_text().split("\n")
+    for outcome in full.report.outcomes():
+        number = SourceLines(full, rigid_body).line_of(outcome)
+        assert "def euler_eqs" in lines[number - 1] and number != SourceLines(plain, rigid_body).line_of(outcome)
+
+
+def test_a_json_document_is_graded_as_the_api_grades_it(rigid_body, tmp_path):
+    right = (rigid_body.folder / "samples" / "right_terms.py").read_text()
+    wrong = {"source": right, "exercises": ["9"]}, {"source": right, "filename": "a.md"}, ["x"]
+    files = []
+    for number, document in enumerate(({"source": right, "exercises": ["2"]}, *wrong)):
+        files.append(tmp_path / f"{number}.json")
+        files[-1].write_text(json.dumps(document))
+    graded, *refused = grade_files([GradeRequest(f) for f in files], GradeOptions(rigid_body, seed=1), choose(), jobs=1)
+    assert graded.passed and [e.number for e in graded.report.exercises] == ["2"]
+    for one, why in zip(refused, ("no exercise 9", "submit a .py or .ipynb file", 'a string "source"'), strict=True):
+        assert why in one.refused and one.fault is None

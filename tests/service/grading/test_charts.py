@@ -26,6 +26,13 @@ def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
     assert "no scene matches" in capsys.readouterr().err
 
 
+def test_stability_measures_the_named_scenes_only(tmp_path, capsys):
+    assert main(["chart", "stability", "--scene", "phase", "--scene", "nowhere", "--out", str(tmp_path)]) == 0
+    (entry,) = json.loads((tmp_path / "stability.json").read_text())["entries"]
+    assert entry["name"] == "invariants hold and the phase is wrong" and entry["holds"]
+    assert {path.name for path in tmp_path.iterdir()} == {"stability.json", "stability-0.csv", "stability-0.svg"}
+
+
 def test_the_measurement_that_comes_along_is_whole():
     document = charts.load_work_precision()
     assert len(charts.scenes(document)) == 7

@@ -1,7 +1,10 @@
 """Speed against accuracy of a submission, measured in the sandbox on request."""
 
+from dataclasses import replace
+
 import pytest
 
+from ecp.document import document
 from service.grading import grader
 from service.grading.charts import draw_work_precision, load_work_precision
 from service.grading.grader import SweepFailed, sweep
@@ -48,6 +51,44 @@ def test_wrong_equations_reach_nothing(rigid_body, sandbox):
 def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
     with pytest.raises(SweepFailed, match=why):
         sweep(Submission(source), rigid_body, sandbox)
+
+
+COUNTED = """import sys
+def euler_eqs(t, w, I):
+    frame = sys._getframe(1)
+    while frame and frame.f_code.co_name != "spin_rate":
+        frame = frame.f_back
+    if frame:
+        frame.f_locals["calls"][0] = NUMBER
+    return np.cross(I * w, w) / I
+"""
+TIMED = """import itertools, time
+time.perf_counter = map(lambda n: n * NUMBER, itertools.count()).__next__
+def euler_eqs(t, w, I):
+    return np.cross(I * w, w) / I
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "number"),
+    [
+        (COUNTED, "10**300"),
+        (TIMED, "2.0"),
+        pytest.param(COUNTED, "-1", marks=pytest.mark.slow),
+        pytest.param(COUNTED, "float('nan')", marks=pytest.mark.slow),
+        pytest.param(TIMED, "1e300", marks=pytest.mark.slow),
+    ],
+)
+def test_impossible_calls_and_seconds_are_refused(source, number, rigid_body, sandbox):
+    """Seconds are compared with the host's clock too: 18 runs of 2 s in less than that."""
+    with pytest.raises(SweepFailed, match=r"number of calls is not|time is not between|impossible numbers of calls or seconds"):
+        sweep(Submission(source.replace("NUMBER", number)), rigid_body, sandbox)
+
+
+def test_a_class_is_drawn_without_the_sweeps_whose_numbers_cannot_be(swept):
+    wild = replace(swept, points=[replace(point, calls=10**400, seconds=-1.0) for point in swept.points])
+    assert b"class, DOP853" in grader.draw_class([document(wild), document(swept)])
+    assert grader.draw_class([document(wild)]).startswith(b"<?xml")
 
 
 def test_a_sandbox_with_a_hole_is_not_ready(monkeypatch):

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from service.grading.submission import MOST_BYTES, BadSubmission, Submission
+from service.grading.submission import KIB, BadSubmission, Submission
 
 
 def notebook(*sources, **fields):
@@ -31,7 +31,10 @@ def test_a_path_in_a_file_name_is_dropped():
 @pytest.mark.parametrize(
     ("data", "name", "why"),
     [
-        (b"x" * (MOST_BYTES + 1), "a.py", "at most"),
+        (b"x" * (256 * KIB + 1), "a.py", "it has 257 KiB and at most 256 KiB are accepted; remove data"),
+        (notebook("x" * 300 * KIB), "a.ipynb", "without outputs it has 301 KiB and at most 256 KiB"),
+        (b" " * (20 * 1024 * KIB + 1), "a.ipynb", "larger than 20 MiB: clear the outputs of the notebook"),
+        (b'{"cells": [' + b"[" * 300 * KIB, "a.ipynb", "not a Jupyter notebook"),
         (b"\x89PNG\r\n\x1a\n", "a.py", "not a text file"),
         (b"x = 1\x00", "a.py", "zero bytes"),
         (b"   \n", "a.py", "no code"),

@@ -128,7 +128,7 @@ def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
     assert browser.open("/v1/me")[0] == 401 and Browser(server).send("/login", name="moe", password=PASSWORD)[0] == 200
     assert "10 to 200" in polhode("password", "moe", said="short\n")[2]
     assert polhode("password", "nobody", said=PASSWORD) == (
-        1, "", "polhode: no person named nobody: add people with polhode roster or polhode token give\n",
+        1, "", "polhode: no person named nobody: add people with polhode roster or polhode token give --new\n",
     )  # fmt: skip
     assert sql(url, "SELECT subject FROM audit WHERE action = 'set password' AND subject = 'moe'") == [("moe",)]
 

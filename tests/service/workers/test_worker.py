@@ -11,7 +11,8 @@ import pytest
 from service.grading import grader
 from service.sandbox.select import IsolationUnavailable
 from service.settings import Settings
-from service.store import workers
+from service.store import sweeps, workers
+from service.store.records import find_artefact
 from service.workers import worker
 from tests.support.database import jump, run, sql
 from tests.support.submissions import submitted
@@ -119,7 +120,7 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
 
 
 def test_a_worker_without_a_sandbox_says_why_and_takes_nothing(database_url, monkeypatch):
-    def refuse(least):
+    def refuse(least, allow_root):
         raise IsolationUnavailable(f"isolation level {least} is not available")
 
     async def started(database):
@@ -132,6 +133,32 @@ def test_a_worker_without_a_sandbox_says_why_and_takes_nothing(database_url, mon
 
     monkeypatch.setattr(worker, "choose", refuse)
     assert run(database_url, started) == ((None, "isolation level namespaces is not available"), False)
+
+
+def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_url, waiting, monkeypatch):
+    monkeypatch.setattr(grader, "_sandbox", None)
+
+    async def swept(database):
+        async with worker_on(database_url) as worker:
+            await worker._sweep(str(waiting))
+        return [await sweeps.request(database, waiting) for _ in range(3)]
+
+    assert run(database_url, swept) == ["the sandbox of this process was not started"] * 3
+    assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
+
+
+def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(database_url, sandbox, monkeypatch):
+    _, grading = submitted(database_url, source="x = 1")
+    monkeypatch.setattr(grader, "_sandbox", sandbox)
+
+    async def swept(database):
+        async with worker_on(database_url) as worker:
+            await worker._sweep(str(grading))
+        return await sweeps.request(database, grading), (await find_artefact(database, grading, sweeps.REFUSED))[0]
+
+    fault, reason = run(database_url, swept)
+    assert fault is None and b"euler_eqs is not defined" in reason
+    assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
 
 
 async def _stubborn(grading):

@@ -1,0 +1,45 @@
+"""A seal on the code that calls a submission and records what it draws: detects that the submission has replaced part of it."""
+
+import types
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+
+from ecp.return_value import WrongAnswer
+
+REPLACED = "your code replaces {name}, a part of polhode's checks: remove that"
+
+
+class Seal:
+    """The names of some namespaces, the code of their functions, and the attributes of their own classes.
+
+    What runs in the submission's process cannot be protected from it; the seal shows a change that is still there. Names may be
+    added, as Python itself does.
+    """
+
+    def __init__(self) -> None:
+        self._names: tuple[tuple[Mapping[str, Any], tuple[tuple[str, Any], ...]], ...] = ()
+        self._functions: tuple[tuple[types.FunctionType, list[int]], ...] = ()
+
+    def close(self, namespaces: Iterable[Mapping[str, Any]], modules: Collection[str]) -> None:
+        """Record the present state of ``namespaces`` and of those of their classes that ``modules`` define."""
+        spaces = tuple(namespaces)
+        classes = [v for space in spaces for v in space.values() if isinstance(v, type) and v.__module__ in modules]
+        self._names = tuple((space, tuple(space.items())) for space in (*spaces, *map(vars, classes)))
+        functions = {id(f): f for _, items in self._names for _, f in items if isinstance(f, types.FunctionType)}
+        self._functions = tuple((f, _parts(f)) for f in functions.values())
+
+    def check(self) -> None:
+        """Raise WrongAnswer if something has been replaced."""
+        for space, items in self._names:
+            for name, value in items:
+                if space.get(name, self) is not value:
+                    raise WrongAnswer(None, REPLACED.format(name=name))
+        for function, parts in self._functions:
+            if _parts(function) != parts:
+                raise WrongAnswer(None, REPLACED.format(name=function.__name__))
+
+
+def _parts(function: types.FunctionType) -> list[int]:
+    """Return the identities of a function's code and defaults."""
+    named = (function.__kwdefaults__ or {}).values()
+    return [*map(id, (function.__code__, function.__defaults__, function.__kwdefaults__, *named))]

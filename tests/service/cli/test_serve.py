@@ -1,0 +1,27 @@
+"""What ``polhode serve`` prints when it has started."""
+
+import time
+
+from tests.support.database import sql
+
+
+def printed(server):
+    """The first two lines of the server's standard output."""
+    deadline = time.monotonic() + 30
+    while (text := server.out.read_text()).count("\n") < 2:
+        assert time.monotonic() < deadline, text
+        time.sleep(0.05)
+    return text.splitlines()[:2]
+
+
+def test_the_server_prints_where_it_listens_and_the_isolation_level(real_server):
+    listening, isolation = printed(real_server)
+    assert listening == f"polhode: listening on {real_server.url}"
+    assert isolation.startswith("polhode: workers grade at isolation level namespaces: bubblewrap, ")
+
+
+def test_a_reason_why_nothing_is_graded_is_printed(database_url, new_server, tmp_path):
+    sql(database_url, "INSERT INTO worker (name, unavailable_reason) VALUES ('a', 'no Landlock')")
+    no_workers = {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "0"}
+    server = new_server(tmp_path / "data", path="/livez", **no_workers)
+    assert printed(server) == [f"polhode: listening on {server.url}", "polhode: submissions are not accepted: no Landlock"]

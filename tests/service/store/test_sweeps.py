@@ -1,0 +1,63 @@
+"""Sweeps: one job however many ask, every failure is stored, and a limited number of runs."""
+
+import asyncio
+
+import pytest
+
+from service.store import sweeps
+from service.store.records import store_artefacts
+from tests.support.database import run, sql
+from tests.support.submissions import submitted
+
+JOBS = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"
+
+
+@pytest.fixture
+def grading(database_url):
+    return submitted(database_url)[1]
+
+
+def request(url, grading):
+    return run(url, lambda database: sweeps.request(database, grading))
+
+
+def store(url, grading, artefacts):
+    run(url, lambda database: store_artefacts(database, grading, artefacts))
+
+
+def queued(url):
+    """Take the queued sweeps away; return how many there were."""
+    count = sql(url, JOBS)[0][0]
+    sql(url, "DELETE FROM procrastinate_jobs WHERE task_name = 'sweep'")
+    return count
+
+
+def test_requests_at_the_same_time_queue_one_job(database_url, grading):
+    async def ask(database):
+        return await asyncio.gather(*(sweeps.request(database, grading) for _ in range(6)))
+
+    assert run(database_url, ask) == [None] * 6 and queued(database_url) == 1
+
+
+@pytest.mark.parametrize("artefact", [{"sweep.json": b"{}"}, {"sweep.refused": b"no function"}])
+def test_a_request_that_comes_after_the_result_queues_nothing(database_url, grading, artefact):
+    """As when a worker stores the result between the request's look and its job."""
+    store(database_url, grading, artefact)
+    assert request(database_url, grading) is None and queued(database_url) == 0
+
+
+def test_a_failure_of_polhode_is_measured_again_only_by_another_version(database_url, grading, monkeypatch):
+    assert run(database_url, lambda database: sweeps.begin(database, grading)) == 1
+    store(database_url, grading, sweeps.fault(1, "OverflowError: too large"))
+    assert request(database_url, grading) == "OverflowError: too large" and queued(database_url) == 0
+    monkeypatch.setattr(sweeps.metadata, "version", lambda name: "99.0")
+    assert request(database_url, grading) is None and queued(database_url) == 1
+
+
+def test_lost_runs_are_repeated_up_to_a_limit_whatever_the_version(database_url, grading, monkeypatch):
+    begun = [run(database_url, lambda database: sweeps.begin(database, grading)) for _ in range(sweeps.MOST_RUNS + 2)]
+    assert begun == [1, 2, 3, None, None]
+    for version in ("present", "99.0"):
+        if version != "present":
+            monkeypatch.setattr(sweeps.metadata, "version", lambda name: "99.0")
+        assert "3 runs failed or were lost" in request(database_url, grading) and queued(database_url) == 0

@@ -97,7 +97,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.password_checker, app.state.login_limiter = PasswordChecker(database), LoginRateLimiter()
     app.state.worker_status = health.WorkerStatus(database)
     app.state.listener, app.state.renderer = Listener(database), Renderer()
-    app.state.large_bodies = parse_submission.LargeBodies()
+    app.state.large_bodies = parse_submission.LargeBodies(settings)
     app.state.listener.start()
     app.state.queue = ChangeFeed(
         app.state.listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease)

@@ -30,9 +30,9 @@ class Settings(BaseSettings):
     workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each keeps one warm guest.")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
     submission_kib: int = Field(
-        256, ge=1, le=65536, description="Largest source of a submission in KiB, of a notebook without its outputs."
+        256, ge=1, le=32768, description="Largest source of a submission in KiB, of a notebook without its outputs."
     )
-    upload_mib: int = Field(20, ge=1, le=1024, description="Largest upload of a submission in MiB, of a notebook with its outputs.")
+    upload_mib: int = Field(20, ge=1, le=200, description="Largest upload of a submission in MiB, of a notebook with its outputs.")
     grading_cpu: float = Field(
         60.0,
         gt=0,

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import functools
 
 from fastapi import Request
 
@@ -12,6 +13,7 @@ from service.grading.grade import UnknownExercise, select
 from service.grading.json_submission import BadDocument, ParsedSubmission, read_json
 from service.grading.submission import KIB, MIB, BadSubmission, SizeLimits, TooLarge, upload_too_large
 from service.http.errors import Problem
+from service.settings import Settings
 
 SMALL = 256 * KIB  # parsed at once: the server cannot respond to others meanwhile
 MOST_LARGE = 8  # larger bodies in memory at a time
@@ -22,20 +24,20 @@ DISCARDED = 10  # times the limit: a client that is still sending would not see 
 class LargeBodies:
     """Large bodies of submissions: a limited number is in memory, and a separate process parses them."""
 
-    def __init__(self) -> None:
+    def __init__(self, settings: Settings) -> None:
+        self.limits = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
         self.places = asyncio.Semaphore(MOST_LARGE)
-        self.process = SeparateProcess(PARSE_S, submission_body.start_process)
+        self.process = SeparateProcess(PARSE_S, functools.partial(submission_body.start_process, self.limits))
 
 
 async def parse_submission(request: Request, assignment: Assignment) -> ParsedSubmission:
     """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid, 503 while too many are large."""
-    content_type, settings = request.headers.get("content-type", ""), request.app.state.settings
+    content_type = request.headers.get("content-type", "")
     kind = content_type.split(";")[0].strip().lower()
     if kind not in (submission_body.FORM, submission_body.JSON):
         raise Problem(415, "unsupported-media-type", f"send application/json or multipart/form-data, not {kind or 'nothing'}")
-    limits = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
     try:
-        parsed = await _parse(request, kind, limits)
+        parsed = await _parse(request, kind)
     except TooLarge as error:
         raise Problem(413, "too-large", str(error), error.pointer) from error
     except BadDocument as error:
@@ -49,8 +51,9 @@ async def parse_submission(request: Request, assignment: Assignment) -> ParsedSu
     return parsed
 
 
-async def _parse(request: Request, kind: str, limits: SizeLimits) -> ParsedSubmission:
+async def _parse(request: Request, kind: str) -> ParsedSubmission:
     content_type, large = request.headers["content-type"], request.app.state.large_bodies
+    limits = large.limits
     async with contextlib.AsyncExitStack() as stack:
         chunks, size = [], 0
         async for chunk in request.stream():

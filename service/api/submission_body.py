@@ -13,11 +13,11 @@ from starlette.datastructures import Headers, UploadFile
 from starlette.formparsers import MultiPartParser
 
 from service.grading.json_submission import BadDocument, ParsedSubmission, check_exercises, check_filename, read_json
-from service.grading.submission import SizeLimits, Submission, TooLarge, upload_too_large
+from service.grading.submission import DEFAULT_SIZES, SizeLimits, Submission, TooLarge, upload_too_large
 from service.sandbox.guest.lockdown import die_with_parent
 
 FORM, JSON = "multipart/form-data", "application/json"
-MEMORY = 2**30
+MEMORY = 50  # times the largest upload; "[]," repeated takes 25 times its length
 NICENESS = 5
 
 
@@ -57,8 +57,9 @@ async def parse_form(content_type: str, body: bytes, limits: SizeLimits) -> Pars
         await form.close()
 
 
-def start_process(parent: int) -> None:
+def start_process(limits: SizeLimits, parent: int) -> None:
     """Prepare the process that parses: it ends with its parent, yields to it, and has limited memory."""
     die_with_parent(parent)
     os.nice(NICENESS)
-    resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+    most = MEMORY * max(limits.upload, DEFAULT_SIZES.upload)
+    resource.setrlimit(resource.RLIMIT_DATA, (most, most))

@@ -6,18 +6,19 @@ import signal
 import socket
 import sys
 import time
+from collections.abc import Callable
 from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 
 from service import logs
 from service.api.health import WorkerStatus
 from service.app import create_app
 from service.auth import oidc
 from service.settings import Settings
-from service.store.database import is_outage
+from service.store.database import WrongSchema, is_outage
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
 
@@ -38,11 +39,12 @@ def serve(settings: Settings) -> int:
         listening = open_socket(settings)
         supervisor = Supervisor(settings)
         supervisor.begin()
-        server = http_server(settings.model_copy(update={"database_url": supervisor.url}), announce=True)
+        settings = settings.model_copy(update={"database_url": supervisor.url})
+        server = http_server(settings, supervisor.find_loss, announce=True)
         server.run(sockets=[listening])
         return 0 if server.started else 2
-    except (oidc.NotInstalled, DatabaseUnavailable, OperationalError, OSError) as error:
-        print(f"polhode: {error}", file=sys.stderr)
+    except (oidc.NotInstalled, DatabaseUnavailable, WrongSchema, DBAPIError, OSError) as error:
+        print(f"polhode: {getattr(error, 'orig', None) or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 0
@@ -51,13 +53,16 @@ def serve(settings: Settings) -> int:
             supervisor.stop()
 
 
-def http_server(settings: Settings, *, announce: bool = False) -> uvicorn.Server:
+def http_server(
+    settings: Settings, find_loss: Callable[[], str | None] = lambda: None, *, announce: bool = False
+) -> uvicorn.Server:
     """Return the HTTP server of the application, to run on a socket of ``open_socket``.
 
-    ``settings.database_url`` must be set. With ``announce`` the server prints where it listens and, once a
-    worker has reported it, the isolation level.
+    ``settings.database_url`` must be set; for ``find_loss`` see ``create_app``. With ``announce`` the server
+    prints where it listens and, once a worker has reported it, the isolation level.
     """
-    config = uvicorn.Config(create_app(settings), log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S)
+    app = create_app(settings, find_loss)
+    config = uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=CLOSE_S)
     return _Server(config, announce=announce)
 
 

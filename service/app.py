@@ -1,7 +1,7 @@
 """The web application: API, pages and live updates. No code of a submission runs in this process."""
 
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -55,12 +55,16 @@ ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", 
 EXPOSED = ["ETag", "Location", "Retry-After", "X-Request-Id"]
 
 
-def create_app(settings: Settings) -> FastAPI:
-    """Return the application for a migrated database. Raises ValueError if ``settings.database_url`` is not set."""
+def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda: None) -> FastAPI:
+    """Return the application for a migrated database; ``find_loss`` returns the reason why the files of an
+    embedded database are lost, or None.
+
+    Raises ValueError if ``settings.database_url`` is not set.
+    """
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
     app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
-    app.state.settings, app.state.oidc = settings, oidc.provider(settings)
+    app.state.settings, app.state.oidc, app.state.find_loss = settings, oidc.provider(settings), find_loss
     errors.install(app)
     openapi.install(app)
     roles.install(app)
@@ -82,7 +86,9 @@ def create_app(settings: Settings) -> FastAPI:
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     settings: Settings = app.state.settings
     assert settings.database_url is not None
-    app.state.database = database = Database(settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait)
+    app.state.database = database = Database(
+        settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait, find_loss=app.state.find_loss
+    )
     valid, invalid = load_catalogue()
     await register(database, valid.values())
     for broken in invalid.values():

@@ -8,15 +8,18 @@ from fastapi.responses import JSONResponse
 from exercises.catalogue import load_catalogue
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
-from service.store.database import Database
+from service.store.database import Database, DatabaseLost, is_loss
+from service.store.tables import metadata
 
 router = APIRouter()
 CACHED_S = 1.0
 
 _WORKERS = """
-SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at > now() - interval '10 s'
+SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
+
+_MISSING = "SELECT name FROM unnest(CAST(:tables AS text[])) AS name WHERE to_regclass(quote_ident(name)) IS NULL ORDER BY name"
 
 
 @router.get("/livez", responses=problems({}))
@@ -33,15 +36,21 @@ async def readyz(request: Request) -> JSONResponse:
     broken = load_catalogue().invalid
     invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
     try:
-        await request.app.state.database.ping()
+        database = request.app.state.database
+        if missing := [row.name for row in await database.rows(_MISSING, {"tables": list(metadata.tables)})]:
+            raise DatabaseLost(f"tables are missing: {', '.join(missing)}")
         isolation, reason = await request.app.state.worker_status.current()
         checks["isolation"] = isolation or reason or checks["isolation"]
     except Exception as error:
-        isolation, checks = None, {"isolation": "unknown", "database": type(error).__name__}
+        isolation, checks = None, {"isolation": "unknown", "database": _reason(error)}
     checks["walls"] = checks["isolation"]  # the name of API v1
     if isolation is None:
         return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
     return JSONResponse({"status": "ready", "checks": checks | invalid})
+
+
+def _reason(error: Exception) -> str:
+    return f"lost: {str(getattr(error, 'orig', error)).splitlines()[0]}" if is_loss(error) else type(error).__name__
 
 
 @router.get("/metrics", response_class=Response, responses=media("text/plain") | problems({503: "busy"}))

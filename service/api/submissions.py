@@ -25,7 +25,7 @@ from service.http.errors import Problem
 from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.store import records
 from service.store.course import overrides
-from service.store.database import Database, is_outage
+from service.store.database import Database, is_loss, is_outage
 from service.store.records import NewSubmission, SubmissionRecord
 from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
 
@@ -151,7 +151,7 @@ async def submit(
     try:
         stored = await _wait(request, accepted.id, wait_s)
     except Exception as error:
-        if not is_outage(error):
+        if not is_outage(error) or is_loss(error):
             raise
         return JSONResponse(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
     if stored.finished and wait_s > 0:

@@ -21,11 +21,13 @@ KNOWN_S = 180 * 24 * 3600
 
 
 def read_session(request: Request) -> str | None:
-    """Return the secret of the browser's session, or None without a valid cookie signed in the last
-    twelve hours.
+    """Return the secret of the browser's session, or None without a valid cookie.
+
+    The session itself, which the database holds, expires after twelve hours. The cookie's time is not
+    checked, as a cookie from the future, signed before the clock went back, would be refused.
     """
     try:
-        return _signer(request).unsign(request.cookies.get(COOKIE, ""), max_age=SESSION_S).decode()
+        return _signer(request).unsign(request.cookies.get(COOKIE, "")).decode()
     except (BadData, UnicodeDecodeError):
         return None
 

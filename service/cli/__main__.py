@@ -135,7 +135,25 @@ def _worker(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return 2
+    if reason := _wrong_schema(settings.database_url):
+        print(f"polhode: {reason}", file=sys.stderr)
+        return 2
     return WorkerPool(settings).run()
+
+
+def _wrong_schema(url: str) -> str | None:
+    """Return why this version cannot use the tables, or None if it can or the database does not answer yet."""
+    from service.cli.database import run_async
+    from service.store.database import WrongSchema, is_outage
+
+    try:
+        run_async(url, lambda database: database.ping())
+    except WrongSchema as reason:
+        return str(reason)
+    except Exception as error:
+        if not is_outage(error):
+            raise
+    return None
 
 
 def _chart(arguments: argparse.Namespace) -> int:

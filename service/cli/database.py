@@ -33,11 +33,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 @contextmanager
-def database_url(settings: Settings, *, create: bool = False) -> Iterator[str]:
+def database_url(settings: Settings, *, create: bool = False, restore: bool = False) -> Iterator[str]:
     """Provide the database's URL for the duration of the block, starting the embedded database if it is not
     running.
 
-    Raises DatabaseUnavailable if there is no database and ``create`` is false.
+    ``create`` allows a first start, and ``restore`` a new database that replaces a missing one if the block
+    succeeds. Raises DatabaseUnavailable if there is no database otherwise.
     """
     from service.store.postgres.os_user import DatabaseUnavailable
     from service.store.postgres.server import EmbeddedPostgres, running_url
@@ -45,9 +46,14 @@ def database_url(settings: Settings, *, create: bool = False) -> Iterator[str]:
     if url := settings.database_url or running_url(settings.data):
         yield url
         return
-    if not create and not (settings.data / "postgres" / "PG_VERSION").exists():
+    exists = (settings.data / "postgres" / "PG_VERSION").exists()
+    if not (exists or create or restore):
         raise DatabaseUnavailable(f"no database in {settings.data}: set POLHODE_DATA or POLHODE_DATABASE_URL")
     embedded = EmbeddedPostgres(settings.data, settings.postgres)
+    if restore and not exists:
+        with embedded.new_cluster() as url:
+            yield url
+        return
     embedded.start()
     try:
         yield embedded.url
@@ -62,12 +68,13 @@ def report_errors(command: Callable[P, int]) -> Callable[P, int]:
         import psycopg
         from sqlalchemy.exc import DBAPIError
 
+        from service.store.database import WrongSchema
         from service.store.postgres.backup import BackupError
         from service.store.postgres.os_user import DatabaseUnavailable
 
         try:
             return command(*args, **kwargs)
-        except (DatabaseUnavailable, BackupError, OSError) as error:
+        except (DatabaseUnavailable, WrongSchema, BackupError, OSError) as error:
             print(f"polhode: {error}", file=sys.stderr)
         except (psycopg.Error, DBAPIError) as error:
             cause = getattr(error, "orig", None) or error
@@ -80,12 +87,13 @@ def report_errors(command: Callable[P, int]) -> Callable[P, int]:
 
 
 def run_async(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
-    """Return the result of ``action`` on the database at ``url``."""
-    from service.store.database import Database
+    """Return the result of ``action`` on the database at ``url``. Raises WrongSchema if a later version wrote it."""
+    from service.store.database import Database, check_schema
 
     async def once() -> T:
         database = Database(url, "polhode command", connections=1)
         try:
+            await check_schema(database)
             return await action(database)
         finally:
             await database.close()
@@ -116,11 +124,12 @@ def _backup(arguments: argparse.Namespace) -> int:
 
 @report_errors
 def _restore(arguments: argparse.Namespace) -> int:
-    from service.store.postgres.backup import restore
+    from service.store.postgres.backup import check_file, restore
     from service.store.postgres.server import find_programs
 
     settings = Settings()
-    with database_url(settings, create=True) as url:
+    check_file(arguments.file)
+    with database_url(settings, restore=True) as url:
         restore(url, settings.postgres or find_programs(), arguments.file, replace=arguments.replace)
     print(f"restored from {arguments.file}; unfinished gradings start again")
     return 0
@@ -131,6 +140,7 @@ def _check(arguments: argparse.Namespace) -> int:
     from service.store.postgres.backup import check
 
     with database_url(Settings()) as url:
+        run_async(url, lambda database: database.ping())  # checks the schema first
         found = check(url)
     for sentence, count in found.items():
         print(f"{'✗' if count else '✓'}  {count} {sentence}", file=sys.stdout)

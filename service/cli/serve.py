@@ -7,13 +7,14 @@ import signal
 import socket
 import sys
 import time
+from collections.abc import Callable
 from functools import partial
 from types import FrameType
 from typing import Any, cast
 
 import uvicorn
 from fastapi import FastAPI
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 
 from service import logs
 from service.api.health import WorkerStatus
@@ -21,7 +22,7 @@ from service.app import create_app
 from service.auth import oidc
 from service.http.connections import ACCEPTED, Connection, Connections, raise_open_file_limit
 from service.settings import Settings
-from service.store.database import is_outage
+from service.store.database import WrongSchema, is_outage
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.workers.supervisor import Supervisor
 
@@ -44,12 +45,13 @@ def serve(settings: Settings) -> int:
         listening = open_socket(settings)
         supervisor = Supervisor(settings)
         supervisor.begin()
-        server = http_server(settings.model_copy(update={"database_url": supervisor.url}), announce=True)
+        settings = settings.model_copy(update={"database_url": supervisor.url})
+        server = http_server(settings, supervisor.find_loss, announce=True)
         gc.freeze()  # else each full collection stops the event loop for 0.2 s to look at what the imports created
         server.run(sockets=[listening])
         return 0 if server.started else 2
-    except (oidc.NotInstalled, DatabaseUnavailable, OperationalError, OSError) as error:
-        print(f"polhode: {error}", file=sys.stderr)
+    except (oidc.NotInstalled, DatabaseUnavailable, WrongSchema, DBAPIError, OSError) as error:
+        print(f"polhode: {getattr(error, 'orig', None) or error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 0
@@ -58,14 +60,16 @@ def serve(settings: Settings) -> int:
             supervisor.stop()
 
 
-def http_server(settings: Settings, *, announce: bool = False) -> uvicorn.Server:
+def http_server(
+    settings: Settings, find_loss: Callable[[], str | None] = lambda: None, *, announce: bool = False
+) -> uvicorn.Server:
     """Return the HTTP server of the application, to run on a socket of ``open_socket``.
 
-    ``settings.database_url`` must be set. With ``announce`` the server prints where it listens and, once a
-    worker has reported it, the isolation level.
+    ``settings.database_url`` must be set; for ``find_loss`` see ``create_app``. With ``announce`` the server
+    prints where it listens and, once a worker has reported it, the isolation level.
     """
     config = uvicorn.Config(
-        create_app(settings),
+        create_app(settings, find_loss),
         http=cast(Any, partial(Connection, connections=Connections(settings))),
         ws="none",
         backlog=ACCEPTED,

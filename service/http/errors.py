@@ -1,26 +1,30 @@
 """Error responses: problem+json (RFC 9457) with a stable type, or an HTML page for a browser."""
 
 import logging
+import time
 from collections.abc import Mapping
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
+from procrastinate.exceptions import ConnectorException
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from starlette.exceptions import HTTPException
 
 from service.http.templating import templates
-from service.store.database import is_outage
+from service.store.database import DatabaseLost, is_loss, is_outage
 
 log = logging.getLogger(__name__)
 RETRY_AFTER_S = "5"
 PROBLEM_TYPE = "application/problem+json"
+LOG_EVERY_S = 60.0  # for each reason of an outage, rather than for each request
 
 TITLES = {
     "assignment-broken": "Assignment unavailable",
     "bad-submission": "Submission cannot be graded",
     "changed-meanwhile": "Changed in the meantime",
+    "database-lost": "Database unavailable",
     "busy": "Temporarily unavailable",
     "deadline-over": "Deadline has passed",
     "fault": "Internal error",
@@ -67,7 +71,8 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
-    for outage in (DBAPIError, NoConnection):
+    app.state.outages_logged = {}
+    for outage in (DBAPIError, NoConnection, ConnectorException, DatabaseLost):
         app.add_exception_handler(outage, _outage)
 
 
@@ -127,7 +132,17 @@ async def _outage(request: Request, error: Exception) -> Response:
     # Any database error that is not an outage is a bug: the middleware logs it and returns 500.
     if not is_outage(error):
         raise error
-    log.warning("database unavailable: %s", type(error).__name__)
+    loss = is_loss(error)
+    reason = str(getattr(error, "orig", error)).split("\n")[0] if loss else type(error).__name__
+    logged, now = request.app.state.outages_logged, time.monotonic()
+    if now - logged.get(reason, float("-inf")) > LOG_EVERY_S:
+        logged[reason] = now
+        log.error("database unavailable: %s", reason)
+    if loss:
+        detail = (
+            "this server has lost its database, and nothing can be stored until the course staff has restored it: keep your work"
+        )
+        return _respond(request, Problem(503, "database-lost", detail, retry_after=60))
     return _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
 
 

@@ -26,9 +26,10 @@ SELECT count(*) FILTER (WHERE fault IS NULL) AS graded,
 """
 _RUNS = "SELECT end_reason, count(*) AS n FROM run WHERE end_reason IS NOT NULL GROUP BY 1"
 _WORKERS = """
-SELECT count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND unavailable_reason IS NULL) AS ready,
-    count(*) FILTER (WHERE seen_at > now() - interval '10 s' AND unavailable_reason IS NOT NULL) AS refusing,
-    coalesce(sum(zygote_restarts), 0) AS zygotes FROM worker
+SELECT count(*) FILTER (WHERE seen AND unavailable_reason IS NULL) AS ready,
+    count(*) FILTER (WHERE seen AND unavailable_reason IS NOT NULL) AS refusing,
+    coalesce(sum(zygote_restarts), 0) AS zygotes FROM worker, LATERAL (
+    SELECT seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s') AS recent (seen)
 """
 _WAITS = """
 SELECT extract(epoch FROM first.at - a.requested_at) AS s

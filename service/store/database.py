@@ -12,13 +12,15 @@ import psycopg
 from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from procrastinate.exceptions import ConnectorException
-from sqlalchemy import Executable, Row, create_engine, text
+from sqlalchemy import Connection, Executable, Row, create_engine, inspect, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.ext.asyncio import AsyncConnection, create_async_engine
 
 from service.settings import DATABASE_WAIT_S
+from service.store.tables import metadata
 
 T = TypeVar("T")
 CONNECT_S = 3
@@ -48,14 +50,30 @@ def connect_options(name: str) -> dict[str, Any]:
     }
 
 
+class DatabaseLost(Exception):
+    """The folder of the embedded database is missing or damaged, as the message says."""
+
+
+class WrongSchema(Exception):
+    """The tables do not fit this version; the message says why and what to do."""
+
+
 class Database:
     """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
 
-    A caller waits at most ``wait_s`` seconds for a connection.
+    A caller waits at most ``wait_s`` seconds for a connection. ``find_loss`` returns the reason why the files
+    of an embedded database are lost, or None; no transaction counts as committed while it returns a reason.
     """
 
-    def __init__(self, url: str, name: str, connections: int = 8, wait_s: float = DATABASE_WAIT_S) -> None:
-        self.url = url
+    def __init__(
+        self,
+        url: str,
+        name: str,
+        connections: int = 8,
+        wait_s: float = DATABASE_WAIT_S,
+        find_loss: Callable[[], str | None] = lambda: None,
+    ) -> None:
+        self.url, self._find_loss = url, find_loss
         self.persons: dict[str, UUID] = {}  # ids of stored people, by name
         self._engine = create_async_engine(
             driver_url(url),
@@ -73,9 +91,18 @@ class Database:
 
     @asynccontextmanager
     async def begin(self) -> AsyncIterator[AsyncConnection]:
-        """Open a transaction; it is committed at the end of the block and rolled back if the block raises."""
+        """Open a transaction; it is committed at the end of the block and rolled back if the block raises.
+
+        Raises DatabaseLost, also if the files disappeared before the commit: they may be deleted files by then.
+        """
+        self._check_files()
         async with _bounded(), self._engine.begin() as connection:
             yield connection
+        self._check_files()
+
+    def _check_files(self) -> None:
+        if loss := self._find_loss():
+            raise DatabaseLost(loss)
 
     async def rows(self, query: Executable | str, values: Mapping[str, Any] | None = None) -> Sequence[Row[Any]]:
         """Run a read-only query and return all rows; SQL text names its ``values`` with a colon.
@@ -83,6 +110,7 @@ class Database:
         If a pooled connection turns out to be dead, the pool drops it and its contemporaries and the query
         runs once more. Cancelling the caller does not interrupt the query, so its connection stays usable.
         """
+        self._check_files()
         statement = text(query) if isinstance(query, str) else query
         try:
             return await asyncio.shield(asyncio.ensure_future(self._fetch(statement, values)))
@@ -110,10 +138,23 @@ async def _bounded() -> AsyncIterator[None]:
 
 
 def is_outage(error: BaseException) -> bool:
-    """Return whether the error means that the database is unreachable, so that a retry may succeed."""
-    if isinstance(error, DBAPIError):
-        return error.connection_invalidated or isinstance(error.orig, psycopg.OperationalError | psycopg.InterfaceError)
-    return isinstance(error, NoConnection | psycopg.OperationalError | ConnectorException | OSError)
+    """Return whether the error means that the database is unreachable or lost, so that a retry may succeed
+    once it is back.
+    """
+    if isinstance(error, DBAPIError) and (error.connection_invalidated or isinstance(error.orig, psycopg.InterfaceError)):
+        return True
+    return is_loss(error) or isinstance(
+        getattr(error, "orig", error), NoConnection | psycopg.OperationalError | ConnectorException | OSError
+    )
+
+
+def is_loss(error: BaseException) -> bool:
+    """Return whether the error means that the database has lost its files or tables."""
+    return isinstance(error, DatabaseLost) or isinstance(getattr(error, "orig", error), _WITHOUT_TABLES)
+
+
+# What a query raises on a database without the tables, columns or functions of this version.
+_WITHOUT_TABLES = (psycopg.errors.UndefinedTable, psycopg.errors.UndefinedColumn, psycopg.errors.UndefinedFunction)
 
 
 async def patiently(action: Callable[[], Awaitable[T]], most_s: float) -> T:
@@ -142,16 +183,73 @@ def driver_url(url: str) -> str:
 
 
 def migrate(url: str) -> str:
-    """Run the missing revisions in one transaction under an advisory lock, and return the revision reached."""
-    config = Config()
-    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    """Run the missing revisions in one transaction under an advisory lock, and return the revision reached.
+
+    Raises WrongSchema if a later version wrote the tables, or if some are missing.
+    """
+    config = _alembic_config()
     bounded = {"connect_timeout": 5, "options": "-c lock_timeout=60s -c statement_timeout=600s"}
     engine = create_engine(driver_url(url), connect_args=bounded)
     try:
         with engine.begin() as connection:
             connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK})
+            _check_revision(connection)
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
+            _check_tables(connection)
+            _mark(connection)
             return str(MigrationContext.configure(connection).get_current_revision())
     finally:
         engine.dispose()
+
+
+async def check_schema(database: Database) -> None:
+    """Raise WrongSchema if a later version than this one wrote the tables."""
+    async with database.begin() as connection:
+        await connection.run_sync(_check_revision)
+
+
+def _alembic_config() -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    return config
+
+
+def _check_revision(connection: Connection) -> None:
+    revisions = ScriptDirectory.from_config(_alembic_config())
+    found = MigrationContext.configure(connection).get_current_revision()
+    if found is not None and found not in {one.revision for one in revisions.walk_revisions()}:
+        raise WrongSchema(
+            f"the database has the tables of revision {found}, and this version of polhode knows revisions up to "
+            f"{revisions.get_current_head()}: install the later version that wrote them, or restore a backup of this version "
+            "with polhode db restore --replace FILE"
+        )
+    if found is None and set(metadata.tables) & set(inspect(connection).get_table_names()):
+        raise WrongSchema(f"the table alembic_version of the database is missing or empty: {_RESTORE}")
+    if found is None and connection.execute(text(_COMMENT)).scalar() == _MARK:
+        raise WrongSchema(
+            "the database is empty, and its comment says that it had tables: restore a backup with polhode db restore FILE; to "
+            "start with an empty course, use a new database"
+        )
+
+
+def _check_tables(connection: Connection) -> None:
+    present = set(inspect(connection).get_table_names())
+    if missing := sorted(set(metadata.tables) - present):
+        raise WrongSchema(f"tables of the database are missing ({', '.join(missing)}): {_RESTORE}")
+
+
+def _mark(connection: Connection) -> None:
+    """Note in the database's comment that it has tables, if polhode may write it and there is no other comment."""
+    if connection.execute(text(_MAY_COMMENT)).scalar():
+        connection.execute(
+            text(f"DO $$ BEGIN EXECUTE format('COMMENT ON DATABASE %I IS %L', current_database(), '{_MARK}'); END $$")
+        )
+
+
+_RESTORE = "restore a backup with polhode db restore --replace FILE"
+_MARK = "polhode: has tables"  # so that a database whose tables were dropped is not taken for a new one
+_COMMENT = "SELECT shobj_description(oid, 'pg_database') FROM pg_database WHERE datname = current_database()"
+_MAY_COMMENT = f"""
+SELECT pg_has_role(datdba, 'USAGE') AND ({_COMMENT}) IS NULL FROM pg_database WHERE datname = current_database()
+"""

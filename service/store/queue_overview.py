@@ -118,7 +118,7 @@ WHERE run.ended_at IS NULL AND NOT EXISTS (SELECT 1 FROM result v WHERE v.gradin
 
 _WORKERS = """
 SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM now() - seen_at) AS silent_s FROM worker
-WHERE seen_at > now() - interval '30 s' ORDER BY name
+WHERE seen_at BETWEEN now() - interval '30 s' AND now() + interval '30 s' ORDER BY name
 """
 
 # Preview gradings do not count, neither as the last grading nor as one with a report.

@@ -1,5 +1,13 @@
-"""Registered workers, and recovery of gradings whose worker or job was lost."""
+"""Registered workers, and recovery of gradings whose worker or job was lost.
 
+All times are those of the database's clock, which may jump. A time counts as recent if it is near the
+present on either side: what was stored before the clock went back lies in the future.
+"""
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from uuid import UUID
 
 from sqlalchemy import text
@@ -9,6 +17,7 @@ from service.settings import LEASE_S
 from service.store.database import Database
 from service.store.queue import send_grading
 
+log = logging.getLogger(__name__)
 JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
 
 
@@ -34,13 +43,42 @@ ON CONFLICT (name) DO UPDATE
 """)
 
 
-async def recover(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
+@dataclass
+class ClockWatch:
+    """Compares the database's clock with the monotonic clock of this process to notice jumps."""
+
+    monotonic: Callable[[], float] = time.monotonic
+    jumps: int = field(default=0, init=False)
+    _offset: tuple[float, float] | None = field(default=None, init=False)  # lower and upper bound of the difference
+    _settled_at: float = field(default=float("-inf"), init=False)
+
+    async def settled(self, connection: AsyncConnection, began: float, lease_s: float) -> bool:
+        """Return False in the lease after a jump, in which living workers send heartbeats by the new time.
+
+        ``began`` is the monotonic time before the transaction.
+        """
+        now = (await connection.execute(text("SELECT extract(epoch FROM now())::float8"))).scalar_one()
+        ended = self.monotonic()
+        before, self._offset = self._offset, (now - ended, now - began)
+        if before is not None:
+            jump = max(self._offset[0] - before[1], before[0] - self._offset[1])
+            if jump > lease_s / 2:  # less cannot make a living worker's last heartbeat too old
+                log.warning("the database's clock jumped by at least %.1f s: no run counts as lost for %g s", jump, lease_s)
+                self._settled_at, self.jumps = ended + lease_s, self.jumps + 1
+        return ended >= self._settled_at
+
+
+async def recover(database: Database, lease_s: float = LEASE_S, clock: ClockWatch | None = None) -> list[UUID]:
     """Queue gradings of lost runs again, drop jobs of finished gradings, and return the former.
 
     A run without a heartbeat for ``lease_s`` seconds is lost: its worker is dead, frozen or disconnected.
+    After the database's clock has jumped, as ``clock`` notices between two calls, nothing is lost for a lease.
     """
     again = []
+    began = clock.monotonic() if clock is not None else 0.0
     async with database.begin() as connection:
+        if clock is not None and not await clock.settled(connection, began, lease_s):
+            return []
         for job in (await connection.execute(_STALE, {"lease": lease_s})).all():
             if job.finished or job.task_name != "grade":
                 continue
@@ -70,43 +108,47 @@ async def _lose_and_send(connection: AsyncConnection, grading: UUID, lease_s: fl
     await send_grading(connection, grading, begun=begun)
 
 
+_RECENT = "({0} > now() - make_interval(secs => {1}) AND {0} < now() + make_interval(secs => {1}))"
+_LEASE = "CAST(:lease AS float)"
+_SPAN = f"CASE WHEN j.task_name = 'grade' THEN {_LEASE} ELSE 120 END"
+
 # Jobs taken by a worker whose run is silent or never began, or whose grading is finished. No heartbeat can
 # arrive while the database is down, so a lease counts from the database's start at the earliest.
 # Procrastinate's own worker heartbeat is ignored: a live worker may have lost track of a job. A sweep has
 # no run, and gets 120 s.
-_STALE = text("""
+_STALE = text(f"""
 DELETE FROM procrastinate_jobs WHERE id IN (
     SELECT j.id FROM procrastinate_jobs j
-        JOIN LATERAL (SELECT max(at) AS at FROM procrastinate_events e WHERE e.job_id = j.id AND e.type = 'started') taken ON true
-        LEFT JOIN LATERAL (
-            SELECT max(greatest(heartbeat_at, ended_at)) FILTER (WHERE end_reason IS DISTINCT FROM 'lost') AS at
-            FROM run WHERE run.grading_id = (j.args->>'attempt')::uuid
-        ) beat ON true
-    WHERE j.status = 'doing' AND greatest(taken.at, beat.at, pg_postmaster_start_time()) < now() - make_interval(
-        secs => CASE WHEN j.task_name = 'grade' THEN CAST(:lease AS float) ELSE 120 END)
+    WHERE j.status = 'doing' AND NOT {_RECENT.format("pg_postmaster_start_time()", _SPAN)}
+        AND NOT EXISTS (
+            SELECT FROM procrastinate_events e
+            WHERE e.job_id = j.id AND e.type = 'started' AND {_RECENT.format("e.at", _SPAN)})
+        AND NOT EXISTS (
+            SELECT FROM run WHERE run.grading_id = (j.args->>'attempt')::uuid AND run.end_reason IS DISTINCT FROM 'lost'
+                AND ({_RECENT.format("run.heartbeat_at", _SPAN)} OR {_RECENT.format("run.ended_at", _SPAN)}))
     FOR UPDATE OF j SKIP LOCKED
 ) RETURNING args->>'attempt' AS grading, task_name,
     EXISTS (SELECT 1 FROM result WHERE grading_id = (args->>'attempt')::uuid) AS finished
 """)
 
-_LOSE = text("""
+_LOSE = text(f"""
 UPDATE run SET ended_at = now(), end_reason = 'lost', note = 'the worker stopped sending heartbeats'
-WHERE grading_id = :grading AND ended_at IS NULL AND heartbeat_at < now() - make_interval(secs => :lease)
+WHERE grading_id = :grading AND ended_at IS NULL AND NOT {_RECENT.format("heartbeat_at", _LEASE)}
 """)
 
 # Silent runs without a job.
-_ORPHANS = text("""
+_ORPHANS = text(f"""
 SELECT DISTINCT grading_id FROM run LEFT JOIN result USING (grading_id)
 WHERE run.ended_at IS NULL AND result.grading_id IS NULL
-    AND greatest(heartbeat_at, pg_postmaster_start_time()) < now() - make_interval(secs => :lease)
+    AND NOT {_RECENT.format("heartbeat_at", _LEASE)} AND NOT {_RECENT.format("pg_postmaster_start_time()", _LEASE)}
     AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade' AND j.args->>'attempt' = run.grading_id::text)
 """)
 
 _TRY_LOCK = text("SELECT pg_try_advisory_xact_lock(2626)")
 
-_JOBLESS = text("""
+_JOBLESS = text(f"""
 SELECT a.id FROM grading a LEFT JOIN result r ON r.grading_id = a.id
-WHERE r.grading_id IS NULL AND a.requested_at < now() - make_interval(secs => :after) AND NOT EXISTS (
+WHERE r.grading_id IS NULL AND NOT {_RECENT.format("a.requested_at", "CAST(:after AS float)")} AND NOT EXISTS (
     SELECT 1 FROM procrastinate_jobs j
     WHERE j.status IN ('todo', 'doing') AND j.task_name = 'grade' AND j.args->>'attempt' = a.id::text)
 ORDER BY a.requested_at

@@ -26,6 +26,7 @@ class Supervisor(threading.Thread):
             self._database = EmbeddedPostgres(settings.data, settings.postgres, settings.workers)
         self.url = settings.database_url or (self._database.url if self._database else "")
         self._pool: subprocess.Popen[bytes] | None = None
+        self._lost = False  # the database's folder, until the same folder is back
         self._ready, self._stopping = threading.Event(), threading.Event()
         self._failure: Exception | None = None
 
@@ -44,6 +45,10 @@ class Supervisor(threading.Thread):
         self._stopping.set()
         if self.is_alive():
             self.join()
+
+    def find_loss(self) -> str | None:
+        """Return what is wrong with the folder of the embedded database, or None. May be called from any thread."""
+        return self._database.find_loss() if self._database is not None else None
 
     def run(self) -> None:
         """Run the thread until ``stop``."""
@@ -68,9 +73,8 @@ class Supervisor(threading.Thread):
             if time.monotonic() < not_before:
                 continue
             try:
-                if self._database is not None and not self._database.alive:
-                    log.error("the embedded database stopped unexpectedly; restarting it")
-                    self._database.restart()
+                if self._database is not None:
+                    self._keep_running(self._database)
                 if self._settings.workers and (self._pool is None or self._pool.poll() is not None):
                     self._pool = self._start_pool()
                 pause = POLL_S
@@ -78,6 +82,25 @@ class Supervisor(threading.Thread):
                 log.exception("could not restart; trying again in at most %g s", LONGEST_PAUSE_S)
                 pause = min(2 * pause, LONGEST_PAUSE_S)
                 not_before = time.monotonic() + pause
+
+    def _keep_running(self, database: EmbeddedPostgres) -> None:
+        """Restart the database if it has stopped, and stop it while its folder is missing."""
+        if not self._lost and (loss := database.find_loss()):
+            self._lost = True
+            log.critical(
+                "the database is stopped and no submission is accepted, because in the folder %s %s: put the same folder back and "
+                "polhode continues; otherwise stop polhode, restore a backup with polhode db restore FILE, and start polhode again",
+                self._settings.data.absolute(),
+                loss,
+            )
+            database.end()
+        elif self._lost and database.unchanged():
+            log.error("the folder of the database is back; starting the database")
+            database.restart()
+            self._lost = False
+        elif not self._lost and not database.alive:
+            log.error("the embedded database stopped unexpectedly; restarting it")
+            database.restart()
 
     def _start_pool(self) -> "subprocess.Popen[bytes]":
         environment = os.environ | {"POLHODE_DATABASE_URL": self.url, "POLHODE_LOG_LEVEL": self._settings.log_level}

@@ -15,8 +15,6 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
-from psycopg.errors import UndefinedTable
-
 from exercises.catalogue import assignments
 from service import logs
 from service.grading import grader
@@ -27,7 +25,7 @@ from service.sandbox.time_budget import TimeLimits
 from service.sandbox.wire import text
 from service.settings import Settings
 from service.store import runs, sweeps, workers
-from service.store.database import Database, is_outage, patiently
+from service.store.database import Database, WrongSchema, check_schema, is_outage, patiently
 from service.store.queue import QUEUE, new_app
 from service.store.records import store_artefacts
 
@@ -50,6 +48,7 @@ class Worker:
         self._limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
         self._longest_s = HOST_S + max(self._limits.at_least(known.cpu_s).wall_s for known in assignments().values())
         self._thread = ThreadPoolExecutor(1)
+        self._clock = workers.ClockWatch()
         self._stopping = asyncio.Event()
         self._claimed: runs.Claim | None = None
         self._progress = ("starting", 0, 0)
@@ -70,15 +69,23 @@ class Worker:
         await self._database.close()
 
     async def _wait_for_tables(self) -> bool:
-        """Wait until a server has created the tables. Return False if the worker is stopped meanwhile."""
+        """Wait until a server has created the tables of this version. Return False if the worker is stopped
+        meanwhile.
+        """
+        logged = False
         while not self._stopping.is_set():
             try:
+                await check_schema(self._database)
                 await self._database.rows("SELECT 1 FROM worker")
                 return True
+            except WrongSchema as reason:
+                if not logged:
+                    log.error("waiting, because %s", reason)
+                logged = True
             except Exception as error:
-                if not (is_outage(error) or isinstance(getattr(error, "orig", None), UndefinedTable)):
+                if not is_outage(error):
                     raise
-                await self._pause(1.0)
+            await self._pause(1.0)
         return False
 
     async def _pause(self, seconds: float) -> None:
@@ -188,8 +195,11 @@ class Worker:
             with _suppress_outages():
                 if turn % register_every == 0:
                     await self._register(self._isolation, None)
-                if again := await workers.recover(self._database, lease):
+                jumps = self._clock.jumps
+                if again := await workers.recover(self._database, lease, self._clock):
                     log.warning("gradings of lost runs queued again: %s", ", ".join(map(str, again)))
+                if jumps != self._clock.jumps:  # the time of the last registration is that of another clock
+                    await self._register(self._isolation, None)
                 if turn % sweep_every == 0 and (found := await workers.sweep(self._database, lease)):
                     log.warning("gradings without a job queued again: %s", ", ".join(map(str, found)))
             await asyncio.sleep(self._round_s)

@@ -19,7 +19,7 @@ import psycopg
 import pytest
 
 from service.cli.__main__ import main
-from tests.support.database import sql
+from tests.support.database import jump, sql
 from tests.support.machines import children, command_of, started_with
 from tests.support.server import WebApplication
 from tests.support.submissions import claim, submitted
@@ -96,6 +96,23 @@ def test_what_a_dead_or_frozen_worker_had_is_begun_elsewhere(front, url, how):
     if how == signal.SIGSTOP:
         wait_for(lambda: run_of(url, id, name, "end_reason") == "superseded")  # late, and nothing changes
         assert get(front.url, id) == document
+
+
+@pytest.mark.slow  # tests/service/store/test_runs.py: a jump that the workers notice
+@pytest.mark.parametrize("hours", [1, -1])
+def test_a_clock_that_jumps_while_a_submission_is_graded(front, url, hours):
+    """As if it jumped between two looks: what is judged lost by mistake is graded once all the same."""
+    ids = [post(front.url, SLOW.format(1.5))["id"] for _ in range(3)]
+    wait_for(lambda: running(url, ids[0]) and running(url, ids[1]))
+    jump(url, hours)
+    for id in ids:
+        document = wait_for(lambda id=id: (d := get(front.url, id))["status"] in ("graded", "faulted") and d, 60)
+        assert document["status"] == "graded" and document["report"]["passed"]
+    results = "SELECT count(*), count(DISTINCT submission_id) FROM result JOIN grading a ON a.id = grading_id "
+    assert rows(url, results + "WHERE submission_id = ANY(%s)", ids) == [(3, 3)]
+    wait_for(lambda: rows(url, "SELECT count(*) FROM procrastinate_jobs") == [(0,)])
+    ends = "SELECT DISTINCT end_reason FROM run JOIN grading a ON a.id = grading_id WHERE submission_id = ANY(%s)"
+    assert {end for (end,) in rows(url, ends, ids)} <= {"finished", "superseded"}
 
 
 @pytest.mark.slow  # test_runs.py: three lost runs are a fault

@@ -38,19 +38,25 @@ def backup(url: str, programs: Path, file: Path) -> None:
         unfinished.unlink(missing_ok=True)
 
 
+def check_file(file: Path) -> None:
+    """Raise BackupError unless the file exists."""
+    if not file.is_file():
+        raise BackupError(f"there is no file {file}")
+
+
 def restore(url: str, programs: Path, file: Path, *, replace: bool = False) -> None:
     """Restore ``file`` into an empty database in one transaction, and migrate it to this version.
 
     ``replace`` drops the present contents. Raises BackupError if the database is not empty or the restore
     fails.
     """
-    if not file.is_file():
-        raise BackupError(f"there is no file {file}")
+    check_file(file)
     name = conninfo_to_dict(url).get("dbname") or "polhode"
     with psycopg.connect(url) as connection:
         count = connection.execute("SELECT count(*) FROM pg_tables WHERE schemaname = 'public'").fetchone()
         if count and count[0] and not replace:
             raise BackupError("the database is not empty: restore into a new one, or give --replace to drop its contents")
+        connection.execute("CREATE SCHEMA IF NOT EXISTS public")  # a damaged database may lack it
         connection.execute("DROP SCHEMA IF EXISTS replaced CASCADE")
         connection.execute("ALTER SCHEMA public RENAME TO replaced")  # renamed back if the restore fails
         connection.execute("CREATE SCHEMA public")

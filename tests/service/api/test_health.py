@@ -3,7 +3,7 @@
 import json
 
 from service.store import workers
-from tests.support.database import run
+from tests.support.database import run, sql
 from tests.support.http_client import call, post
 
 REFUSAL = "POLHODE_MIN_ISOLATION is namespaces, but namespaces are not available"
@@ -18,3 +18,28 @@ def test_where_no_worker_has_a_sandbox_no_submission_is_taken_and_everything_say
     problem = json.loads(body)
     assert status == 503 and problem["type"] == "urn:polhode:problem:no-walls" and REFUSAL in problem["detail"]
     assert call(app, "/livez")[0] == call(app, "/v1/assignments")[0] == 200
+
+
+def test_missing_tables_are_an_outage_that_is_logged_once(new_app, database_url):
+    app = new_app(database_url=database_url, identity="local")
+    sql(database_url, "DROP TABLE token CASCADE")
+    sql(database_url, "DROP TABLE submission CASCADE")
+    for _ in range(3):
+        status, headers, body = post(app, {"source": "x = 1"})
+        problem = json.loads(body)
+        assert (status, problem["type"]) == (503, "urn:polhode:problem:database-lost"), problem
+        assert int(headers["retry-after"]) > 0 and "keep your work" in problem["detail"]
+    assert call(app, "/v1/submissions/6f3ad1a8-7d2c-4f0f-8f5e-0a3f4e7d5c11")[0] == 503
+    status, _, body = call(app, "/readyz")
+    assert (status, json.loads(body)["checks"]["database"]) == (503, "lost: tables are missing: submission, token")
+    assert app.log.read_text().count("database unavailable") == 1 and "Traceback" not in app.log.read_text()
+
+
+def test_what_was_written_into_a_lost_folder_is_not_accepted(new_app, database_url):
+    """The folder is missing as soon as the submission is in it."""
+    app, stored = new_app(database_url=database_url, identity="local"), "SELECT id FROM submission"
+    app.state.database._find_loss = lambda: "postgres is missing" if sql(database_url, stored) else None
+    status, _, body = post(app, {"source": "x = 1"})
+    assert status == 503 and json.loads(body)["type"] == "urn:polhode:problem:database-lost"
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)], "it was committed"
+    assert json.loads(call(app, "/readyz")[2])["checks"]["database"] == "lost: postgres is missing"

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from fastapi import FastAPI, Request
+from itsdangerous import TimestampSigner
 from limits import RateLimitItemPerMinute
 
 from service.auth import rate_limit
@@ -22,7 +23,7 @@ from service.http.errors import Problem
 from service.settings import Settings
 from service.store.course import people, tokens
 from tests.support.app import App
-from tests.support.database import run, sql
+from tests.support.database import entered, run, sql
 from tests.support.http_client import Browser
 from tests.support.hub import ADVISED
 
@@ -207,6 +208,16 @@ def test_a_browser_sees_its_own_after_login_and_nothing_after_logout(server, url
     browser.send("/logout", "/assignments/rigid-body")
     assert "You are logged out" in browser.open("/login?out=1")[1] and browser.open("/account")[0] == 200
     assert browser.at == "/login?next=/account"
+
+
+def test_a_session_survives_a_clock_that_goes_back_and_ends_when_it_expires(server, url, monkeypatch):
+    fast = TimestampSigner.get_timestamp
+    with monkeypatch.context() as an_hour_fast:
+        an_hour_fast.setattr(TimestampSigner, "get_timestamp", lambda signer: fast(signer) + 3600)
+        browser = Browser(server).log_in(token=entered(url, "kim"))
+    assert browser.open("/account")[0] == 200 and "kim" in browser.open("/account")[1]
+    sql(url, "UPDATE token SET expires_at = now() - interval '1 s' WHERE starts_with(prefix, 'session_')")
+    assert "kim" not in browser.open("/account")[1]
 
 
 def test_a_kernel_in_the_hub_submits_with_the_hubs_own_token(server, url, hub):

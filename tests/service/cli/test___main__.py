@@ -8,6 +8,7 @@ from importlib import metadata
 import pytest
 
 from tests.support.command_line import polhode
+from tests.support.database import sql
 
 NOWHERE = {"POLHODE_DATA": "/tmp/polhode-nowhere"}
 WRONG = [
@@ -63,6 +64,33 @@ def test_a_server_or_worker_that_cannot_start_says_why_in_a_sentence(arguments, 
     command = [sys.executable, "-m", "service.cli", *arguments]
     ended = subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, check=False)
     assert_one_sentence(ended, words)
+
+
+LATER = "revision 9999"
+STORE = [
+    ["queue"], ["regrade", "--faults"], ["assign", "rigid-body", "--grace", "5"], ["db", "upgrade"], ["db", "check"],
+    ["token", "give", "ann"], ["token", "list"], ["unlink", "ann"], ["roster", "roster.csv", "--tokens", "tokens.csv"],
+]  # fmt: skip
+
+
+def test_every_command_refuses_tables_of_a_later_version_in_a_sentence(monkeypatch, database_url, tmp_path):
+    monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "roster.csv").write_text("name\nann\n")
+    sql(database_url, "UPDATE alembic_version SET version_num = '9999'")
+    for arguments in STORE:
+        assert_one_sentence(polhode(*arguments), LATER)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", [["serve", "--port", "0"], ["worker"]], ids=["serve", "worker"])
+def test_a_server_or_worker_refuses_tables_of_a_later_version_in_a_sentence(database_url, arguments):
+    sql(database_url, "UPDATE alembic_version SET version_num = '9999'")
+    environment = os.environ | {"POLHODE_DATABASE_URL": database_url}
+    command = [sys.executable, "-m", "service.cli", *arguments]
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
+    assert_one_sentence(ended, LATER)
+    assert ended.stderr.count("\n") == 1
 
 
 def test_the_version_is_that_of_the_installed_distribution():

@@ -13,17 +13,19 @@ from alembic import command
 from alembic.config import Config
 from procrastinate.schema import migrations_path
 from sqlalchemy import create_engine
+from sqlalchemy.exc import OperationalError
 
 from service.sandbox.result import Cancelled
 from service.settings import Settings
 from service.store import database as migrating
 from service.store import history, queue_overview, records, regrades, runs, sweeps, workers
 from service.store.course import audit, credentials, deadlines, gradebook, grades, overrides, people, tokens
-from service.store.database import driver_url, migrate
+from service.store.database import WrongSchema, driver_url, migrate
 from service.store.postgres.backup import check
 from service.store.tables import metadata
 from service.workers.worker import Worker
 from tests.support.database import run, sql
+from tests.support.waiting import wait_for
 
 
 def upgrade(url, revision):
@@ -230,6 +232,70 @@ def test_many_that_start_at_once_migrate_once(old_url):
     for thread in threads:
         thread.join()
     assert not failures and migrate(old_url) == "0006"
+
+
+def test_tables_of_a_later_version_are_refused_in_a_sentence(database_url):
+    sql(database_url, "UPDATE alembic_version SET version_num = '9999'")
+    with pytest.raises(WrongSchema, match=r"revision 9999.*up to \d{4}: install the later version.*polhode db restore"):
+        migrate(database_url)
+    assert sql(database_url, "SELECT version_num FROM alembic_version") == [("9999",)]
+
+
+def test_a_database_that_lost_tables_does_not_become_an_empty_course(empty_url):
+    head = migrate(empty_url)
+    sql(empty_url, "DROP TABLE submission CASCADE")
+    with pytest.raises(WrongSchema, match=r"missing \(submission\): restore a backup"):
+        migrate(empty_url)
+    sql(empty_url, "DROP TABLE alembic_version")
+    with pytest.raises(WrongSchema, match="alembic_version"):
+        migrate(empty_url)
+    sql(empty_url, "DROP SCHEMA public CASCADE")
+    sql(empty_url, "CREATE SCHEMA public")
+    with pytest.raises(WrongSchema, match="is empty, and its comment says that it had tables"):
+        migrate(empty_url)
+    assert sql(empty_url, "SELECT count(*) FROM pg_tables WHERE schemaname = 'public'") == [(0,)]
+    name = empty_url.split("/")[3].split("?")[0]
+    sql(empty_url, f"COMMENT ON DATABASE {name} IS NULL")
+    assert migrate(empty_url) == head
+
+
+def test_a_comment_of_the_operator_stays(empty_url):
+    name = empty_url.split("/")[3].split("?")[0]
+    sql(empty_url, f"COMMENT ON DATABASE {name} IS 'ours'")
+    migrate(empty_url)
+    comment = "SELECT shobj_description(oid, 'pg_database') FROM pg_database WHERE datname = %s"
+    assert sql(empty_url, comment, name) == [("ours",)]
+
+
+def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(old_url):
+    """As when the database ends meanwhile: the connection is cut while a revision waits for a table."""
+    failures = []
+
+    def start():
+        try:
+            migrate(old_url)
+        except OperationalError as error:
+            failures.append(error)
+
+    waiting = (
+        "SELECT pid FROM pg_locks WHERE NOT granted AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
+    )
+    before = _schema(old_url)
+    with psycopg.connect(old_url) as reader:
+        reader.execute("SELECT FROM result")
+        thread = threading.Thread(target=start)
+        thread.start()
+        ((pid,),) = wait_for(lambda: sql(old_url, waiting))
+        sql(old_url, "SELECT pg_terminate_backend(%s)", pid)
+        thread.join()
+    assert failures and _schema(old_url) == before
+    assert migrate(old_url) == "0006" and not any(check(old_url).values())
+
+
+def _schema(url):
+    """Revision and columns of a database."""
+    columns = "SELECT table_name, column_name FROM information_schema.columns WHERE table_schema = 'public' ORDER BY 1, 2"
+    return sql(url, "SELECT version_num FROM alembic_version"), sql(url, columns)
 
 
 def test_a_new_procrastinate_needs_a_revision_of_ours():

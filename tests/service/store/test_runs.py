@@ -1,6 +1,7 @@
 """Runs: the first result stays, what is lost is queued again and counted, what is released is not."""
 
 import asyncio
+import time
 import uuid
 
 import psycopg
@@ -11,7 +12,7 @@ from ecp.report import Provenance, Report
 from service.store import records, runs, workers
 from service.store.queue_overview import regrade, snapshot
 from service.store.submissions import SubmissionRejected, accept, add_grading
-from tests.support.database import new, run, sql
+from tests.support.database import jump, new, run, sql
 
 
 def report(seed=7):
@@ -139,6 +140,41 @@ def test_released_runs_do_not_count_and_a_failed_one_is_repeated_once(database_u
         run(database_url, lambda d, c=claimed: runs.release(d, c, "failed", "no room left"))
     assert claim(database_url, grading[0]) is None
     assert "no room left" in run(database_url, lambda d: records.read(d, grading[1])).fault
+
+
+@pytest.mark.parametrize("hours", [1, -1])
+def test_a_clock_that_jumps_loses_no_living_run_and_finds_a_dead_one(database_url, grading, hours):
+    lease, jumped = 0.4, 0.0
+    clock = workers.ClockWatch(lambda: time.monotonic() - 3600 * jumped)
+    take_jobs(database_url)
+    claimed = claim(database_url, grading[0])
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == []
+    jumped = hours
+    jump(database_url, hours)
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == []
+    time.sleep(1.1 * lease)
+    run(database_url, lambda d: runs.heartbeat(d, claimed, "playing", 1, 2))
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [] and endings(database_url) == [None]
+    jump(database_url, hours)  # and one whose worker died before the jump
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [grading[0]] and endings(database_url) == ["lost"]
+    assert take_jobs(database_url) == 1
+
+
+def test_a_slow_database_is_no_jump_of_its_clock(database_url, grading):
+    """An answer that takes ten leases says little about the clock."""
+    lease, late = 0.4, iter([0.0, 4.0, 4.0, 4.0])
+    clock = workers.ClockWatch(lambda: time.monotonic() + next(late))
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == []
+    take_jobs(database_url)
+    claim(database_url, grading[0])
+    fall_silent(database_url)
+    assert run(database_url, lambda d: workers.recover(d, lease, clock)) == [grading[0]]
+
+
+def test_a_grading_requested_before_the_clock_went_back_gets_its_job(database_url, grading):
+    sql(database_url, "DELETE FROM procrastinate_jobs")
+    jump(database_url, -1)
+    assert run(database_url, workers.sweep) == [grading[0]]
 
 
 def test_what_has_no_job_gets_one(database_url, grading):

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import os
+import time
 from dataclasses import replace
 
 import pytest
@@ -10,10 +11,10 @@ import pytest
 from service.grading import grader
 from service.sandbox.select import IsolationUnavailable
 from service.settings import Settings
-from service.store import sweeps
+from service.store import sweeps, workers
 from service.store.records import find_artefact
 from service.workers import worker
-from tests.support.database import run, sql
+from tests.support.database import jump, run, sql
 from tests.support.submissions import submitted
 
 SLOW = "def euler_eqs(t, w, I):\n    while True: pass\n"  # its scene is stopped after 2 s
@@ -188,3 +189,30 @@ def test_a_lease_is_several_signs_of_life_and_is_looked_after_within_it(lease, b
 def test_what_no_setting_changes():
     assert (worker.REGISTER_S, worker.SWEEP_S, worker.RETRY_SANDBOX_S) == (3.0, 30.0, 5.0)
     assert worker.PATIENCE_S == 3600.0, "a result in hand outlives an hour without database"
+
+
+def test_a_worker_registers_when_the_clock_has_jumped(database_url, monkeypatch):
+    """Otherwise the server would say for three seconds that no worker is running."""
+    monkeypatch.setattr(worker, "REGISTER_S", 3600.0)
+    hours, seen = [0], "SELECT count(*) FROM worker WHERE seen_at > now() - interval '10 s'"
+
+    async def keep_house(database):
+        async with worker_on(database_url, lease=0.4) as one:
+            one._isolation, one._clock = "process", workers.ClockWatch(lambda: time.monotonic() - 3600 * hours[0])
+            keeping = asyncio.create_task(one._keep_house())
+            await _until(lambda: sql(database_url, seen) == [(1,)])
+            await asyncio.sleep(0.3)
+            jump(database_url, 1)
+            hours[0] = 1
+            assert sql(database_url, seen) == [(0,)]
+            await _until(lambda: sql(database_url, seen) == [(1,)])
+            keeping.cancel()
+
+    run(database_url, keep_house)
+
+
+async def _until(found):
+    deadline = time.monotonic() + 20
+    while not found():
+        assert time.monotonic() < deadline
+        await asyncio.sleep(0.05)

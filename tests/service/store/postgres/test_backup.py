@@ -71,6 +71,14 @@ def test_restoring_over_something_needs_to_be_asked_for(database_url, tmp_path):
     assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)]
 
 
+def test_a_database_without_its_schema_is_restored(database_url, tmp_path):
+    run(database_url, lambda d: accept(d, new()))
+    backup.backup(database_url, find_programs(), tmp_path / "b.dump")
+    sql(database_url, "DROP SCHEMA public CASCADE")
+    backup.restore(database_url, find_programs(), tmp_path / "b.dump")
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(database_url).values())
+
+
 def test_what_is_no_backup_is_refused(empty_url, tmp_path):
     (tmp_path / "b.dump").write_text("no dump")
     for name, words in (("none.dump", "no file"), ("b.dump", "pg_restore failed")):
@@ -108,8 +116,9 @@ def test_data_of_an_older_major_version_comes_over_by_a_dump(tmp_path):
     before.stop()
     (tmp_path / "data" / "postgres").rename(tmp_path / "data" / "postgres.old")
     after = EmbeddedPostgres(tmp_path / "data")
+    with after.new_cluster() as url:
+        backup.restore(url, find_programs(), tmp_path / "old.dump")
     after.start()
-    backup.restore(after.url, find_programs(), tmp_path / "old.dump")
     assert sql(after.url, "SELECT count(*) FROM submission") == [(1,)] and not any(backup.check(after.url).values())
     after.stop()
 

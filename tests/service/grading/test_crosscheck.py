@@ -24,18 +24,11 @@ UNSTEADY = {
 }
 
 FORGED = """
-import gc
-for thing in gc.get_objects():
-    if isinstance(thing, dict) and thing.get("__name__") == "plays" and "_integrate" in thing:
-        plays, solve = thing, thing["_integrate"]
-def forge(rhs, start, times):
-    I = np.array([2.0, 3.0, 4.0])
-    def right(t, y):
-        w = y[:3]
-        turn = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
-        return np.concatenate([-np.cross(w, I * w) / I, (y[3:].reshape(3, 3) @ turn).ravel()])
-    return solve(right, start, times)
-plays["_integrate"] = forge
+import sys
+wrong = euler_eqs
+def euler_eqs(t, w, I):
+    of_integrator = sys._getframe(1).f_code.co_name == "spin_rate"
+    return -np.cross(w, I * w) / I if of_integrator else wrong(t, w, I)
 """
 
 
@@ -58,8 +51,8 @@ def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
 
 
 def test_a_forged_motion_is_replaced_by_the_functions_own(rigid_body, sandbox):
-    """The child's integrator is made to integrate the right equations for a function that is wrong."""
-    report = grade(Submission(FORGED + WRONG), rigid_body, sandbox, 5, ["2"]).report
+    """The function is right only where the child's integrator calls it."""
+    report = grade(Submission(WRONG + FORGED), rigid_body, sandbox, 5, ["2"]).report
     assert "integrated by the host" in report.provenance.motions["torque-free"]
     motion = next(o for o in report.outcomes() if o.id == "2-motion")
     assert motion.verdict is Verdict.FAIL
@@ -67,7 +60,7 @@ def test_a_forged_motion_is_replaced_by_the_functions_own(rigid_body, sandbox):
 
 def test_a_forged_motion_of_a_function_that_cannot_be_played_is_not_measured_and_says_why(rigid_body, sandbox):
     stops = WRONG.replace("    return", "    calls.append(t)\n    return 1 / 0 if len(calls) > 200 else")
-    report = grade(Submission(FORGED + "calls = []\n" + stops), rigid_body, sandbox, 5, ["2"]).report
+    report = grade(Submission("calls = []\n" + stops + FORGED), rigid_body, sandbox, 5, ["2"]).report
     motion = next(o for o in report.outcomes() if o.id == "2-motion")
     assert motion.verdict is Verdict.UNMEASURED and "called by the server: ZeroDivisionError" in motion.detail
 

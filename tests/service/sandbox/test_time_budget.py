@@ -48,9 +48,9 @@ def play(sandbox, source, scenes=8, budget_s=3.0, **limits):
     ids=["silent", "printing", "printing slowly"],
 )
 def test_processes_that_sleep_share_one_deadline(either_sandbox, stall):
-    seen = play(either_sandbox, f"{IGNORE_SIGNALS}\ndef f(x):\n    {stall}", wall_s=1.0)
+    seen = play(either_sandbox, f"{IGNORE_SIGNALS}\ndef f(x):\n    {stall}", wall_s=1.5)
     assert {e.ended for e in seen.scene_ends.values()} == {Ended.TIMED_OUT} and len(seen.scene_ends) == 8
-    assert seen.scene_ends["s7"].sentence == "your submission did not finish within 1 s in all"
+    assert seen.scene_ends["s7"].sentence == "your submission did not finish within 1.5 s in all"
     assert seen.scene_ends["s7"].code == "timeout"
     assert either_sandbox.play(job(GOOD)).finished("one"), "the next submission has a budget of its own"
 
@@ -60,6 +60,14 @@ def test_processes_that_compute_share_one_limit_of_CPU_time(either_sandbox):
     seen = play(either_sandbox, f"{IGNORE_SIGNALS}\ndef f(x):\n    while True: pass", cpu_s=0.5)
     assert {e.ended for e in seen.scene_ends.values()} == {Ended.TIMED_OUT}
     assert seen.scene_ends["s7"].sentence == "your submission used more than 0.5 s of CPU time in all"
+
+
+def test_a_process_that_starts_when_no_time_is_left_is_no_fault(sandbox, monkeypatch):
+    budget = TimeBudget(TimeLimits(wall_s=1000.0))
+    budget.charge(cpu_s=0.0, waited_s=0.0, running_s=1.0)
+    left = iter([1.0, 0.0])  # at the look before the process starts, and afterwards
+    monkeypatch.setattr(budget, "wall_left", lambda: next(left, 0.0))
+    assert sandbox.play(job(GOOD), budget=budget).scene_ends["one"].ended is Ended.TIMED_OUT
 
 
 def test_what_finished_before_the_limit_is_kept(sandbox):

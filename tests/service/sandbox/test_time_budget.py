@@ -30,6 +30,7 @@ def short_waits(monkeypatch):
 
 def play(sandbox, source, scenes=8, budget_s=3.0, **limits):
     """Play scenes whose own limits are far above those of all together. Return the result, which must not take as long."""
+    sandbox.wait_ready()
     began = time.monotonic()
     budget = TimeBudget(TimeLimits(**limits))
     seen = sandbox.play(job(source, *(scene(f"s{k}", budget_s=budget_s) for k in range(scenes))), budget=budget)

@@ -46,7 +46,7 @@ def namespace_isolation(
 
 
 def _namespaces() -> list[str]:
-    args = ["--die-with-parent", "--new-session", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts"]
+    args = ["--die-with-parent", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts"]
     args += ["--unshare-cgroup-try"]
     if os.geteuid() != 0:
         return [*args, "--unshare-user"]

@@ -11,6 +11,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
 from service.sandbox.guest.zygote import PLAY, READY, REAPED
 from service.sandbox.identity import Identity
@@ -50,6 +51,8 @@ class Zygote:
             start_new_session=True,
         )
         theirs.close()
+        with contextlib.suppress(OSError):  # Linux may schedule each session as a group (sched_autogroup) whose niceness counts
+            Path(f"/proc/{self._process.pid}/autogroup").write_text(str(os.getpriority(os.PRIO_PROCESS, 0)))
 
     def wait_ready(self) -> None:
         """Return when the zygote has imported everything. Raises SystemFault with its output if it cannot start."""

@@ -166,6 +166,14 @@ def test_a_stopped_worker_finishes_or_gives_back(crew, database_url):
     assert rows(database_url, jobs) == [(long, "todo")], "nothing is lost, and nothing graded twice"
 
 
+def scheduling_group(pid):
+    """The group of a session and its niceness, "" where Linux schedules by process."""
+    try:
+        return Path(f"/proc/{pid}/autogroup").read_text()
+    except OSError:
+        return ""
+
+
 def test_workers_end_with_a_crew_that_is_killed_and_the_server_starts_another(front, url):
     """The crew is the parent of the workers that are there."""
     recent = "SELECT split_part(name, '/', 2)::int FROM worker WHERE seen_at > now() - interval '10 s'"
@@ -174,7 +182,13 @@ def test_workers_end_with_a_crew_that_is_killed_and_the_server_starts_another(fr
     )
     (crew,) = {int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1]) for pid in workers}
     assert set(children(crew)) == set(workers) and crew != front.process.pid
-    assert {os.getpriority(os.PRIO_PROCESS, pid) for pid in workers} == {os.getpriority(os.PRIO_PROCESS, front.process.pid) + 10}
+    lower = os.getpriority(os.PRIO_PROCESS, front.process.pid) + 10
+    assert {os.getpriority(os.PRIO_PROCESS, pid) for pid in workers} == {lower}
+    files = [file for pid in workers for file in Path(f"/proc/{pid}/task").glob("*/children")]
+    guests = [int(guest) for file in files for guest in file.read_text().split()]
+    guests += [below for guest in guests for below in children(guest)]  # of a guest in namespaces
+    groups = {text for pid in guests if (text := scheduling_group(pid))}
+    assert guests and all(group.endswith(f" nice {lower}\n") for group in groups), groups
     os.kill(crew, signal.SIGKILL)
     wait_for(lambda: not any(b"service.cli" in command_of(pid) for pid in workers))
     assert post(front.url, SLOW.format(0), Prefer="wait=60")["report"]["passed"]

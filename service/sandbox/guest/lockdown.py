@@ -56,7 +56,7 @@ class Layers:
         ``places`` maps a file descriptor's number in this process to the open descriptor that is moved there. The kernel ends this
         process after ``cpu_s`` seconds of CPU time, or a second later if it ignores the signal.
         """
-        os.setsid()
+        os.setpgid(0, 0)  # not a new session, which would be scheduled as a group of its own
         self._close_all_but(places)
         for number in set(signal.valid_signals()) - {signal.SIGKILL, signal.SIGSTOP} - KEEP_IGNORED:
             if signal.getsignal(number) not in (signal.SIG_DFL, None):

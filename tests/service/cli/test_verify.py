@@ -123,6 +123,11 @@ def test_what_no_sample_shows_is_a_warning(folder, capsys):
 
 
 def test_a_right_sample_that_needs_much_time_is_a_warning(folder, capsys, monkeypatch):
+    for name in entries(folder):
+        if name != "right_terms.py":
+            (folder / "samples" / name).unlink()
+    expected = folder / "samples" / "expected.toml"
+    expected.write_text("\n\n".join(e for e in expected.read_text().split("\n\n") if "right_terms" in e))
     monkeypatch.setattr(verification, "CPU_FACTOR", 1e4)
     assert verify(folder) == 0
     last = capsys.readouterr().out.splitlines()[-1]

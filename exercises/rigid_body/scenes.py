@@ -170,6 +170,7 @@ FILM = {
     "owners": ArraySpec((256, 3), up_to=True),
     "labels": ArraySpec((64, 3), up_to=True),
     "at": ArraySpec((600, 3), up_to=True),
+    "visible": ArraySpec((2,)),
     "cost": ArraySpec((6,)),
     "own_R": ArraySpec((4000, 3, 3), up_to=True),
     "own_t": ArraySpec((4000, 1), up_to=True),

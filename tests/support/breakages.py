@@ -108,9 +108,23 @@ RIGID_BODY = [
     Breakage(
         "a drawing in which nothing moves is not judged",
         "exercises/rigid_body/public/animation_checks.py",
-        "found = None if painted else False",
-        "found = None",
+        "Shown(None if painted else False, code,",
+        "Shown(None, code,",
         ("tests/exercises/rigid_body/public/test_animation_checks.py",),
+    ),
+    Breakage(
+        "an artist that changes no pixel counts as visible",
+        "exercises/kit/ecp/visibility.py",
+        "return artists if changed.any() else []",
+        "return artists",
+        ("tests/exercises/kit/ecp/test_visibility.py::test_what_changes_no_pixel_does_not_count",),
+    ),
+    Breakage(
+        "a picture in which nothing changes but text passes as a moving one",
+        "exercises/rigid_body/public/common_checks.py",
+        'if share > STILL and not seen["visible"][0]:',
+        "if False:",
+        ("tests/exercises/rigid_body/test_hidden_checks.py::test_a_picture_whose_text_changes_does_not_move",),
     ),
     Breakage(
         "any axis of the body passes for the one asked for",

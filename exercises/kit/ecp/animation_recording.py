@@ -13,24 +13,28 @@ from numpy.typing import NDArray
 
 from ecp.artists import Drawn, drawn, labelled, painted, unordered
 from ecp.return_value import WrongAnswer
+from ecp.visibility import Visibility
 
 FRAME_CAP = 600
 STILLS, POINTS = 24, 256  # pictures recorded, points recorded per frame
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
+LOOKS = tuple(1 + k * (k + 1) // 2 for k in range(10))  # counts of stills, in uneven steps: a motion may be periodic
 
 
 def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     """Draw every frame once, in order, because drawing may depend on earlier frames. Return
 
     - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
-    - ``tracks`` (f, p, 3): the points of the artists in each of f ≤ FRAME_CAP frames, in data coordinates
+    - ``tracks`` (f, p, 3): the points of the visible artists in each of f ≤ FRAME_CAP frames, in data coordinates
     - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
       for points without order) and their number
     - ``labels`` (k, 3): for each 2-D axes its number and the coordinates its labels name, see ``artists.labelled``
     - ``at`` (f, 3): for each frame its number, the value the animation calls it by (−1: none), and the number of frames
     - ``cost`` (5,): frames drawn, seconds drawing them, of these clearing axes, 1 if the figure stays open, and the number
       of images without points
+    - ``visible`` (2,): the share of the pixels that change without any text, and the number of moving artists that no
+      pixel shows, in some of the stills
 
     Raises WrongAnswer for something that is not an animation, for more than FRAME_CAP frames, and past
     ``seconds`` of CPU time.
@@ -48,7 +52,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
         canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
         anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
-        sequence = anim.new_frame_seq()
+        visibility, sequence = Visibility(figure, canvas), anim.new_frame_seq()
         known = max(listed, length_hint(sequence))  # 0 for a generator
         for number, frame in enumerate(sequence):
             if max(number + 1, known) > FRAME_CAP:
@@ -62,18 +66,21 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
             paths.append(drawn(figure))
             if number % stride == 0:
                 pictures[number] = _picture(figure, canvas)
+                if len(pictures) in LOOKS:
+                    visibility.look(paths[-1])
                 if len(pictures) == 2 * STILLS:  # the number of frames is not known before the last one
                     stride *= 2
                     pictures = {k: picture for k, picture in pictures.items() if k % stride == 0}
     if not values:
         raise WrongAnswer("no-animation", "the animation has no frames")
     at = [[number, value, len(values)] for number, value in enumerate(values)]
+    paths, invisible = visibility.split(paths)
     tracks, owners = _tracks(paths)
     left_open = plt.fignum_exists(getattr(figure, "number", -1))
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
     kept = [pictures[k] for k in sorted(pictures)]
     stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
-    named = {"tracks": tracks, "owners": owners, "labels": labelled(figure)}
+    named = {"tracks": tracks, "owners": owners, "labels": labelled(figure), "visible": np.array([visibility.moves, invisible])}
     return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
 
 

@@ -2,7 +2,9 @@
 
 import re
 from collections import Counter
+from collections.abc import Callable
 from typing import Any, NamedTuple
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +19,14 @@ class Drawn(NamedTuple):
     """An artist's points (n, 3), the first and last one first, n ≥ 0, in 2 or 3 ``dimensions``.
 
     ``key`` identifies it in the next frame: its axes, kind, and number among these from the newest on;
-    ``oldest`` counts from the oldest.
+    ``oldest`` counts from the oldest. ``artist()`` is the artist, or None once it is gone.
     """
 
     key: tuple[int, str, int]
     oldest: int
     dimensions: int
     points: Array
+    artist: Callable[[], Any]
 
 
 def drawn(figure: Any) -> list[Drawn]:
@@ -43,7 +46,7 @@ def drawn(figure: Any) -> list[Drawn]:
             if not _shows(artist) or artist is axes.patch or isinstance(artist, Spine):
                 continue
             try:
-                points = _points(artist)
+                points, itself = _points(artist), ref(artist)
             except Exception:  # noqa: S112 -- an artist that polhode cannot read is not the student's mistake
                 continue
             if points is None or points.ndim != 2 or not 2 <= points.shape[1] <= 3:
@@ -56,7 +59,7 @@ def drawn(figure: Any) -> list[Drawn]:
             full[:, : points.shape[1]] = points
             if axes.name == "polar":
                 full[:, 0], full[:, 1] = full[:, 1] * np.cos(full[:, 0]), full[:, 1] * np.sin(full[:, 0])
-            found.append(Drawn((number, kind, seen[kind]), 0, dimensions, _few(full)))
+            found.append(Drawn((number, kind, seen[kind]), 0, dimensions, _few(full), itself))
         counted = [d._replace(oldest=seen[d.key[1]] + 1 - d.key[2]) if d.key[0] == number else d for d in found]
         found = counted
     return found

@@ -21,6 +21,8 @@ from .resembling import resembling
 Array = NDArray[np.float64]
 
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
+INVISIBLE = "nothing that moves can be seen: draw it within the limits of the axes, in front, in a visible colour and width"
+NOTHING = "nothing drawn moves but text: does update change lines, arrows, polygons or markers?"
 RARELY = 0.03  # share of the frames or samples; a drawing that changes at fewer shows no motion
 
 
@@ -33,11 +35,10 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
     """
     if not is_consistent(seen):
         return Shown(False, None, "the returned arrays do not fit together")
-    drawn, painted = pictures(seen), seen["cost"][4] > 0
+    drawn, painted, invisible = pictures(seen), seen["cost"][4] > 0, seen["visible"][1]
     if not any(picture.paths for picture in drawn):
-        code = "static" if any(picture.still for picture in drawn) and not painted else None
-        found = None if painted else False
-        return Shown(found, code, "nothing drawn moves but text: does update change lines, arrows, polygons or markers?")
+        code = "static" if (any(picture.still for picture in drawn) or invisible) and not painted else None
+        return Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING)
     if len(seen["at"]) < timing.LEAST_FRAMES:
         return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
     at, t, R = fewer(seen["at"], t, R)
@@ -46,7 +47,9 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
         sentence = f"the drawing changes at only {changes} of {len(at)} frames: is each frame drawn from its own sample?"
         return Shown(False, "static", sentence)
     if painted and not shown.found:
-        return Shown(None, None, "the picture is painted as pixels, and nothing else that moves shows the body")
+        shown = Shown(None, None, "the picture is painted as pixels, and nothing else that moves shows the body")
+    if invisible and not shown.found:
+        shown = shown._replace(sentence=f"{shown.sentence}; artists that cannot be seen do not count")
     return shown
 
 

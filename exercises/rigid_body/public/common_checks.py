@@ -89,6 +89,8 @@ def film(number: str, scene: str, function: str, axis: int | None, what: str) ->
 
 def _moves(seen: Arrays) -> tuple[bool, str]:
     share = moving_share(seen["frames"])
+    if share > STILL and not seen["visible"][0]:
+        return False, f"{len(seen['frames'])} stills, in which nothing changes but text"
     return share > STILL, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
 
 

@@ -99,4 +99,12 @@ def test_a_picture_moves_if_enough_of_it_changes(rigid_body, changed, verdict):
     check = next(check for check in rigid_body.checks() if check.id == "6-moves")
     frames = np.zeros((3, 360, 480, 3), dtype=np.uint8)
     frames[1].reshape(-1, 3)[:changed] = 255
-    assert check.judge([{"frames": frames, "cost": np.zeros(6)}], [{}]).verdict is verdict
+    assert check.judge([{"frames": frames, "cost": np.zeros(6), "visible": np.array([1.0, 0.0])}], [{}]).verdict is verdict
+
+
+def test_a_picture_whose_text_changes_does_not_move(rigid_body):
+    check = next(check for check in rigid_body.checks() if check.id == "6-moves")
+    frames = np.zeros((3, 360, 480, 3), dtype=np.uint8)
+    frames[1] = 255
+    outcome = check.judge([{"frames": frames, "cost": np.zeros(6), "visible": np.array([0.0, 1.0])}], [{}])
+    assert outcome.verdict is Verdict.FAIL and "nothing changes but text" in outcome.detail

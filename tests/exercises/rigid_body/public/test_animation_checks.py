@@ -37,7 +37,14 @@ def frames(*artists, values=None):
     named = followed if values is None else np.asarray(values)[followed]
     at = np.column_stack([followed, named, np.full(len(followed), total)]).astype(float)
     cost = np.array([total, 1.0, 0.0, 0.0, 0.0, 0.0])
-    return {"tracks": tracks, "owners": np.array(owners, float), "labels": -np.ones((1, 3)), "at": at, "cost": cost}
+    return {
+        "tracks": tracks,
+        "owners": np.array(owners, float),
+        "labels": -np.ones((1, 3)),
+        "at": at,
+        "cost": cost,
+        "visible": np.array([1.0, 0.0]),
+    }
 
 
 def panels(*drawn, labels=()):
@@ -261,6 +268,15 @@ def test_what_stands_still_is_not_the_body_unless_a_picture_is_painted():
         assert body_shown(seen, T, R, 2, L).code == ("static" if seen is still else None)
         assert body_shown(seen | {"cost": np.array([96, 1, 0, 0, 1.0])}, T, R, 2, L).found is None
     assert momentum_shown(nothing, T, R, L).found is None
+
+
+def test_what_cannot_be_seen_is_static():
+    nothing = watched(np.ones_like(TIP)) | {"visible": np.array([0.0, 1.0])}
+    shown = body_shown(nothing, T, R, 2, L)
+    assert shown.found is False and shown.code == "static" and "nothing that moves can be seen: " in shown.sentence
+    wrong = body_shown(scene(R[:, :, 0]) | {"visible": np.array([0.1, 1.0])}, T, R, 2, L)
+    assert wrong.found is False and "artists that cannot be seen do not count" in wrong.sentence
+    assert body_shown(scene(TIP) | {"visible": np.array([0.1, 1.0])}, T, R, 2, L).found is True
 
 
 def test_what_changes_once_is_static():

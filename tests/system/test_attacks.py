@@ -42,6 +42,7 @@ LONG = {  # seconds each, at every level
     "answers_by_clock",
     "compile_huge_constant",
     "cpu_sleep",
+    "film_of_noise",
     "cpu_stops_itself",
     "film_endless",
     "memory_recursion",

@@ -42,7 +42,10 @@ LONGEST = (
 
 
 # Files that one process runs: numba compiles for it only once, one real server is started.
-TOGETHER = {"physics": r"^tests/reference/", "real server": r"/(api/test_submissions|api/test_parse_submission|cli/test_serve|test_notebooks|test_demo)\.py$"}
+TOGETHER = {
+    "physics": r"^tests/reference/",
+    "real server": r"/(api/test_submissions|api/test_parse_submission|cli/test_serve|test_notebooks|test_demo)\.py$",
+}
 
 # How many examples Hypothesis makes: some in ``make test``, more where the slow tests run too.
 for profile, examples in (("some", 25), ("many", 100)):

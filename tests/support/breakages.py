@@ -364,6 +364,13 @@ SANDBOX = [
         ("tests/service/sandbox/guest/test_seccomp.py",),
     ),
     Breakage(
+        "a submission may ask about any process",
+        "service/sandbox/guest/seccomp.py",
+        "code += _rule(n[name], _only(0, (0, OWN_PID), refuse))",
+        "code += _rule(n[name], [_step(RETURN, ALLOW)])",
+        ("tests/service/sandbox/guest/test_seccomp.py::test_only_the_own_process_is_asked_about",),
+    ),
+    Breakage(
         "sockets are among the calls allowed",
         "service/sandbox/guest/syscalls.py",
         '"getpid": 39, ',

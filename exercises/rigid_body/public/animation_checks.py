@@ -12,7 +12,7 @@ from ecp.checks import Arrays
 
 from . import boxes, cameras, timing
 from .followed_direction import PARALLEL, Shown, read, samples
-from .matching import Match, Motion, fewer, matched
+from .matching import MOST_SAMPLES, Match, Motion, fewer, matched
 from .mistakes import TRANSPOSED, mistimed, otherwise, spin, transposed
 from .own_view import by_own_camera, unlabelled
 from .pictures import Picture, changed, directions, is_consistent, origins, pictures
@@ -41,9 +41,8 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
         return Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING)
     if len(seen["at"]) < timing.LEAST_FRAMES:
         return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
-    at, t, R = fewer(seen["at"], t, R)
-    shown = compared(drawn, Motion(at, t, R, L, axis, half=half), at)
-    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(at), len(t)):
+    _, at, shown = comparison(seen, drawn, t, R, L, axis=axis, half=half)
+    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(at), MOST_SAMPLES, len(t)):
         sentence = f"the drawing changes at only {changes} of {len(at)} frames: is each frame drawn from its own sample?"
         return Shown(False, "static", sentence)
     if painted and not shown.found:
@@ -51,6 +50,27 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
     if invisible and not shown.found:
         shown = shown._replace(sentence=f"{shown.sentence}; artists that cannot be seen do not count")
     return shown
+
+
+def comparison(
+    seen: Arrays, drawn: list[Picture], t: Array, R: Array, L: Array | None, *, axis: int | None, half: Array | None = None
+) -> tuple[Motion, Array, Shown]:
+    """Return the motion that ``drawn``, the pictures of ``seen``, are compared with, its frames, and what they show.
+
+    The last result is kept, because two checks and their diagnosis need the same one.
+    """
+    asked: list[object] = [axis, *(None if array is None else np.asarray(array).tobytes() for array in (t, R, L, half))]
+    for of, known, result in _last:
+        if of is seen and known == asked:
+            return result
+    at, t, R = fewer(seen["at"], t, R)
+    motion = Motion(at, t, R, L, axis, half=half)
+    result = motion, at, compared(drawn, motion, at)
+    _last[:] = [(seen, asked, result)]
+    return result
+
+
+_last: list[tuple[Arrays, list[object], tuple[Motion, Array, Shown]]] = []
 
 
 def compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:

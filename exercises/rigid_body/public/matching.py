@@ -18,6 +18,7 @@ REFINED = 3  # rounds in which times and perspective are fitted in turn
 NEAREST = 0.5  # inverse of the distance of a camera from the centre, in lengths of the axis
 SKEW = 0.1  # sine of the angle between the line of sight and the normal of the drawing
 MOST_SAMPLES = 400  # of a motion: laws grow with their square
+MOST_PATHS = 64  # that are compared with a curve at any time, which only explains a verdict
 
 
 class Motion:
@@ -150,15 +151,22 @@ def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
     """Return what the most mistimed frame shows, if a path keeps to ``curve`` (G, d) but at no times that a
     law allows.
     """
+    from scipy.spatial import KDTree
+
     even = at[:, 0] / np.maximum(at[:, 2] - 1, 1) * (len(curve) - 1)
-    total = at[0, 2]
-    for path in picture.paths:
-        scale = np.sqrt(np.mean(path.places**2) / np.mean(curve**2))
-        for _ in range(4):
-            nearest = np.argmin(np.sum((path.places[:, None] - scale * curve) ** 2, axis=2), axis=1)
+    total, tree = at[0, 2], KDTree(curve)
+    for path in picture.paths[:MOST_PATHS]:
+        scale, spread = np.sqrt(np.mean(path.places**2) / np.mean(curve**2)), np.std(path.places - path.places.mean(axis=0))
+        left = np.inf
+        for turn in range(4):
+            if scale <= 0:
+                break
+            nearest = tree.query(path.places / scale)[1]
             scale = np.sum(path.places * curve[nearest]) / np.sum(curve[nearest] ** 2)
-        left = np.sqrt(np.mean((path.places - scale * curve[nearest]) ** 2))
-        if scale > 0 and left <= MISFIT * np.sqrt(np.mean((path.places - path.places.mean(axis=0)) ** 2)):
+            left = np.sqrt(np.mean((path.places - scale * curve[nearest]) ** 2))
+            if turn and left > HOPEFUL * spread:
+                break
+        if scale > 0 and left <= MISFIT * spread:
             distance = np.linalg.norm(path.places[:, None] - scale * curve, axis=2)
             same = distance <= distance.min(axis=1, keepdims=True) + 2 * MISFIT * scale * np.linalg.norm(curve[0])
             off = np.where(same, np.abs(np.arange(len(curve)) - even[:, None]), np.inf)  # the curve may return to a place

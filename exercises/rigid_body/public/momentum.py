@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays
 
 from . import cameras, timing
-from .animation_checks import compared
+from .animation_checks import comparison
 from .followed_direction import PARALLEL, Shown
-from .matching import Motion, along, fewer
+from .matching import Motion, along
 from .pictures import Picture, directions, is_consistent, origins, pictures
 
 Array = NDArray[np.float64]
@@ -24,9 +24,9 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
         return Shown(None, None, "the returned arrays do not fit together")
     drawn, unit = pictures(seen), L / np.linalg.norm(L)
     enough = len(seen["at"]) >= timing.LEAST_FRAMES and any(picture.paths for picture in drawn)
-    at, t, R = fewer(seen["at"], t, R)
-    motion = Motion(at, t, R, L, axis)
-    found = compared(drawn, motion, at).cameras if enough else ()
+    if enough:
+        motion, _, shown = comparison(seen, drawn, t, R, L, axis=axis)
+    found = shown.cameras if enough else ()
     reversed_ = False
     for picture, camera in zip(drawn, found or (None,) * len(drawn), strict=True):
         some, sure = directions(picture, origins(picture.paths))

@@ -3,7 +3,7 @@
 Numbers: Linux's arch/x86/entry/syscalls/syscall_64.tbl and include/uapi/asm-generic/unistd.h (aarch64); a test compares them with
 the kernel headers of the machine. Left out on purpose: fork, vfork, exec, sockets, ptrace, signals to others, all that
 creates, changes or removes a file, shared memory, timers except the one of a scene's budget, namespaces, keys, bpf, io_uring,
-userfaultfd and every newer call.
+userfaultfd, sessions and every newer call.
 """
 
 import ctypes
@@ -34,10 +34,9 @@ _X86_64 = {
     **{"madvise": 28, "dup": 32, "dup2": 33, "nanosleep": 35, "getitimer": 36, "getpid": 39, "exit": 60, "uname": 63},
     **{"getdents": 78, "getcwd": 79, "readlink": 89, "umask": 95, "gettimeofday": 96, "getrlimit": 97, "getrusage": 98},
     **{"sysinfo": 99, "times": 100, "getuid": 102, "getgid": 104, "geteuid": 107, "getegid": 108, "getppid": 110, "getpgrp": 111},
-    **{"getpgid": 121, "getsid": 124, "rt_sigpending": 127, "sigaltstack": 131, "statfs": 137, "fstatfs": 138, "arch_prctl": 158},
-    **{"gettid": 186, "time": 201, "futex": 202, "sched_getaffinity": 204, "getdents64": 217, "set_tid_address": 218},
-    **{"restart_syscall": 219, "fadvise64": 221, "clock_gettime": 228, "clock_getres": 229, "clock_nanosleep": 230},
-    **{"exit_group": 231, "newfstatat": 262, "readlinkat": 267, "faccessat": 269, "pselect6": 270, "ppoll": 271},
+    **{"rt_sigpending": 127, "sigaltstack": 131, "statfs": 137, "fstatfs": 138, "arch_prctl": 158, "gettid": 186, "time": 201},
+    **{"futex": 202, "getdents64": 217, "set_tid_address": 218, "restart_syscall": 219, "fadvise64": 221, "exit_group": 231},
+    **{"newfstatat": 262, "readlinkat": 267, "faccessat": 269, "pselect6": 270, "ppoll": 271},
     **{"set_robust_list": 273, "dup3": 292, "pipe2": 293, "preadv": 295, "getcpu": 309, "getrandom": 318, "membarrier": 324},
     **{"statx": 332, "rseq": 334, "close_range": 436, "faccessat2": 439},
 }
@@ -45,22 +44,24 @@ _AARCH64 = {
     **{"getcwd": 17, "dup": 23, "dup3": 24, "statfs": 43, "fstatfs": 44, "faccessat": 48, "close": 57, "pipe2": 59},
     **{"getdents64": 61, "lseek": 62, "read": 63, "write": 64, "readv": 65, "writev": 66, "pread64": 67, "pwrite64": 68},
     **{"preadv": 69, "pselect6": 72, "ppoll": 73, "readlinkat": 78, "newfstatat": 79, "fstat": 80, "exit": 93, "exit_group": 94},
-    **{"set_tid_address": 96, "futex": 98, "set_robust_list": 99, "nanosleep": 101, "getitimer": 102, "clock_gettime": 113},
-    **{"clock_getres": 114, "clock_nanosleep": 115, "sched_getaffinity": 123, "sched_yield": 124, "restart_syscall": 128},
-    **{"sigaltstack": 132, "rt_sigaction": 134, "rt_sigprocmask": 135, "rt_sigpending": 136, "rt_sigreturn": 139, "times": 153},
-    **{"getpgid": 155, "getsid": 156, "uname": 160, "getrlimit": 163, "getrusage": 165, "umask": 166, "getcpu": 168},
+    **{"set_tid_address": 96, "futex": 98, "set_robust_list": 99, "nanosleep": 101, "getitimer": 102},
+    **{"sched_yield": 124, "restart_syscall": 128, "sigaltstack": 132, "rt_sigaction": 134, "rt_sigprocmask": 135},
+    **{"rt_sigpending": 136, "rt_sigreturn": 139, "times": 153, "uname": 160, "getrlimit": 163, "getrusage": 165},
+    **{"umask": 166, "getcpu": 168},
     **{"gettimeofday": 169, "getpid": 172, "getppid": 173, "getuid": 174, "geteuid": 175, "getgid": 176, "getegid": 177},
     **{"gettid": 178, "sysinfo": 179, "brk": 214, "munmap": 215, "mremap": 216, "mmap": 222, "fadvise64": 223, "mprotect": 226},
     **{"madvise": 233, "getrandom": 278, "membarrier": 283, "statx": 291, "rseq": 293, "close_range": 436, "faccessat2": 439},
 }
-_NARROW = ("openat", "clone", "clone3", "kill", "tgkill", "prctl", "ioctl", "fcntl", "prlimit64", "setitimer", "seccomp")
-
-_NARROW_X86_64 = (257, 56, 435, 62, 234, 157, 16, 72, 302, 38, 317)
-_NARROW_AARCH64 = (56, 220, 435, 129, 131, 167, 29, 25, 261, 103, 277)
+_NARROW = {  # numbers on x86_64 and on aarch64
+    **{"openat": (257, 56), "clone": (56, 220), "clone3": (435, 435), "kill": (62, 129), "tgkill": (234, 131)},
+    **{"prctl": (157, 167), "ioctl": (16, 29), "fcntl": (72, 25), "prlimit64": (302, 261), "setitimer": (38, 103)},
+    **{"seccomp": (317, 277), "getpgid": (121, 155), "sched_getaffinity": (204, 123), "clock_gettime": (228, 113)},
+    **{"clock_getres": (229, 114), "clock_nanosleep": (230, 115)},
+}
 
 MACHINES = {
-    "x86_64": Machine(0xC000003E, _X86_64, dict(zip(_NARROW, _NARROW_X86_64, strict=True)) | {"open": 2}, foreign=0x40000000),
-    "aarch64": Machine(0xC00000B7, _AARCH64, dict(zip(_NARROW, _NARROW_AARCH64, strict=True)), foreign=None),
+    "x86_64": Machine(0xC000003E, _X86_64, {name: n for name, (n, _) in _NARROW.items()} | {"open": 2}, foreign=0x40000000),
+    "aarch64": Machine(0xC00000B7, _AARCH64, {name: n for name, (_, n) in _NARROW.items()}, foreign=None),
 }
 
 

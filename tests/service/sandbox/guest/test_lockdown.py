@@ -53,6 +53,41 @@ print(json.dumps([number for number in range(4096) if is_open(number)]))
     assert printed(either_sandbox, source)[:5] == [0, 1, 2, 3, 4] and len(others) == len(folders)
 
 
+def test_a_child_may_ask_about_itself(either_sandbox):
+    """What Python, NumPy and a submission that times itself call works, with process id 0 and with the child's own."""
+    source = """
+import json, os, resource, threading, time
+import numpy as np
+clocks = [name for name in dir(time) if name.startswith("CLOCK_")]
+actions = {name: lambda name=name: time.clock_gettime(getattr(time, name)) for name in clocks}
+actions |= {name + " resolution": lambda name=name: time.clock_getres(getattr(time, name)) for name in clocks}
+for name in ("time", "monotonic", "perf_counter", "process_time", "thread_time"):
+    actions[name] = getattr(time, name)
+actions |= {
+    "sleep": lambda: time.sleep(1e-3),
+    "processors": os.cpu_count,
+    "group": os.getpgrp,
+    "limit": lambda: resource.getrlimit(resource.RLIMIT_CPU),
+    "usage": lambda: resource.getrusage(resource.RUSAGE_SELF),
+    "event": lambda: threading.Event().wait(1e-3),
+    "name of the thread": lambda: setattr(threading.current_thread(), "name", "other"),
+    "linear algebra": lambda: np.linalg.eigh(np.ones((200, 200))),
+}
+for pid in (0, os.getpid()):
+    actions[f"affinity {pid}"] = lambda pid=pid: os.sched_getaffinity(pid)
+    actions[f"group {pid}"] = lambda pid=pid: os.getpgid(pid)
+    actions[f"limit {pid}"] = lambda pid=pid: resource.prlimit(pid, resource.RLIMIT_CPU)
+def fails(action):
+    try:
+        action()
+    except Exception as error:
+        return repr(error)
+print(json.dumps([len(clocks), {name: failed for name, action in actions.items() if (failed := fails(action))}]))
+"""
+    clocks, failed = printed(either_sandbox, source)
+    assert clocks >= 5 and failed == {}
+
+
 def test_stepping_down_keeps_no_capability():
     """Also where there is no other user to become."""
     source = (

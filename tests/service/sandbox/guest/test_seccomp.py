@@ -28,7 +28,7 @@ def answer(name, call, *arguments, audit=None):
     """What the filter of that machine says to a call (a name or a number)."""
     machine = MACHINES[name]
     number = call if isinstance(call, int) else (machine.allowed | machine.narrow)[call]
-    code = seccomp.program(machine).replace(struct.pack("<I", seccomp.ANY_PROCESS), struct.pack("<I", ME))
+    code = seccomp.program(machine).replace(struct.pack("<I", seccomp.OWN_PID), struct.pack("<I", ME))
     given = (*arguments, 0, 0, 0, 0, 0, 0)[:6]
     data = struct.pack("<iIQ6Q", number, audit or machine.audit, 0, *(a % 2**64 for a in given))
     at, value = 0, 0
@@ -74,9 +74,10 @@ def test_calls_for_some_arguments_only(name):
     assert answer(name, "kill", ME, 9) == answer(name, "tgkill", ME, ME, 6) == seccomp.ALLOW
     assert answer(name, "kill", 1, 9) == answer(name, "kill", -1, 9) == answer(name, "tgkill", 1, ME, 9) == EPERM
     assert answer(name, "clone3") == ENOSYS and answer(name, "clone", 0x11) == seccomp.FAIL | errno.EAGAIN
-    assert answer(name, "prlimit64", 0, 7, 0) == seccomp.ALLOW
     assert answer(name, "prlimit64", 0, 7, 4096) == answer(name, "prlimit64", 0, 7, 1 << 32) == EPERM
-    assert answer(name, "prctl", 15) == seccomp.ALLOW and answer(name, "prctl", 4, 1) == answer(name, "prctl", 22, 2) == EPERM
+    assert answer(name, "prlimit64", ME, 7, 4096) == answer(name, "prlimit64", 1, 7, 4096) == EPERM
+    assert answer(name, "prctl", 16) == answer(name, "prctl", 0x53564D41, 0) == seccomp.ALLOW
+    assert {answer(name, "prctl", option) for option in (1, 4, 15, 22, 23, 35, 36)} == {EPERM}  # 15: PR_SET_NAME
     assert answer(name, "ioctl", 0, 0x5401) == seccomp.ALLOW and answer(name, "ioctl", 0, 0x5412) == seccomp.FAIL | errno.ENOTTY
     assert (
         answer(name, "fcntl", 4, 1030) == seccomp.ALLOW and answer(name, "fcntl", 4, 8) == answer(name, "fcntl", 4, 1031) == EPERM
@@ -89,6 +90,22 @@ def test_calls_for_some_arguments_only(name):
     assert answer(name, "openat", -100, 0, os.O_RDONLY | os.O_TRUNC) == refused
     if name == "x86_64":
         assert answer(name, "open", 0, os.O_RDONLY | os.O_TRUNC) == refused and answer(name, "open", 0, 0) == seccomp.ALLOW
+
+
+@machines
+@pytest.mark.parametrize("call", ["getpgid", "sched_getaffinity", "prlimit64"])
+def test_only_the_own_process_is_asked_about(name, call):
+    assert answer(name, call, 0) == answer(name, call, ME) == seccomp.ALLOW
+    assert {answer(name, call, pid) for pid in (1, ME - 1, ME + 1, -1, -ME, 1 << 31)} == {EPERM}
+
+
+@machines
+@pytest.mark.parametrize("call", ["clock_gettime", "clock_getres", "clock_nanosleep"])
+def test_no_clock_of_another_process_is_read(name, call):
+    assert {answer(name, call, clock) for clock in range(12)} == {seccomp.ALLOW}
+    kinds = (0, 1, 2, 3, 4, 5, 6)  # profiling, virtual and CPU time of a process, a clock device (3), and those of a thread
+    others = [~number << 3 | kind for number in (1, 4, ME - 1, 65535) for kind in kinds]
+    assert {answer(name, call, clock) for clock in (*others, 12, 1 << 31)} == {EPERM}
 
 
 @machines

@@ -12,7 +12,7 @@ from ecp.checks import Arrays
 
 from . import boxes, cameras, timing
 from .followed_direction import PARALLEL, Shown, read, samples
-from .matching import MOST_SAMPLES, Match, Motion, fewer, matched
+from .matching import Match, Motion, fewer, matched
 from .mistakes import TRANSPOSED, mistimed, otherwise, spin, transposed
 from .own_view import by_own_camera, unlabelled
 from .pictures import Picture, changed, directions, is_consistent, origins, pictures
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
 INVISIBLE = "nothing that moves can be seen: draw it within the limits of the axes, in front, in a visible colour and width"
 NOTHING = "nothing drawn moves but text: does update change lines, arrows, polygons or markers?"
+_last: list[tuple[Arrays, list[object], tuple[Motion, Shown]]] = []  # of ``comparison``: arrays, the other arguments, result
 RARELY = 0.03  # share of the frames or samples; a drawing that changes at fewer shows no motion
 
 
@@ -41,9 +42,9 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
         return Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING)
     if len(seen["at"]) < timing.LEAST_FRAMES:
         return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
-    _, at, shown = comparison(seen, drawn, t, R, L, axis=axis, half=half)
-    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(at), MOST_SAMPLES, len(t)):
-        sentence = f"the drawing changes at only {changes} of {len(at)} frames: is each frame drawn from its own sample?"
+    motion, shown = comparison(seen, drawn, t, R, L, axis=axis, half=half)
+    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(seen["at"]), motion.n):
+        sentence = f"the drawing changes at only {changes} of {len(seen['at'])} frames: is each frame drawn from its own sample?"
         return Shown(False, "static", sentence)
     if painted and not shown.found:
         shown = Shown(None, None, "the picture is painted as pixels, and nothing else that moves shows the body")
@@ -54,8 +55,8 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
 
 def comparison(
     seen: Arrays, drawn: list[Picture], t: Array, R: Array, L: Array | None, *, axis: int | None, half: Array | None = None
-) -> tuple[Motion, Array, Shown]:
-    """Return the motion that ``drawn``, the pictures of ``seen``, are compared with, its frames, and what they show.
+) -> tuple[Motion, Shown]:
+    """Return the motion that ``drawn``, the pictures of ``seen``, are compared with, and what they show.
 
     The last result is kept, because two checks and their diagnosis need the same one.
     """
@@ -65,12 +66,9 @@ def comparison(
             return result
     at, t, R = fewer(seen["at"], t, R)
     motion = Motion(at, t, R, L, axis, half=half)
-    result = motion, at, compared(drawn, motion, at)
+    result = motion, compared(drawn, motion, at)
     _last[:] = [(seen, asked, result)]
     return result
-
-
-_last: list[tuple[Arrays, list[object], tuple[Motion, Array, Shown]]] = []
 
 
 def compared(drawn: list[Picture], motion: Motion, at: Array) -> Shown:

@@ -24,9 +24,10 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
         return Shown(None, None, "the returned arrays do not fit together")
     drawn, unit = pictures(seen), L / np.linalg.norm(L)
     enough = len(seen["at"]) >= timing.LEAST_FRAMES and any(picture.paths for picture in drawn)
+    found: tuple[Array | None, ...] = ()
     if enough:
-        motion, _, shown = comparison(seen, drawn, t, R, L, axis=axis)
-    found = shown.cameras if enough else ()
+        motion, shown = comparison(seen, drawn, t, R, L, axis=axis)
+        found = shown.cameras
     reversed_ = False
     for picture, camera in zip(drawn, found or (None,) * len(drawn), strict=True):
         some, sure = directions(picture, origins(picture.paths))

@@ -33,6 +33,7 @@ class Solution:
         self.source, self.bytes, self.tree = source, source.encode(), ast.parse(source)
         self.starts = [0, *(k + 1 for k, byte in enumerate(self.bytes) if byte == ord("\n"))]
         self.parents: dict[Any, Any] = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
+        self.statements = [self.span(n) for n in self.parents if isinstance(n, ast.stmt) and not isinstance(n, COMPOUND)]
         self.computed = {n.targets[0].id for n in self.parents if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)}
         self.nodes = [node for top in _needed(self.tree, function) for node in _walk(top)]
 
@@ -51,12 +52,17 @@ class Solution:
         """Return the changed source, with as few brackets as keep its meaning; None if it is not valid Python."""
         (start, end), texts = change.span, [self.text(part) for part in change.parts]
         needed = [text if isinstance(part, SIMPLE) else f"({text})" for part, text in zip(change.parts, texts, strict=True)]
-        bracketed = [] if change.exact else [change.new.format(*needed), f"({change.new.format(*needed)})"]
-        sources = [
-            (self.bytes[:start] + new.encode() + self.bytes[end:]).decode() for new in (change.new.format(*texts), *bracketed)
-        ]
-        meanings = [_meaning(source) for source in sources]
-        return sources[meanings.index(meanings[-1])] if meanings[-1] else None
+        news = [change.new.format(*texts)]
+        if not change.exact:
+            news += [change.new.format(*needed), f"({change.new.format(*needed)})"]
+        whole = [(a, b) for a, b in self.statements if a <= start and end <= b]
+        first, last = min(whole, key=lambda span: span[1] - span[0], default=(0, len(self.bytes)))
+        changed = [(self.bytes[first:start] + new.encode() + self.bytes[end:last]).decode() for new in news]
+        meaning = _meaning(changed[-1])
+        if meaning is None:
+            return None
+        text = next(text for text in changed if text is changed[-1] or _meaning(text) == meaning)
+        return self.bytes[:first].decode() + text + self.bytes[last:].decode()
 
     def span(self, node: Any, last: Any = None) -> tuple[int, int]:
         """Return the first byte of ``node`` and the one after the end of ``last`` or of ``node``."""

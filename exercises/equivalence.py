@@ -45,7 +45,7 @@ class Values:
 
     def text(self, parts: Iterable[Any]) -> str:
         """Return a text that is equal for equal ``parts``, numbers to nine digits."""
-        return " ".join("".join(f"{x:.9e}" for x in (p.ravel() + 0.0)) if isinstance(p, np.ndarray) else repr(p) for p in parts)
+        return " ".join("".join(f"{x:.9e}" for x in (p.ravel() + 0j)) if isinstance(p, np.ndarray) else repr(p) for p in parts)
 
     def opaque(self, *parts: Any) -> Any:
         """Return a random matrix (2, 2), equal for equal ``parts``."""

@@ -1,7 +1,6 @@
 """Wrong versions of a right solution: each changes one place of its source and says so in a sentence."""
 
 import ast
-import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -240,35 +239,15 @@ def _names(s: Solution, node: Any) -> Iterator[Change]:
         return
     if isinstance(around, ast.Compare) or (isinstance(around, ast.Assign) and isinstance(around.targets[0], ast.Attribute)):
         return
-    outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), _own_name(node)
-    defined, uses = _variables(s, outer, attribute)
-    alike = [n for n in defined if n == own or (uses[n] in (set(), uses.get(own)) and (attribute or defined[n] < node.lineno))]
-    if own in alike and "called" not in uses[own]:
-        k = alike.index(own)
-        for other in alike[max(k - 1, 0) : k] + alike[k + 1 : k + 2]:
-            whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
-            yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
-
-
-@functools.lru_cache(8)
-def _variables(s: Solution, outer: Any, attributes: bool) -> tuple[dict[str, int], dict[str, set[str]]]:
-    """Return the line that defines each variable of a function, or attribute of a class, and how it is used."""
-    found: list[Any] = [n for n in ast.walk(outer) if isinstance(n, ast.Attribute if attributes else ast.Name)]
-    defined = {a.arg: 0 for a in outer.args.args if a.arg != "self"} if isinstance(outer, ast.FunctionDef) else {}
-    for n in found:
-        if isinstance(n.ctx, ast.Store) and not isinstance(s.parents[n], ast.comprehension):
-            defined.setdefault(_own_name(n), n.lineno)
-    return defined, {name: {_use(s, n) for n in found if _own_name(n) == name} for name in defined}
+    outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), node.attr if attribute else node.id
+    known = s.variables(outer, attribute)
+    _, use = known.get(own, (0, {"called"}))
+    alike = [n for n, (first, uses) in known.items() if n == own or (uses in (set(), use) and (attribute or first < node.lineno))]
+    k = alike.index(own) if own in alike else 0
+    for other in [] if "called" in use else alike[max(k - 1, 0) : k] + alike[k + 1 : k + 2]:
+        whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
+        yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
 
 
 RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)
 """The most common mistakes first."""
-
-
-def _own_name(node: Any) -> str:
-    return node.attr if isinstance(node, ast.Attribute) else node.id
-
-
-def _use(s: Solution, node: Any) -> str:
-    parent = s.parents[node]
-    return "called" if getattr(parent, "func", None) is node else "indexed" if isinstance(parent, ast.Subscript) else "plain"

@@ -1,6 +1,7 @@
 """The syntax tree of a right solution: where its nodes stand in the source, what they are part of, and how they read."""
 
 import ast
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -34,7 +35,8 @@ class Solution:
         self.starts = [0, *(k + 1 for k, byte in enumerate(self.bytes) if byte == ord("\n"))]
         self.parents: dict[Any, Any] = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
         self.statements = [self.span(n) for n in self.parents if isinstance(n, ast.stmt) and not isinstance(n, COMPOUND)]
-        self.computed = {n.targets[0].id for n in self.parents if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)}
+        assigned = [n for n in self.parents if isinstance(n, ast.Assign) and is_operation(n.value, *PRODUCT)]
+        self.products = {target.id for n in assigned for target in n.targets if isinstance(target, ast.Name)}
         self.nodes = [node for top in _needed(self.tree, function) for node in _walk(top)]
 
     def change(
@@ -102,6 +104,22 @@ class Solution:
             node = self.parents[node]
         return node
 
+    @functools.lru_cache(8)  # noqa: B019
+    def variables(self, outer: Any, attributes: bool) -> dict[str, tuple[int, set[str]]]:
+        """Return the variables of a function, or the ``attributes`` of a class: the line that defines each, and its uses."""
+        key = "attr" if attributes else "id"
+        found: list[Any] = [n for n in ast.walk(outer) if isinstance(n, ast.Attribute if attributes else ast.Name)]
+        lines = {a.arg: 0 for a in outer.args.args if a.arg != "self"} if isinstance(outer, ast.FunctionDef) else {}
+        for n in found:
+            if isinstance(n.ctx, ast.Store) and not isinstance(self.parents[n], ast.comprehension):
+                lines.setdefault(getattr(n, key), n.lineno)
+        uses: dict[str, set[str]] = {name: set() for name in lines}
+        for n in found:
+            parent = self.parents[n]
+            use = "called" if getattr(parent, "func", None) is n else "indexed" if isinstance(parent, ast.Subscript) else "plain"
+            uses.get(getattr(n, key), set()).add(use)
+        return {name: (lines[name], uses[name]) for name in lines}
+
     def product(self, node: Any) -> Any:
         """Return the largest product that ``node`` is a factor of."""
         while is_operation(self.parents[node], *PRODUCT, ast.MatMult):
@@ -120,8 +138,8 @@ class Solution:
         if not isinstance(node, (ast.BinOp, *SIMPLE)) or isinstance(node, ast.Constant | ast.List) or is_operation(node, *SUM):
             return False
         whole = is_operation(node, *PRODUCT) and self.product(node) is node
-        computed = isinstance(node, ast.Name) and node.id in self.computed
-        return whole or is_operation(self.parents[node], *SUM) or (self.is_returned(node) and not computed)
+        changed_before = isinstance(node, ast.Name) and node.id in self.products
+        return whole or is_operation(self.parents[node], *SUM) or (self.is_returned(node) and not changed_before)
 
 
 def is_operation(node: Any, *operators: type) -> bool:

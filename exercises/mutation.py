@@ -237,7 +237,7 @@ def _names(s: Solution, node: Any) -> Iterator[Change]:
     around = s.outer(node, ast.stmt, ast.Compare)
     if called(s.parents[node]).endswith(("_like", "len")):
         return
-    if isinstance(around, ast.Compare) or (isinstance(around, ast.Assign) and isinstance(around.targets[0], ast.Attribute)):
+    if isinstance(around, ast.Compare) or (isinstance(around, ast.Assign) and "self." in s.text(around.targets[0])):
         return
     outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), node.attr if attribute else node.id
     known = s.variables(outer, attribute)

@@ -43,7 +43,9 @@ class Solution:
         self, code: str, what: str, node: Any, new: str, *parts: Any, at: Any = None, last: Any = None, exact: bool = False
     ) -> Change:
         """Return the change of ``node``, or of ``node`` to ``last``; its sentence adds the place ``at`` to ``what``."""
-        return Change(code, what + self.place(at or node), self.span(node, last), new, parts, exact)
+        inner, place = f" in {self.quote(at or node)}", self.place(at or node)
+        sentence = what.replace(inner, place) if place and inner in what else what + place
+        return Change(code, sentence, self.span(node, last), new, parts, exact)
 
     def stands(self, code: str, node: Any, new: str, whole: Any = None) -> Change:
         """Return the change of ``node`` to ``new``; its sentence quotes the ``whole`` of which it is a part."""

@@ -1,6 +1,6 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -117,7 +117,9 @@ class Assignment:
     if that is more than the server's limit: five times as much as the right solution uses.
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
-    are their texts. ``questions`` are those of each exercise as data, for the students' kit.
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
+    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
+    that follow from the declaration (exercises.mistakes.MadeSample).
     """
 
     slug: str
@@ -135,6 +137,8 @@ class Assignment:
     setup: str | None = None
     plays: str | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
+    variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
+    made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
 
     def source(self, name: str) -> str:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""

@@ -27,6 +27,7 @@ class SceneRequest:
 
     A scene with ``drive`` is not played. Instead the host calls ``drive(ask)`` and keeps its result; each ``ask(t, w, I)`` is one
     call of the student's function. ``question`` is that of the scene, if it has one (ecp.kinds).
+    With ``source`` the scene runs that source, after the setup, in place of the submission.
     """
 
     name: str
@@ -38,6 +39,7 @@ class SceneRequest:
     after: str | None
     drive: Callable[[RightHandSide], Any] | None = None
     question: Mapping[str, Any] | None = None
+    source: str | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ class Job:
         """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
-            | {"asked": s.drive is not None, "question": s.question}
+            | {"asked": s.drive is not None, "question": s.question, "source": s.source}
             for s in self.scenes
         ]
         document = {

@@ -87,19 +87,23 @@ def _play(
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
-    if not callable(student.get(scene["function"])):
+    if scene["source"] is None and not callable(student.get(scene["function"])):
         sentence = f"{scene['function']} is not defined"
         write.event("scene", scene=name, ended="missing-function", code="missing-function", sentence=sentence)
         return False
 
     def answer() -> None:
         unchanged()
-        function = student[scene["function"]]
         if scene["asked"]:
+            function = student[scene["function"]]
             for t, w, moments in questions:
                 write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
             return
-        asked = (student, scene["inputs"]) if scene["question"] is None else (scene["question"], student, scene["inputs"])
+        names = student
+        if scene["source"] is not None:
+            names = dict(student)
+            exec(compile(scene["source"], "source.py", "exec"), names)
+        asked = (names, scene["inputs"]) if scene["question"] is None else (scene["question"], names, scene["inputs"])
         arrays = plays[scene["play"]](*asked)
         unchanged()
         for key, array in arrays.items():

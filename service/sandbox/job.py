@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.assignment import ArraySpec, RightHandSide
+from exercises.assignment import ArraySpec, Ask
 from service.sandbox.guest.wire import LENGTH
 
 LOAD_BUDGET_S = 10.0
@@ -25,8 +25,8 @@ class Cell:
 class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
-    A scene with ``drive`` is not played. Instead the host calls ``drive(ask)`` and keeps its result; each ``ask(t, w, I)`` is one
-    call of the student's function.
+    A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far: the host calls
+    ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these named arrays and returns its arrays.
     """
 
     name: str
@@ -36,7 +36,7 @@ class SceneRequest:
     returns: Mapping[str, ArraySpec]
     budget_s: float
     after: str | None
-    drive: Callable[[RightHandSide], Any] | None = None
+    drive: Callable[[Ask], Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.return_value import describe_exception, is_written, real_array
+from ecp.return_value import describe_exception, is_written
 
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
@@ -93,12 +93,12 @@ def _play(
 
     def answer() -> None:
         unchanged()
-        function = student[scene["function"]]
+        play = plays[scene["play"]]
         if scene["asked"]:
-            for t, w, moments in questions:
-                write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
+            for arguments in questions:
+                write.answer(play(student, arguments))
             return
-        arrays = plays[scene["play"]](student, scene["inputs"])
+        arrays = play(student, scene["inputs"])
         unchanged()
         for key, array in arrays.items():
             write.array(name, key, array)

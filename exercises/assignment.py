@@ -78,6 +78,9 @@ class Scene:
     ``replaced(inputs, seen)`` returns the inputs that a student used instead of the scene's, a sentence if
     the answer cannot be judged by them, or None if the scene's own were used.
 
+    The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs run
+    along its rows in their first index.
+
     A scene played ``twice`` repeats its queries in another order in a second process: inputs and answers then
     run along the queries in their first index, and the answers must agree bit for bit.
     """
@@ -94,6 +97,7 @@ class Scene:
     twice: bool = False
     drive: HostVerification | None = None
     replaced: Callable[[Inputs, Arrays], Inputs | str | None] | None = None
+    question: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -117,6 +121,9 @@ class Assignment:
     None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
     verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
     if that is more than the server's limit: five times as much as the right solution uses.
+
+    An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit.
     """
 
     slug: str
@@ -131,6 +138,14 @@ class Assignment:
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
+    setup: str | None = None
+    plays: str | None = None
+    questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
+
+    def source(self, name: str) -> str:
+        """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
+        declared = {"setup": self.setup, "plays": self.plays}[name]
+        return (self.folder / f"{name}.py").read_text(encoding="utf-8") if declared is None else declared
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

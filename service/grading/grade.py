@@ -130,9 +130,12 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
-    requests = tuple(SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after) for s in scenes)
-    setup, plays = ((assignment.folder / name).read_text(encoding="utf-8") for name in ("setup.py", "plays.py"))
-    return Job(setup, plays, submission.cells(), tuple(sorted(assignment.functions())), requests)
+    requests = tuple(
+        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question)
+        for s in scenes
+    )
+    functions = tuple(sorted(assignment.functions()))
+    return Job(assignment.source("setup"), assignment.source("plays"), submission.cells(), functions, requests)
 
 
 @functools.cache

@@ -27,6 +27,7 @@ class SceneRequest:
 
     A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far: the host calls
     ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these named arrays and returns its arrays.
+    ``question`` is that of the scene, if it has one (ecp.kinds).
     """
 
     name: str
@@ -37,6 +38,7 @@ class SceneRequest:
     budget_s: float
     after: str | None
     drive: Callable[[Ask], Any] | None = None
+    question: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Job:
         """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
-            | {"asked": s.drive is not None}
+            | {"asked": s.drive is not None, "question": s.question}
             for s in self.scenes
         ]
         document = {
@@ -79,4 +81,6 @@ class Job:
 def _listed(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
     raise TypeError(f"{type(value).__name__} is not an input of a scene")

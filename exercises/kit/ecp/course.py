@@ -14,6 +14,7 @@ import numpy as np
 from ecp.checks import Arrays
 from ecp.errors import NotebookError
 from ecp.exercise import Exercise
+from ecp.kinds import exercise
 from ecp.outcome import Diagnosis
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
@@ -39,7 +40,8 @@ class PublicScene:
     arrays.
 
     The arrays named in ``known`` are added to those the function returned. The scene runs only if the scene
-    it comes ``after`` has finished. The server gives it ``budget_s`` seconds.
+    it comes ``after`` has finished. The server gives it ``budget_s`` seconds. ``question`` is its question, if it
+    has one (ecp.kinds).
     """
 
     name: str
@@ -50,6 +52,7 @@ class PublicScene:
     budget_s: float
     after: str | None
     truth: Arrays
+    question: Mapping[str, Any] | None = None
 
 
 def _no_diagnosis(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
@@ -145,7 +148,6 @@ def _made() -> dict[str, str]:
 def _load(slug: str) -> PublicAssignment:
     name = slug.replace("-", "_")
     declared = json.loads((FOLDER / name / "public.json").read_bytes())
-    module = importlib.import_module(f"ecp.assignments.{name}")
     with np.load(FOLDER / name / "truth.npz", allow_pickle=False) as archive:
         arrays = {key: archive[key] for key in archive.files}
     scenes = {}
@@ -154,5 +156,9 @@ def _load(slug: str) -> PublicAssignment:
         scenes[scene["name"]] = PublicScene(**scene | {"truth": truth})
     plays: dict[str, Any] = {"__name__": "plays"}
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
+    if asked := declared.get("exercises"):
+        exercises = tuple(exercise(e["number"], e["title"], e["questions"], False) for e in asked)
+        return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays)
+    module = importlib.import_module(f"ecp.assignments.{name}")
     diagnose = getattr(module, "diagnose", _no_diagnosis)
     return PublicAssignment(slug, declared["version"], declared["hidden"], module.EXERCISES, scenes, plays, diagnose)

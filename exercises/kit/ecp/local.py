@@ -104,7 +104,8 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
     began = time.monotonic()
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
-            seen = known.plays[scene.play]({scene.function: names[scene.function]}, scene.inputs)
+            asked = ({scene.function: names[scene.function]}, scene.inputs)
+            seen = known.plays[scene.play](*(asked if scene.question is None else (scene.question, *asked)))
     except KeyboardInterrupt:
         raise
     except OutOfTime:

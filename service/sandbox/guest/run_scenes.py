@@ -27,6 +27,7 @@ CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the 
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder: plays import private copies, which a submission cannot replace
 PRIVATE = ("ecp.artists", "ecp.visibility", "ecp.animation_recording")
+KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 
 class OutOfTime(BaseException):
@@ -94,11 +95,12 @@ def _play(
     def answer() -> None:
         unchanged()
         play = plays[scene["play"]]
+        asked = (student,) if scene["question"] is None else (scene["question"], student)
         if scene["asked"]:
             for arguments in questions:
-                write.answer(play(student, arguments))
+                write.answer(play(*asked, arguments))
             return
-        arrays = play(student, scene["inputs"])
+        arrays = play(*asked, scene["inputs"])
         unchanged()
         for key, array in arrays.items():
             write.array(name, key, array)
@@ -114,24 +116,25 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. It gets the function too, by
     the name ``unchanged``.
     """
-    public = {name: importlib.import_module(name) for name in PRIVATE}
+    names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
+    public = {name: importlib.import_module(name) for name in names}
     plays: Names = {"__name__": "plays"}
     seal = Seal()
     own = types.ModuleType("numpy")
     own.__dict__.update(vars(np))
     try:
-        for name in PRIVATE:
+        for name in names:
             del sys.modules[name]
-        private = [vars(importlib.import_module(name)) for name in PRIVATE]
-        for names in private:
-            names["np"] = own
+        private = [vars(importlib.import_module(name)) for name in names]
+        for space in private:
+            space["np"] = own
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
         plays["unchanged"] = seal.check
-        seal.close([plays, *private, vars(own)], ["plays", *PRIVATE])
+        seal.close([plays, *private, vars(own)], ["plays", *names])
     finally:
+        sys.modules |= public
         for name, module in public.items():
-            sys.modules[name] = module
             parent, _, child = name.rpartition(".")
             setattr(sys.modules[parent], child, module)
     return plays, seal.check

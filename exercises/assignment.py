@@ -1,6 +1,6 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -75,6 +75,9 @@ class Scene:
     ``function`` may also name a variable of the submission, see ``Exercise``. ``play`` may use further names
     of the submission if they are in ``needs``: the scene is played only if all of them are defined.
 
+    The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs run
+    along its rows in their first index.
+
     A scene played ``twice`` repeats its queries in another order in a second process: inputs and answers then
     run along the queries in their first index, and the answers must agree bit for bit.
     """
@@ -92,6 +95,7 @@ class Scene:
     drive: HostVerification | None = None
     replaced: Callable[[Inputs, Arrays], Inputs | str | None] | None = None
     needs: tuple[str, ...] = ()
+    question: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,11 @@ class Assignment:
     verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
     if that is more than the server's limit: five times as much as the right solution uses. ``data`` names
     files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv".
+
+    An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
+    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
+    that follow from the declaration (exercises.mistakes.MadeSample).
     """
 
     slug: str
@@ -131,6 +140,16 @@ class Assignment:
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
+    setup: str | None = None
+    plays: str | None = None
+    questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
+    variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
+    made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
+
+    def source(self, name: str) -> str:
+        """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
+        declared = {"setup": self.setup, "plays": self.plays}[name]
+        return (self.folder / f"{name}.py").read_text(encoding="utf-8") if declared is None else declared
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

@@ -4,7 +4,6 @@ import functools
 import importlib
 import importlib.util
 import os
-import pkgutil
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -13,9 +12,11 @@ from typing import Any, NamedTuple
 import exercises
 from exercises import validation
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.author import Notebook
 from exercises.validation import NEEDED, format_error, syntax_errors
 
 SETTING = "POLHODE_ASSIGNMENTS"
+ONE_FILE = "assignment.py"
 
 
 def folders() -> list[Path]:
@@ -57,11 +58,11 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     """Import the folder as a part of ``exercises`` and return its ``ASSIGNMENT``, or None and all errors that
     prevent it.
     """
-    errors = [f"{name} is missing" for name in NEEDED if not (folder / name).is_file()] if folder.is_dir() else []
+    one_file = (folder / ONE_FILE).is_file()
+    wanted = [] if one_file else [*NEEDED, "__init__.py"]
+    errors = [f"{name} is missing" for name in wanted if not (folder / name).is_file()] if folder.is_dir() else []
     if not folder.is_dir():
         errors.append(f"there is no folder {folder}")
-    elif not (folder / "__init__.py").is_file():
-        errors.append("__init__.py is missing")
     if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
         rule = "use lower-case letters from a to z, digits, and _ between them"
         errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
@@ -71,6 +72,8 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     if errors := _taken(folder):
         return None, errors
     module = _imported(folder)
+    if one_file:
+        return _declared(module, folder)
     if not hasattr(module, "ASSIGNMENT"):
         return None, ["__init__.py defines no ASSIGNMENT"]
     return module.ASSIGNMENT, []
@@ -80,13 +83,18 @@ def discover(named: Path) -> list[Path]:
     """Return the assignment that a folder is, or every assignment in it. A folder that does not exist is
     returned itself.
     """
-    if not named.is_dir() or any((named / file).is_file() for file in ("__init__.py", *NEEDED)):
+    if not named.is_dir() or any((named / file).is_file() for file in (ONE_FILE, "__init__.py", *NEEDED)):
         return [named]
-    return sorted(path.parent for path in named.glob("*/__init__.py"))
+    return sorted({path.parent for file in (ONE_FILE, "__init__.py") for path in named.glob(f"*/{file}")})
 
 
 def _here() -> list[Path]:
-    return [Path(getattr(m.module_finder, "path", "")) / m.name for m in pkgutil.iter_modules(exercises.__path__) if m.ispkg]
+    """Return the folders of assignments in this package."""
+    return sorted({path.parent for root in exercises.__path__ for path in Path(root).glob("*/*.py") if _is_declared(path)})
+
+
+def _is_declared(path: Path) -> bool:
+    return path.name == ONE_FILE or (path.name == "__init__.py" and path.parent.name != "kinds")
 
 
 def _named() -> list[Path]:
@@ -96,7 +104,7 @@ def _named() -> list[Path]:
 def _taken(folder: Path) -> list[str]:
     """Return an error if ``exercises`` already has another module of that name."""
     spec = importlib.util.find_spec(f"exercises.{folder.name}")
-    if spec is None or spec.origin == str(folder / "__init__.py"):
+    if spec is None or spec.origin in (None, str(_entry(folder))):
         return []
     return [f"the name {folder.name} is already used by {spec.origin or 'a folder of polhode'}: choose another"]
 
@@ -104,9 +112,10 @@ def _taken(folder: Path) -> list[str]:
 def _imported(folder: Path) -> ModuleType:
     """Import the package as one of ``exercises``, from any folder. The packages next to it are not imported."""
     name = f"exercises.{folder.name}"
-    if name in sys.modules or str(folder.parent) in exercises.__path__:
+    entry = _entry(folder)
+    if name in sys.modules or (entry.name == "__init__.py" and str(folder.parent) in exercises.__path__):
         return importlib.import_module(name)
-    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    spec = importlib.util.spec_from_file_location(name, entry, submodule_search_locations=[str(folder)])
     assert spec is not None and spec.loader is not None
     sys.modules[name] = module = importlib.util.module_from_spec(spec)
     try:
@@ -115,6 +124,19 @@ def _imported(folder: Path) -> ModuleType:
         del sys.modules[name]
         raise
     return module
+
+
+def _entry(folder: Path) -> Path:
+    """Return the file of the folder's declaration, which is imported as its package."""
+    return folder / (ONE_FILE if (folder / ONE_FILE).is_file() else "__init__.py")
+
+
+def _declared(module: ModuleType, folder: Path) -> tuple[Any, list[str]]:
+    notebooks = [value for value in vars(module).values() if isinstance(value, Notebook)]
+    if len(notebooks) != 1:
+        return None, [f"{ONE_FILE} makes {len(notebooks)} notebooks; it must make one"]
+    errors = [f"{ONE_FILE} {error}" for error in notebooks[0].errors()]
+    return (None, errors) if errors else (notebooks[0].assignment(folder), [])
 
 
 class Catalogue(NamedTuple):

@@ -16,7 +16,7 @@ MOST_DATA = 5_000_000  # bytes of a data file
 
 def errors(assignment: Assignment) -> list[str]:
     """Return the errors of the declaration, empty if there are none."""
-    found = [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
+    found = [] if assignment.questions else [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
     if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
@@ -82,7 +82,7 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
 
 
 def _of_scenes(assignment: Assignment) -> Iterator[str]:
-    names, plays = [s.name for s in assignment.scenes], _plays(assignment.folder / "plays.py")
+    names, plays = [s.name for s in assignment.scenes], None if assignment.questions else _plays(assignment.folder / "plays.py")
     for at, scene in enumerate(assignment.scenes):
         if scene.after is not None and scene.after not in names[:at]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"

@@ -102,7 +102,7 @@ def _content(slug: str | None) -> dict[str, bytes]:
     found = {f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))}
     for one in _held(slug):
         found |= {f"{_home(one)}/data/{name}": (one.folder / name).read_bytes() for name in one.data}
-        if (one.folder / "public").is_dir():
+        if one.questions or (one.folder / "public").is_dir():
             try:
                 found |= {f"{_home(one)}/{name}": content for name, content in list(_public_side(one))}
             except Exception:  # its scenes or truth failed; students can still submit
@@ -113,19 +113,24 @@ def _content(slug: str | None) -> dict[str, bytes]:
 def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     for path in sorted((assignment.folder / "public").glob("*.py")):
         yield path.name, path.read_bytes()
-    yield "plays.py", (assignment.folder / "plays.py").read_bytes()
+    yield "plays.py", assignment.source("plays").encode()
     scenes = _public_scenes(assignment)
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
     sent = [*precursors.values(), *scenes]
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
     declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
+    if assignment.questions:
+        titles = {e.number: e.title for e in assignment.exercises}
+        asked = assignment.questions.items()
+        declared["exercises"] = [{"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked]
     yield "public.json", json.dumps(declared, default=_listed, allow_nan=False).encode()
     yield "truth.npz", _packed({f"{s.name}/{key}": array for s in sent for key, array in _truth(s).items()})
 
 
 def _declared(scene: Scene) -> dict[str, Any]:
     declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
-    return declared | {"known": list(scene.known), "needs": list(scene.needs)}
+    declared |= {"known": list(scene.known), "needs": list(scene.needs)}
+    return declared | ({} if scene.question is None else {"question": scene.question})
 
 
 def _drawn_once(scene: Scene) -> Scene:
@@ -157,4 +162,4 @@ def _packed(arrays: Mapping[str, Any]) -> bytes:
 
 
 def _listed(value: Any) -> Any:
-    return value.tolist()
+    return dict(value) if isinstance(value, Mapping) else value.tolist()

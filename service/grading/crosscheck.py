@@ -99,7 +99,7 @@ def _shuffled(inputs: Mapping[str, Any], order: np.ndarray) -> dict[str, Any]:
 
 def _agree(inputs: Inputs, first: Arrays, second: Arrays, order: np.ndarray) -> bool:
     """Return whether the answers of both children, and those to a repeated question within the first, agree bit for bit."""
-    asked = np.column_stack([np.asarray(v, dtype=float).reshape(len(order), -1) for v in inputs.values()])
+    asked = np.column_stack([np.asarray(v).reshape(len(order), -1).astype(str) for v in inputs.values()])
     _, same = np.unique(asked, axis=0, return_inverse=True)
     representative = np.zeros(same.max() + 1, dtype=int)
     representative[same] = np.arange(len(order))

@@ -19,6 +19,7 @@ from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
+from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
@@ -78,7 +79,7 @@ def grade(
     crossed = cross_check(assignment, played, sandbox, seed)
     _add_known_arrays(assignment, result, truths)
     covered = asked if numbers is not None else attempted(asked, result.defined)
-    causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays))
+    causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays, sandbox))
     sections = [_judge(e, assignment, played, crossed, causes) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}
@@ -131,11 +132,12 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
     requests = tuple(
-        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, needs=s.needs) for s in scenes
+        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question, needs=s.needs)
+        for s in scenes
     )
-    setup, plays = ((assignment.folder / name).read_text(encoding="utf-8") for name in ("setup.py", "plays.py"))
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
+    setup, plays = assignment.source("setup"), assignment.source("plays")
     return Job(setup, plays, submission.cells(), functions, requests, variables=variables, data=data)
 
 
@@ -242,10 +244,14 @@ def _failed_cell(result: PlayResult) -> SceneEnd | None:
     return next(iter(result.cells.values())) if len(result.cells) == 1 else None
 
 
-def _diagnose(assignment: Assignment, scene: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays]) -> list[Diagnosis]:
+def _diagnose(
+    assignment: Assignment, scene: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays], sandbox: Sandbox
+) -> list[Diagnosis]:
     """Return the diagnoses of a scene, or none if the assignment's diagnosis fails, which must not prevent a report."""
     function = assignment.scene(scene).function
     same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
+    if (question := assignment.scene(scene).question) is not None:
+        return diagnose_question(assignment, question["id"], inputs, arrays, sandbox)
     try:
         with np.errstate(all="ignore"):
             found = assignment.diagnose_function(function, {name: (inputs[name], arrays[name]) for name in same})

@@ -27,7 +27,8 @@ class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
     A scene with ``drive`` is not played. Instead the host calls ``drive(ask)`` and keeps its result; each ``ask(t, w, I)`` is one
-    call of the student's function.
+    call of the student's function. ``question`` is that of the scene, if it has one (ecp.kinds).
+    With ``source`` the scene runs that source, after the setup, in place of the submission.
     """
 
     name: str
@@ -39,6 +40,8 @@ class SceneRequest:
     after: str | None
     drive: Callable[[RightHandSide], Any] | None = None
     needs: tuple[str, ...] = ()
+    question: Mapping[str, Any] | None = None
+    source: str | None = None
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,7 @@ class Job:
         """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
-            | {"asked": s.drive is not None, "needs": s.needs}
+            | {"asked": s.drive is not None, "question": s.question, "source": s.source, "needs": s.needs}
             for s in self.scenes
         ]
         document = {
@@ -86,4 +89,6 @@ class Job:
 def _listed(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
     raise TypeError(f"{type(value).__name__} is not an input of a scene")

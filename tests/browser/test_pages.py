@@ -95,6 +95,7 @@ def test_a_student_sets_a_password_sees_a_motion_and_no_page_of_the_staff(seen_b
     assert canvas.evaluate(PIXELS) != before and re.match(r"10.00 s, [1-9]", figure.locator(".at").inner_text())
 
 
+@pytest.mark.slow
 def test_an_assistant_filters_the_class_cancels_what_runs_and_may_not_decide(seen_by, server, paths):
     seen_by.allowed.append("status of 403")
     page = seen_by("tutor", f"{BASE}/class")

@@ -60,6 +60,7 @@ def test_the_one_made_of_what_runs_is_the_same(wheel):
     assert different <= {"WHEEL", "RECORD", "METADATA"}
 
 
+@pytest.mark.slow
 def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_path):
     told = polhode(wheel, "grade", rigid_body.folder / "samples/right_terms.py", "--exercise", "2", cwd=tmp_path)
     assert told.returncode == 0 and "5 of 5 points" in told.stdout, told.stderr

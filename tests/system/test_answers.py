@@ -18,7 +18,7 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
 
-LAB = Path(__file__).parents[1] / "support" / "lab_course"
+LAB = Path(__file__).parents[1] / "assignments" / "lab_course"
 MODEL = "def model(x):\n    return 2 * x\n"
 RESIDUAL = "def residual(predicted, y):\n    return np.sum((predicted - y) ** 2)\n"
 TOTAL = "def total():\n    return np.loadtxt('points.csv').sum() + float(open('runs/first.csv').read())\n"

@@ -174,6 +174,7 @@ def scheduling_group(pid):
         return ""
 
 
+@pytest.mark.slow
 def test_workers_end_with_a_crew_that_is_killed_and_the_server_starts_another(front, url):
     """The crew is the parent of the workers that are there."""
     recent = "SELECT split_part(name, '/', 2)::int FROM worker WHERE seen_at > now() - interval '10 s'"
@@ -219,6 +220,7 @@ def events(url, id, **headers):
     return [dict(line.split(": ", 1) for line in block.split("\n") if not line.startswith(":")) for block in blocks]
 
 
+@pytest.mark.slow
 def test_progress_reaches_every_server(front, url):
     with WebApplication(url) as other:
         ids = [post(front.url, SLOW.format(0.4))["id"] for _ in range(4)]

@@ -15,6 +15,7 @@ from ecp import KIT
 from ecp.checks import Arrays
 from ecp.errors import NotebookError
 from ecp.exercise import Exercise
+from ecp.kinds import exercise
 from ecp.outcome import Diagnosis
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
@@ -40,7 +41,8 @@ class PublicScene:
     ``needs``. ``truth`` holds the exact arrays.
 
     The arrays named in ``known`` are added to those the function returned. The scene runs only if the scene
-    it comes ``after`` has finished. The server gives it ``budget_s`` seconds.
+    it comes ``after`` has finished. The server gives it ``budget_s`` seconds. ``question`` is its question, if it
+    has one (ecp.kinds).
     """
 
     name: str
@@ -52,6 +54,7 @@ class PublicScene:
     after: str | None
     truth: Arrays
     needs: list[str] = field(default_factory=list)
+    question: Mapping[str, Any] | None = None
 
 
 def _no_diagnosis(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
@@ -197,7 +200,6 @@ def _made(slug: str) -> dict[str, str]:
 def _load(slug: str) -> PublicAssignment:
     name = slug.replace("-", "_")
     declared = json.loads((FOLDER / name / "public.json").read_bytes())
-    module = importlib.import_module(f"ecp.assignments.{name}")
     with np.load(FOLDER / name / "truth.npz", allow_pickle=False) as archive:
         arrays = {key: archive[key] for key in archive.files}
     scenes = {}
@@ -206,5 +208,9 @@ def _load(slug: str) -> PublicAssignment:
         scenes[scene["name"]] = PublicScene(**scene | {"truth": truth})
     plays: dict[str, Any] = {"__name__": "plays"}
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
+    if asked := declared.get("exercises"):
+        exercises = tuple(exercise(e["number"], e["title"], e["questions"], False) for e in asked)
+        return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays)
+    module = importlib.import_module(f"ecp.assignments.{name}")
     diagnose = getattr(module, "diagnose", _no_diagnosis)
     return PublicAssignment(slug, declared["version"], declared["hidden"], module.EXERCISES, scenes, plays, diagnose)

@@ -101,7 +101,8 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
     began = time.monotonic()
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
-            seen = known.plays[scene.play](names, scene.inputs)
+            question = () if scene.question is None else (scene.question,)
+            seen = known.plays[scene.play](*question, names, scene.inputs)
     except KeyboardInterrupt:
         raise
     except OutOfTime:

@@ -27,6 +27,7 @@ CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the 
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder: plays import private copies, which a submission cannot replace
 PRIVATE = ("ecp.artists", "ecp.visibility", "ecp.animation_recording")
+KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 
 class OutOfTime(BaseException):
@@ -85,7 +86,7 @@ def _run(
 
 
 def _missing(scene: dict[str, Any], student: Names, variables: list[str]) -> str | None:
-    names = (scene["function"], *scene["needs"])
+    names = (scene["function"], *scene["needs"]) if scene["source"] is None else ()
     return next((sentence for name in names if (sentence := missing(student, name, name in variables))), None)
 
 
@@ -97,12 +98,17 @@ def _play(
 
     def answer() -> None:
         unchanged()
-        function = student[scene["function"]]
         if scene["asked"]:
+            function = student[scene["function"]]
             for t, w, moments in questions:
                 write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
             return
-        arrays = plays[scene["play"]](student, scene["inputs"])
+        names = student
+        if scene["source"] is not None:
+            names = dict(student)
+            exec(compile(scene["source"], "source.py", "exec"), names)
+        asked = (names, scene["inputs"]) if scene["question"] is None else (scene["question"], names, scene["inputs"])
+        arrays = plays[scene["play"]](*asked)
         unchanged()
         for key, array in arrays.items():
             write.array(name, key, array)
@@ -118,24 +124,25 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. It gets the function too, by
     the name ``unchanged``.
     """
-    public = {name: importlib.import_module(name) for name in PRIVATE}
+    names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
+    public = {name: importlib.import_module(name) for name in names}
     plays: Names = {"__name__": "plays"}
     seal = Seal()
     own = types.ModuleType("numpy")
     own.__dict__.update(vars(np))
     try:
-        for name in PRIVATE:
+        for name in names:
             del sys.modules[name]
-        private = [vars(importlib.import_module(name)) for name in PRIVATE]
-        for names in private:
-            names["np"] = own
+        private = [vars(importlib.import_module(name)) for name in names]
+        for space in private:
+            space["np"] = own
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
         plays["unchanged"] = seal.check
-        seal.close([plays, *private, vars(own)], ["plays", *PRIVATE])
+        seal.close([plays, *private, vars(own)], ["plays", *names])
     finally:
+        sys.modules |= public
         for name, module in public.items():
-            sys.modules[name] = module
             parent, _, child = name.rpartition(".")
             setattr(sys.modules[parent], child, module)
     return plays, seal.check

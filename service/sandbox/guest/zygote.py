@@ -23,6 +23,7 @@ PLAY = struct.Struct("<i")  # limit of CPU time in seconds
 REAPED = struct.Struct("<id")  # wait status, CPU time in seconds
 WARM = (
     "ecp.animation_recording",
+    "ecp.kinds",
     "guest.lockdown",
     "guest.run_scenes",
     "matplotlib.animation",

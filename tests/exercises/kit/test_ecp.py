@@ -163,6 +163,7 @@ def test_stills_draw_each_still_once(monkeypatch):
     assert len(drawn) == 10 + 3, "besides, one picture without artists and two without text"
 
 
+@pytest.mark.slow
 def test_endless_animations_are_stopped():
     import itertools
 

@@ -74,6 +74,7 @@ def test_what_is_right_passes(runner):
         assert '"seed": 3' in report.read()
 
 
+@pytest.mark.slow
 def test_what_is_wrong_or_no_submission_fails_and_is_annotated(runner):
     told, outputs = runner.run(files="wrong_zeros.py\nunreadable.py\n", exercises="2")
     assert (told.returncode, outputs["status"]) == (1, "failed"), told.stdout + told.stderr

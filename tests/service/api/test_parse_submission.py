@@ -88,6 +88,7 @@ def test_what_is_too_large_says_what_to_do(app, content, name, why):
     assert (status, problem["type"]) == (413, "urn:polhode:problem:too-large") and why in problem["detail"]
 
 
+@pytest.mark.slow
 def test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here(database_url, new_app, plain):
     sql(database_url, "INSERT INTO worker (name, isolation) VALUES ('w', 'namespaces')")
     app, before = new_app(database_url=database_url, identity="local"), set(multiprocessing.active_children())

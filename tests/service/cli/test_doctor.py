@@ -9,6 +9,7 @@ from service.sandbox import isolation, select
 from service.sandbox.guest.lockdown import GUEST_UID
 
 
+@pytest.mark.slow
 def test_the_isolation_level_and_what_was_tried_against_it(capsys):
     assert main(["doctor"]) == 0
     printed = capsys.readouterr().out

@@ -136,6 +136,7 @@ def test_nothing_is_guessed(file, tmp_path):
         resolve_assignment(None, [file("def oscillator(): ...")])
 
 
+@pytest.mark.slow
 def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, capsys):
     """It may ask for the same function: by the other one's checks a right answer would be wrong."""
     course = tmp_path / "course"

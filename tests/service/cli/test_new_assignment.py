@@ -43,6 +43,7 @@ def course(tmp_path):
         yield tmp_path / "exercises"
 
 
+@pytest.mark.slow
 def test_it_is_verified_listed_and_graded(course, polhode):
     told = polhode("verify", "driven-pendulum", "--jobs", "1", "--only", "right_*", "--only", "wrong_*")
     assert told.returncode == 0 and told.stdout.endswith("driven-pendulum: 13 of 13 samples as expected, 3 checks\n"), told

@@ -63,6 +63,7 @@ def test_points_are_out_of_the_exercises_asked_for_also_of_what_is_no_submission
     assert (test["score"], test["max_score"]) == (0, 5)
 
 
+@pytest.mark.slow
 def test_gradescope_has_the_figures_of_the_one_file_and_is_refused_for_two(polhode, folder):
     told = polhode("grade", "wrong_zeros.py", "--exercise", "2", "--gradescope", "r.json")
     document = json.loads((folder / "r.json").read_text())

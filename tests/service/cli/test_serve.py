@@ -2,6 +2,8 @@
 
 import time
 
+import pytest
+
 from tests.support.database import sql
 
 
@@ -20,6 +22,7 @@ def test_the_server_prints_where_it_listens_and_the_isolation_level(real_server)
     assert isolation.startswith("polhode: workers grade at isolation level namespaces: bubblewrap, ")
 
 
+@pytest.mark.slow
 def test_a_reason_why_nothing_is_graded_is_printed(database_url, new_server, tmp_path):
     sql(database_url, "INSERT INTO worker (name, unavailable_reason) VALUES ('a', 'no Landlock')")
     no_workers = {"POLHODE_DATABASE_URL": database_url, "POLHODE_WORKERS": "0"}

@@ -186,6 +186,7 @@ def test_a_truth_that_fails_is_told_with_its_line_and_costs_no_other(folder, cap
     assert "second: 1 of 1 samples as expected" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_an_assignment_that_leaves_by_sys_exit_gives_no_verdict(folder, capsys, jobs):
     """Its exit code would be an answer of ours; and what costs one file costs no other."""

@@ -3,6 +3,8 @@
 import csv
 import json
 
+import pytest
+
 from service.cli.__main__ import main
 from service.grading import charts
 from tests.support.asgi import visit
@@ -56,6 +58,7 @@ def test_exceptions_are_told_and_not_hidden():
     assert [p["method"] for p in charts.exceptions(document)] == ["cheap"]
 
 
+@pytest.mark.slow
 def test_the_page_shows_every_chart_and_when_and_with_what_it_was_measured(database_url):
     drawn = ["work-precision/0", "work-precision/6", *(f"stability/{n}" for n in range(8))]
     page, none, *answers = visit(

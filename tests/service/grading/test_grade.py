@@ -71,6 +71,7 @@ def test_same_seed_same_report(files, rigid_body, sandbox):
     assert [o.measured for o in one.outcomes()] != [o.measured for o in other.outcomes()]
 
 
+@pytest.mark.slow
 def test_same_seed_same_report_of_everything_drawn_and_animated(files, rigid_body, sandbox):
     one, two = (graded(files, "right_all.py", rigid_body, sandbox, seed=12).report for _ in range(2))
     assert one.passed and document(one) == document(two)

@@ -133,6 +133,7 @@ def test_passwords_by_the_command_line(server, url, monkeypatch, capsys):
     assert sql(url, "SELECT subject FROM audit WHERE action = 'set password' AND subject = 'moe'") == [("moe",)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("second", "code"), [(ANOTHER, 0), (PASSWORD, 2)])
 def test_a_password_typed_at_a_terminal_is_not_shown(url, second, code):
     entered(url, name := f"ned {code}")

@@ -69,6 +69,7 @@ def test_another_user_finds_its_files_below_a_closed_folder(copied, monkeypatch)
     assert found.users == [GUEST_UID] * 3 and found.groups == [GUEST_UID] * 3
 
 
+@pytest.mark.slow
 @AS_ROOT
 @LEVELS
 def test_a_guest_that_stays_root_is_refused_unless_a_setting_allows_it(module, make, copied, monkeypatch, caplog):

@@ -353,6 +353,7 @@ def test_our_own_code_failing_is_a_fault_and_never_the_students(either_sandbox):
     assert either_sandbox.play(job(GOOD)).finished("one")
 
 
+@pytest.mark.slow
 @BY_THE_HOST
 def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
     start = either_sandbox.start
@@ -403,6 +404,7 @@ time.sleep(60)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("isolation", ["choose('namespaces')", "process_isolation()"])
 def test_nothing_survives_a_killed_server(isolation):
     process = subprocess.Popen([sys.executable, "-c", HOST.replace("ISOLATION", isolation)], stdout=subprocess.PIPE, text=True)

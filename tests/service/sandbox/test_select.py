@@ -43,7 +43,7 @@ def test_without_landlock_or_on_an_unknown_processor_there_is_no_isolation(monke
     [
         ("seccomp", "open a socket"),
         ("landlock", "read a file"),
-        ("limits", "take 1 GiB of memory"),
+        pytest.param("limits", "take 1 GiB of memory", marks=pytest.mark.slow),
     ],
 )
 def test_the_probe_finds_the_hole_that_a_missing_layer_leaves(missing, found):

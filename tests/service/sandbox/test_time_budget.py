@@ -53,7 +53,8 @@ def test_processes_that_sleep_share_one_deadline(either_sandbox, stall):
     assert {e.ended for e in seen.scene_ends.values()} == {Ended.TIMED_OUT} and len(seen.scene_ends) == 8
     assert seen.scene_ends["s7"].sentence == "your submission did not finish within 1.5 s in all"
     assert seen.scene_ends["s7"].code == "timeout"
-    assert either_sandbox.play(job(GOOD)).finished("one"), "the next submission has a budget of its own"
+    following = either_sandbox.play(job(GOOD))
+    assert following.finished("one"), f"the next submission has a budget of its own: {following.scene_ends} {following.cells}"
 
 
 @BY_THE_HOST
@@ -115,6 +116,7 @@ def f(x):
 """
 
 
+@pytest.mark.slow
 def test_a_submission_without_a_processor_is_not_judged(sandbox, one_busy_processor):
     with pytest.raises(SystemFault, match="this machine was too busy"):
         sandbox.play(job(COMPUTE, scene("one", budget_s=0.3)))

@@ -40,6 +40,7 @@ async def worker_on(url, **settings):
     try:
         yield one
     finally:
+        one._thread.shutdown()  # what still runs there plays in the sandbox of other tests
         await one._database.close()
 
 
@@ -53,6 +54,7 @@ def grade(url, grading):
     run(url, graded)
 
 
+@pytest.mark.slow
 def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_url, waiting, sandbox, monkeypatch):
     monkeypatch.setattr(grader, "_sandbox", sandbox)
     grade(database_url, waiting)

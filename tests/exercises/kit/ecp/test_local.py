@@ -103,6 +103,7 @@ def shown(kit, rigid_body, tmp_path_factory):
     return dict(zip(sources, checked(kit, rigid_body, *files, drawn=True), strict=True))
 
 
+@pytest.mark.slow
 def test_a_right_function_passes_in_a_kernel_too(shown):
     lines = shown["right"]["lines"].split("\n")
     assert len(lines) == 3 and all(line.startswith("✓") for line in lines), lines

@@ -1,0 +1,136 @@
+"""The declaration that a course author writes: one ``assignment.py`` for each notebook.
+
+The file makes one ``Notebook`` and adds its exercises, each of one or more questions. The functions of
+``exercises.kinds`` make the questions.
+"""
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from ecp.kinds import exercise as expand_exercise
+from ecp.outcome import Tolerance
+from exercises.assignment import Assignment
+from exercises.mistakes import Variant, made_samples, source_before, variants_of
+from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.question_errors import question_errors
+
+__all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
+
+
+PLAYS = "from ecp.kinds import play\n"
+"""The module plays.py of every such assignment: its scenes are questions, which are data."""
+
+
+def uniform(low: float, high: float, *shape: int) -> Draw:
+    """Return a draw of a number, or of an array of ``shape``, between ``low`` and ``high``."""
+    return lambda rng: rng.uniform(low, high, shape or None)
+
+
+def normal(*shape: int) -> Draw:
+    """Return a draw of a standard normal number, or of an array of ``shape``."""
+    return lambda rng: rng.normal(size=shape or None)
+
+
+def integers(low: int, high: int, *shape: int) -> Draw:
+    """Return a draw of an integer, or of an array of ``shape``, from ``low`` to ``high`` inclusive."""
+    return lambda rng: rng.integers(low, high, size=shape or None, endpoint=True)
+
+
+def choice(*values: Any) -> Draw:
+    """Return a draw of one of these ``values``."""
+    return lambda rng: values[rng.integers(len(values))]
+
+
+def family(text: str, *over: str, **given: Any) -> Family:
+    """Return a function argument: the expression ``text`` over the variables ``over``.
+
+    ``given`` are its parameters: constants, or draws. The expression may use the functions of ``ecp.kinds.asking.MATHEMATICS``.
+
+    >>> family("E - e*sin(E) - M", "E", M=uniform(0.01, 3.1), e=0.3).over
+    ('E',)
+    """
+    return Family(text, over, given)
+
+
+def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> Mistake:
+    """Return a known wrong answer: the right solution with ``old`` replaced by ``new`` in its source.
+
+    ``code`` is a diagnosis code and ``sentence`` says what the student did. Without them the mistake is a sample only.
+    """
+    return Mistake(old, new, code, sentence, calling_line())
+
+
+def itself(reason: str) -> Itself:
+    """Return the declaration that nothing but the right solution can be its truth, and why."""
+    return Itself(reason)
+
+
+@dataclass
+class Notebook:
+    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cell.
+
+    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s`` and ``data`` are those of ``Assignment``.
+    """
+
+    title: str
+    notebook: str | None = None
+    setup: str | None = None
+    version: str = "1"
+    packages: tuple[str, ...] = ()
+    cpu_s: float | None = None
+    data: tuple[str, ...] = ()
+    exercises: list[tuple[str, str, tuple[Question, ...]]] = field(default_factory=list)
+    line: int = 0
+
+    def __post_init__(self) -> None:
+        self.line = sys._getframe(2).f_lineno
+
+    def exercise(self, number: str, title: str, *questions: Question) -> None:
+        """Add an exercise."""
+        names = [question.function for question in questions]
+        unique = len(names) == len(set(names)) > 1
+        ids = [f"{number}-{name}" if unique else f"{number}-{k}" for k, name in enumerate(names, 1)] if len(names) > 1 else [number]
+        self.exercises.append((number, title, tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))))
+
+    def questions(self) -> list[Question]:
+        """Return the questions of all exercises in order."""
+        return [question for _, _, questions in self.exercises for question in questions]
+
+    def errors(self) -> list[str]:
+        """Return the errors of all questions, with their lines."""
+        return [error for question in self.questions() for error in question_errors(question)]
+
+    def assignment(self, folder: Path) -> Assignment:
+        """Return the assignment that grading reads. Runs nothing of the author's solutions."""
+        return Assignment(
+            slug=folder.name.replace("_", "-"),
+            title=self.title,
+            version=self.version,
+            folder=folder,
+            scenes=tuple(scene for question in self.questions() for scene in question.scenes()),
+            exercises=tuple(expand_exercise(number, title, map(_document, asked), True) for number, title, asked in self.exercises),
+            packages=self.packages,
+            cpu_s=self.cpu_s,
+            data=self.data,
+            setup=self.setup,
+            plays=PLAYS,
+            variants=self._variants,
+            made_samples=lambda: made_samples(self._numbered()),
+            questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
+        )
+
+    def _numbered(self) -> list[tuple[str, Question]]:
+        return [(number, question) for number, _, questions in self.exercises for question in questions]
+
+    def _variants(self, id: str) -> list[Variant]:
+        """Return the variants of the question ``id``, the right solution first."""
+        numbered = self._numbered()
+        k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
+        return variants_of(numbered[k][1], source_before(numbered, k))
+
+
+def _document(question: Question) -> Mapping[str, Any]:
+    return question.document

@@ -1,0 +1,72 @@
+"""Kinds of questions: how each is asked and judged, from data alone.
+
+A question is a JSON document that an author's declaration produces: its ``kind``, the student's
+``function``, its ``parameters`` and constant arguments, the values it ``returns``, and what the checks of
+its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
+each row of drawn arguments, and ``checks(question, scene, suffix)``. The sandbox, the server and
+``ecp.check`` use the same functions.
+"""
+
+from collections.abc import Iterable, Mapping
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.checks import Arrays, Check
+from ecp.exercise import Exercise, Figure
+from ecp.judge import Verdict
+from ecp.kinds import values
+from ecp.kinds.alignment import aligned
+from ecp.kinds.values import compare
+from ecp.outcome import Tolerance
+
+KINDS: Mapping[str, ModuleType] = {"values": values}
+NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
+
+
+def kind_module(question: Mapping[str, Any]) -> ModuleType:
+    """Return the module of a question's kind."""
+    return KINDS[question["kind"]]
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Ask the question for every row and return the arrays by name, rows along the first index. Raises WrongAnswer."""
+    answers: dict[str, Any] = kind_module(question).play(question, student, rows)
+    return answers
+
+
+def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> list[Check]:
+    """Return the checks of a question for one of its scenes."""
+    found: list[Check] = kind_module(question).checks(question, scene, NEW_INPUTS if hidden else "")
+    return found
+
+
+def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
+    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, others exactly."""
+    values = {value["name"]: value for value in question["returns"]}
+    return all(
+        _agrees(values[name], seen[name], array) if name in values else np.array_equal(seen[name], array)
+        for name, array in predicted.items()
+    )
+
+
+def _agrees(value: Mapping[str, Any], got: NDArray[Any], want: NDArray[Any]) -> bool:
+    tolerance = Tolerance(**value["tolerance"])
+    return compare(aligned(got, want, value.get("up_to")), want, tolerance).verdict is Verdict.PASS
+
+
+def question_figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+    """Return the figures of a question, drawn from its public scene."""
+    figures = getattr(kind_module(question), "figures", None)
+    return figures(question, scene) if figures else []
+
+
+def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
+    """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if ``hidden``."""
+    asked = list(questions)
+    scenes = [(q, q["scenes"]["public"], False) for q in asked] + [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
+    checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
+    figures = [figure for q in asked for figure in question_figures(q, q["scenes"]["public"])]
+    return Exercise(number, title, tuple(dict.fromkeys(q["function"] for q in asked)), tuple(checks), tuple(figures))

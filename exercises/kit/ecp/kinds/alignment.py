@@ -1,0 +1,65 @@
+"""What a value may leave open, such as the signs of eigenvectors: the equivalent value that is nearest to the exact one."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+Array = NDArray[np.float64]
+UP_TO = ("sign", "order", "column signs", "column phases", "column order and signs", "span")
+
+
+def aligned(got: Array, want: Array, up_to: str | None) -> Array:
+    """Return the value equivalent to ``got`` that is nearest to ``want``, row by row; both have rows along the first index.
+
+    "sign": the whole value may have the other sign. "order": numbers or rows of a list in any order. "column signs",
+    "column phases" (complex values, as (…, 2)) and "column order and signs": of the columns of a matrix. "span": the columns may be
+    any orthonormal basis of the same space.
+    """
+    if up_to is None or got.shape != want.shape:
+        return got
+    return np.array([_ALIGN[up_to](g, w) for g, w in zip(got, want, strict=True)])
+
+
+def _sign(got: Array, want: Array) -> Array:
+    return got if np.sum(got * want) >= 0 else -got
+
+
+def _order(got: Array, want: Array) -> Array:
+    distance = np.abs(got[:, None] - want[None, :]).reshape(len(got), len(want), -1).sum(axis=2)
+    at = linear_sum_assignment(distance)[0][np.argsort(linear_sum_assignment(distance)[1])]
+    return got[at]
+
+
+def _column_signs(got: Array, want: Array) -> Array:
+    return got * np.where(np.sum(got * want, axis=0) >= 0, 1.0, -1.0)
+
+
+def _column_phases(got: Array, want: Array) -> Array:
+    z, exact = got[..., 0] + 1j * got[..., 1], want[..., 0] + 1j * want[..., 1]
+    overlap = np.sum(z.conj() * exact, axis=0)
+    turned = z * np.where(np.abs(overlap) > 0, overlap / np.where(np.abs(overlap) > 0, np.abs(overlap), 1.0), 1.0)
+    return np.stack([turned.real, turned.imag], axis=-1)
+
+
+def _column_order_and_signs(got: Array, want: Array) -> Array:
+    rows, columns = linear_sum_assignment(-np.abs(got.T @ want))
+    return _column_signs(got[:, rows[np.argsort(columns)]], want)
+
+
+def _span(got: Array, want: Array) -> Array:
+    if not np.allclose(got.T @ got, np.eye(got.shape[1]), atol=1e-6):
+        return got
+    left, _, right = np.linalg.svd(got.T @ want)
+    return np.asarray(got @ (left @ right))
+
+
+_ALIGN: dict[str, Any] = {
+    "sign": _sign,
+    "order": _order,
+    "column signs": _column_signs,
+    "column phases": _column_phases,
+    "column order and signs": _column_order_and_signs,
+    "span": _span,
+}

@@ -1,0 +1,154 @@
+"""Calls of a student's function: the arguments of each row, functions among them, and the values it returns."""
+
+import ast
+import functools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
+
+MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
+NAMES = """
+    abs arccos arcsin arctan arctan2 arcsinh arctanh array cos cosh cross dot exp expm1 heaviside hypot log log10 log1p maximum
+    minimum pi sign sin sinc sinh sqrt stack sum tan tanh where
+"""
+MATHEMATICS = {name: getattr(np, name) for name in NAMES.split()}
+"""What the text of a function argument may use."""
+
+
+class Counted:
+    """A function that counts its calls. Raises WrongAnswer at the call after ``most``."""
+
+    def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
+        self._function, self._name, self._most, self.calls = function, name, most, 0
+
+    def __call__(self, *values: Any) -> Any:
+        """Call the function."""
+        self.calls += 1
+        if self.calls > self._most:
+            raise WrongAnswer(None, f"it called {self._name} more than {self._most} times")
+        return self._function(*values)
+
+
+def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield the drawn values of each row by name: a number, a text, or an array of its own."""
+    columns = {name: np.asarray(column) for name, column in rows.items()}
+    for values in zip(*columns.values(), strict=True):
+        yield {name: _plain(value) for name, value in zip(columns, values, strict=True)}
+
+
+def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of one call by parameter: constants, values of the row, and counted functions."""
+    given = {name: np.array(value) if isinstance(value, list) else value for name, value in question["constants"].items()}
+    values = {**given, **row}
+    most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
+    for name, family in question["families"].items():
+        scope = {known: values.pop(known) for known in family["given"]}
+        values[name] = Counted(_function(family["text"], tuple(family["over"]), scope), name, most)
+    return {parameter: values[parameter] for parameter in question["parameters"]}
+
+
+def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping[str, Any]) -> Any:
+    """Return the answer of the student's function to these arguments.
+
+    Raises WrongAnswer if it cannot be called with them or changes one of them.
+    """
+    name, parameters = question["function"], tuple(question["parameters"])
+    function = student[name]
+    if text := question.get("call"):
+        return eval(_code(text), {**MATHEMATICS, **given, name: function})  # noqa: S307 -- the author's text
+    check_signature(function, parameters, name)
+    copies = {key: value.copy() if isinstance(value, np.ndarray) else value for key, value in given.items()}
+    try:
+        answer = function(*copies.values())
+    except (TypeError, IndexError, ValueError):
+        if own := exchanged(function, parameters):
+            raise WrongAnswer("swapped-arguments", f"{name} is called as ({', '.join(parameters)}); yours takes {own}") from None
+        raise
+    for key, value in copies.items():
+        if isinstance(value, np.ndarray) and not np.array_equal(value, given[key], equal_nan=value.dtype.kind == "f"):
+            raise WrongAnswer("mutates-input", f"{name} changes its argument {key}: work on a copy, or build a new array")
+    return answer
+
+
+def returned(question: Mapping[str, Any], answer: Any) -> dict[str, NDArray[np.float64]]:
+    """Return the values of an answer by name, of exactly the shapes that the question states. Raises WrongAnswer.
+
+    A complex value of shape s becomes real and imaginary parts of shape (*s, 2).
+    """
+    name, values = question["function"], question["returns"]
+    if len(values) == 1 and not question.get("keys"):
+        parts = [answer]
+    elif question.get("keys"):
+        parts = _by_key(name, answer, [value["name"] for value in values])
+    else:
+        parts = _in_order(name, answer, [value["name"] for value in values])
+    alone = len(values) == 1
+    return {
+        value["name"]: _number_array(part, value, name if alone else f"{name} ({value['name']})")
+        for value, part in zip(values, parts, strict=True)
+    }
+
+
+def stacked(answers: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[np.float64]]:
+    """Return the arrays of all rows by name, rows along the first index."""
+    return {name: np.array([answer[name] for answer in answers]) for name in answers[0]}
+
+
+def describe(question: Mapping[str, Any], seen: Mapping[str, Any], row: int) -> str:
+    """Return the drawn arguments of one row as text: "M = 0.3, e = 0.5"."""
+    return ", ".join(f"{name} = {_short(seen[f'at_{name}'][row])}" for name in question["drawn"])
+
+
+def _by_key(name: str, answer: Any, keys: list[str]) -> list[Any]:
+    if answer is None:
+        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
+    if not isinstance(answer, dict) or set(keys) - set(answer):
+        had = f"the keys {', '.join(map(str, answer))}" if isinstance(answer, dict) else f"a {type(answer).__name__}"
+        raise WrongAnswer("wrong-shape", f"{name} must return a dict with the keys {', '.join(keys)}; it returned {had}")
+    return [answer[key] for key in keys]
+
+
+def _in_order(name: str, answer: Any, names: list[str]) -> list[Any]:
+    if answer is None:
+        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
+    if not isinstance(answer, tuple | list) or len(answer) != len(names):
+        had = f"{len(answer)} values" if isinstance(answer, tuple | list) else f"a {type(answer).__name__}"
+        raise WrongAnswer("wrong-shape", f"{name} must return {len(names)} values ({', '.join(names)}); it returned {had}")
+    return list(answer)
+
+
+def _number_array(value: Any, spec: Mapping[str, Any], name: str) -> NDArray[np.float64]:
+    shape = tuple(spec["shape"])
+    if spec.get("complex"):
+        array = np.asarray(value)
+        if array.dtype.kind == "c" and array.shape == shape:
+            return np.stack([array.real, array.imag], axis=-1)
+        return np.stack([real_array(value, shape, name), np.zeros(shape)], axis=-1)
+    found = real_array(value, shape, name)
+    if not np.all(np.isfinite(found)):
+        raise WrongAnswer("not-finite", f"{name} returned a value that is not finite")
+    return found
+
+
+@functools.cache
+def _code(text: str) -> Any:
+    return compile(ast.parse(text, mode="eval"), "question", "eval")
+
+
+def _function(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
+    code, scope = _code(text), {**MATHEMATICS, **given}
+    return lambda *values: eval(code, scope, dict(zip(over, values, strict=True)))  # noqa: S307
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if value.ndim == 0 else value
+
+
+def _short(value: Any) -> str:
+    if np.ndim(value) == 0:
+        return value if isinstance(value, str) else f"{value:.6g}"
+    return " ".join(np.array2string(value, precision=4, threshold=12, separator=", ").split())

@@ -1,0 +1,60 @@
+"""The kind "values": the values of a function at points, to a tolerance, and the number of calls of its function arguments."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ecp import judge
+from ecp.checks import Arrays, Check, below
+from ecp.judge import Judgement
+from ecp.kinds.alignment import aligned
+from ecp.kinds.asking import Counted, arguments, call, describe, each_row, returned, stacked
+from ecp.outcome import Tolerance
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of each row by name, and ``calls``, the most calls of one of its function arguments."""
+    answers = []
+    for row in each_row(rows):
+        given = arguments(question, row)
+        answer = returned(question, call(question, student, given))
+        calls = [value.calls for value in given.values() if isinstance(value, Counted)]
+        answers.append(answer | ({"calls": float(max(calls))} if calls else {}))
+    return stacked(answers)
+
+
+def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
+    """Return one check for each returned value, and one for the calls if they are limited."""
+    id, function = question["id"] + ("-new" if suffix else ""), question["function"]
+    made = [value_check(question, value, scene, f"{id}-{value['name']}", suffix) for value in question["returns"]]
+    if limit := question.get("calls"):
+        name = next(iter(question["families"]))
+        label = f"{function} calls {name} at most {limit['limit']} times{suffix}"
+        made.append(below(f"{id}-calls", label, scene, measured=lambda seen: seen["calls"], **limit))
+    return made
+
+
+def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: str, id: str, suffix: str) -> Check:
+    """Return the check that one returned ``value`` equals the exact one, up to what the value leaves open."""
+    tolerance = Tolerance(**value["tolerance"])
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        got, want = seen[0][value["name"]], truth[0][value["name"]]
+        return compare(aligned(got, want, value.get("up_to")), want, tolerance)
+
+    return Check(
+        id, value["label"] + suffix, (scene,), word, tolerance, locate=lambda index, seen: describe(question, seen, index[0])
+    )
+
+
+def compare(got: Any, want: Any, tolerance: Tolerance) -> Judgement:
+    """Judge values against exact ones, rows along the first index.
+
+    ``limit`` is relative to the largest exact value of the row; ``rtol`` and ``atol`` hold for each number alone.
+    """
+    if tolerance.limit is None:
+        return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
+    largest = np.abs(want).reshape(len(want), -1).max(axis=1)
+    scale = np.broadcast_to(largest.reshape(-1, *[1] * (want.ndim - 1)), want.shape)
+    return judge.within(got, want, scale, tolerance.limit)

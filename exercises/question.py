@@ -1,0 +1,232 @@
+"""A question of an author's declaration: the right solution, what it is asked, what is exact, and how it expands to scenes."""
+
+import functools
+import inspect
+import sys
+import textwrap
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ecp.checks import Arrays
+from ecp.kinds import asking, kind_module
+from ecp.outcome import Tolerance
+from exercises.assignment import ArraySpec, Inputs, Scene
+
+PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
+Draw = Callable[[np.random.Generator], Any]
+
+
+@dataclass(frozen=True)
+class Family:
+    """A function argument: an expression ``text`` over some variables, with parameters that are constant or drawn."""
+
+    text: str
+    over: tuple[str, ...]
+    given: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A known wrong answer: ``old`` in the right solution's source replaced by ``new``.
+
+    With a ``code`` it is a diagnosis, whose ``sentence`` says what the student did. ``line`` is its place in the declaration.
+    """
+
+    old: str
+    new: str
+    code: str | None = None
+    sentence: str = ""
+    line: int = 0
+
+    def source(self, right: str) -> str:
+        """Return the source with the mistake, from that of the right solution."""
+        return right.replace(self.old, self.new)
+
+
+@dataclass(frozen=True)
+class Itself:
+    """The declaration that the right solution is its own truth, and why nothing else can be."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to`` (ecp.kinds.alignment)."""
+
+    tolerance: Tolerance
+    label: str | None = None
+    up_to: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """One question: ``solution`` (a function or class of the author's file) asked with ``ask``, and its exact answers.
+
+    ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
+    with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
+    "value". ``data`` holds what the checks of the kind need, as JSON; ``limits`` maps the kind's further tolerances to errors.
+    """
+
+    kind: str
+    solution: Callable[..., Any]
+    ask: Mapping[str, Any]
+    values: Mapping[str, Value]
+    truth: Callable[..., Any] | Itself | None = None
+    call: str | None = None
+    keys: bool = False
+    data: Mapping[str, Any] = field(default_factory=dict)
+    mistakes: tuple[Mistake, ...] = ()
+    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
+    budget_s: float = 5.0
+    twice: bool = True
+    line: int = 0
+    id: str = ""
+
+    @property
+    def function(self) -> str:
+        """The name of the student's function."""
+        return self.solution.__name__
+
+    @functools.cached_property
+    def source(self) -> str:
+        """The source of the right solution."""
+        return textwrap.dedent(inspect.getsource(self.solution))
+
+    @functools.cached_property
+    def parameters(self) -> list[str]:
+        """The arguments in the order of the call."""
+        return list(self.ask)
+
+    @functools.cached_property
+    def drawn(self) -> dict[str, Draw]:
+        """The draws of the question by name: parameters, and parameters of function arguments."""
+        given = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
+        return {name: value for name, value in given.items() if callable(value)}
+
+    def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
+        """Return ``rows`` drawn values by name, rows along the first index."""
+        each = [{name: draw(rng) for name, draw in self.drawn.items()} for _ in range(rows)]
+        return {name: np.array([row[name] for row in each]) for name in self.drawn}
+
+    @functools.cached_property
+    def document(self) -> dict[str, Any]:
+        """The question as data, with nothing of its solution and without the shapes of its answer."""
+        functions = {name: v for name, v in self.ask.items() if isinstance(v, Family)}
+        families = {name: {"text": v.text, "over": list(v.over), "given": list(v.given)} for name, v in functions.items()}
+        constants = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
+        return {
+            "kind": self.kind,
+            "id": self.id,
+            "function": self.function,
+            "parameters": self.parameters,
+            "constants": {name: _json(value) for name, value in constants.items() if not callable(value)},
+            "families": families,
+            "drawn": list(self.drawn),
+            "call": self.call,
+            "keys": self.keys,
+            "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
+            "returns": [self._returned(name, value) for name, value in self.values.items()],
+            **self.data,
+        }
+
+    @functools.cached_property
+    def asked(self) -> dict[str, Any]:
+        """The question as data, with the shapes of its answer: calls the right solution once."""
+        row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
+        answer = asking.call(self.document, {self.function: self.solution}, asking.arguments(self.document, row))
+        if len(self.values) == 1 and not self.keys:
+            parts = [answer]
+        else:
+            parts = [answer[name] for name in self.values] if self.keys else list(answer)
+        shaped = [
+            value | {"shape": list(np.shape(part)), "complex": np.iscomplexobj(part)}
+            for value, part in zip(self.document["returns"], parts, strict=True)
+        ]
+        return self.document | {"returns": shaped}
+
+    def _returned(self, name: str, value: Value) -> dict[str, Any]:
+        tolerance = {key: number for key, number in vars(value.tolerance).items() if number is not None}
+        label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
+        return {"name": name, "tolerance": tolerance, "label": label, "up_to": value.up_to}
+
+    def play(self, solution: Any, rows: Mapping[str, Any]) -> Arrays:
+        """Return what ``solution`` answers, as the sandbox would."""
+        answers: Arrays = kind_module(self.asked).play(self.asked, {self.function: solution}, rows)
+        return answers
+
+    def exact(self, rows: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the exact values of every row by name, and the drawn values as ``at_NAME``."""
+        document, answers = self.asked, []
+        for row in asking.each_row(rows):
+            given = asking.arguments(document, row)
+            if self.truth is None or isinstance(self.truth, Itself):
+                answers.append(asking.returned(document, asking.call(document, {self.function: self.solution}, given)))
+            else:
+                answers.append(asking.returned(document, call_with(self.truth, {**row, **given})))
+        return asking.stacked(answers) | {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}
+
+    def scenes(self) -> Iterator[Scene]:
+        """Yield the public scene and the hidden one."""
+        public, hidden = self.rows
+        fixed = Later(lambda: self.draw(np.random.default_rng(0), public))
+        one = Scene(
+            name=f"{self.id}-public",
+            play="play",
+            function=self.function,
+            inputs=fixed,
+            returns=self._specs(public),
+            truth=self.exact,
+            budget_s=self.budget_s,
+            known=tuple(f"at_{name}" for name in self.drawn),
+            question=Later(lambda: self.asked),
+        )
+        yield one
+        if hidden and self.drawn:
+            yield replace(
+                one,
+                name=f"{self.id}-hidden",
+                inputs=lambda rng: self.draw(rng, hidden),
+                returns=self._specs(hidden),
+                twice=self.twice,
+            )
+
+    def _specs(self, rows: int) -> "Later":
+        def specs() -> dict[str, ArraySpec]:
+            one = self.play(self.solution, self.draw(np.random.default_rng(0), 1))
+            return {name: ArraySpec((rows, *array.shape[1:])) for name, array in one.items()}
+
+        return Later(specs)
+
+
+class Later(Mapping[str, Any]):
+    """A mapping that is computed when it is first read, so that loading an assignment runs no solution."""
+
+    def __init__(self, compute: Callable[[], Mapping[str, Any]]) -> None:
+        self._compute = functools.cache(compute)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._compute()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._compute())
+
+    def __len__(self) -> int:
+        return len(self._compute())
+
+
+def call_with(function: Callable[..., Any], values: Inputs) -> Any:
+    """Call an author's function with those of the ``values`` that its parameters name."""
+    return function(**{name: values[name] for name in inspect.signature(function).parameters})
+
+
+def calling_line() -> int:
+    """Return the line of the author's file that calls the function which calls this one."""
+    return sys._getframe(2).f_lineno
+
+
+def _json(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -1,0 +1,60 @@
+"""Values of functions at points: in the sandbox, and the same lines in the students' kit."""
+
+import json
+
+import pytest
+
+from ecp.judge import Verdict
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.toolbox import check_locally, mistaken, right
+
+
+def test_the_right_solutions_pass_with_every_seed(toolbox, sandbox):
+    for seed in range(1, 5):
+        report = grade(Submission(right(toolbox)), toolbox.assignment, sandbox, seed).report
+        assert report.passed, report.text()
+
+
+@pytest.mark.parametrize(
+    ("function", "number", "failed"),
+    [
+        ("find_root", 0, ["1-value"]),
+        ("find_root", 1, ["1-value"]),
+        ("find_root", 2, ["1-calls"]),
+        ("normal_modes", 0, ["2-omega"]),
+        ("normal_modes", 1, ["2-omega", "2-X"]),
+        ("normal_modes", 2, ["2-X"]),
+        ("Pendulum", 0, ["3-value"]),
+    ],
+)
+def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, sandbox, function, number, failed):
+    report = grade(Submission(mistaken(toolbox, function, number)), toolbox.assignment, sandbox, 1).report
+    found = {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL}
+    assert found == {id for name in failed for id in (name, name.replace("-", "-new-"))}
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("def find_root(f, a, b, tol): f(a)", "find_root returned None"),
+        ("def find_root(f, a, b, tol): return [1.0, 2.0]", "find_root must return shape ()"),
+        ("def find_root(f, a, b, tol): return float('nan')", "find_root returned a value that is not finite"),
+        ("def find_root(f, a): return 1.0", "the checks call `find_root(f, a, b, tol)`"),
+        ("def find_root(f, a, b, tol):\n    while True: f(a)", "it called f more than 600 times"),
+        ("def normal_modes(M, K): return M", "normal_modes must return 2 values (omega, X); it returned a ndarray"),
+        ("def normal_modes(M, K):\n    M[0, 0] = 0\n    return M[0], M", "normal_modes changes its argument M"),
+        ("def normal_modes(M, K): return np.ones((3, 1)), M", "normal_modes (omega) must return shape (3,)"),
+    ],
+)
+def test_a_wrong_answer_is_unmeasured_with_its_reason(toolbox, sandbox, source, sentence):
+    report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
+    assert {outcome.verdict for outcome in report.outcomes()} == {Verdict.UNMEASURED}
+    assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()
+
+
+def test_the_kit_prints_the_lines_of_the_server(toolbox, sandbox, tmp_path):
+    for source in (right(toolbox), mistaken(toolbox, "normal_modes", 1)):
+        report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
+        served = [outcome.line for outcome in report.outcomes() if not outcome.hidden]
+        assert json.loads(check_locally("toolbox", source, tmp_path)) == served

@@ -1,0 +1,51 @@
+"""The assignment tests/assignments/toolbox: its right solutions, its mistakes, and its kit."""
+
+import io
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import NamedTuple
+
+from exercises import wheel
+from exercises.assignment import Assignment
+from exercises.author import Notebook
+
+FOLDER = Path(__file__).parents[1] / "assignments" / "toolbox"
+
+
+class Toolbox(NamedTuple):
+    """The declaration and the assignment made from it."""
+
+    notebook: Notebook
+    assignment: Assignment
+
+
+def right(toolbox):
+    return "\n\n".join(question.source for question in toolbox.notebook.questions())
+
+
+def mistaken(toolbox, function, number):
+    question = next(question for question in toolbox.notebook.questions() if question.function == function)
+    return question.mistakes[number].source(question.source)
+
+
+CHECK = """
+import json, sys
+sys.path.insert(0, {kit!r})
+import numpy as np, scipy.linalg
+from math import pi, sqrt
+{source}
+import ecp
+print(json.dumps([outcome.line for outcome in ecp.check(assignment={slug!r}).outcomes()]))
+"""
+
+
+def check_locally(slug, source, folder):
+    """What ``ecp.check`` of the kit as students install it prints, as JSON."""
+    kit = folder / "kit"
+    zipfile.ZipFile(io.BytesIO(wheel.wheel("toolbox"))).extractall(kit)
+    code = CHECK.format(kit=str(kit), source=source, slug=slug)
+    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout

@@ -247,5 +247,4 @@ def _names(s: Solution, node: Any) -> Iterator[Change]:
         yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
 
 
-RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)
-"""The most common mistakes first."""
+RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)  # common first

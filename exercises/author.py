@@ -108,6 +108,7 @@ class Notebook:
             packages=self.packages,
             cpu_s=self.cpu_s,
             setup=self.setup,
+            sweep=next((question.sweep(question) for question in self.questions() if question.sweep), None),
             plays=PLAYS,
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )

@@ -34,28 +34,34 @@ class Counted:
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the drawn values of each row by name: a number, a text, or an array of its own."""
+    """Yield the drawn values of each row by name: a number, a text, or an array of its own. Nothing drawn is one row."""
+    if not rows:
+        yield {}
     columns = {name: np.asarray(column) for name, column in rows.items()}
     for values in zip(*columns.values(), strict=True):
         yield {name: _plain(value) for name, value in zip(columns, values, strict=True)}
 
 
 def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of one call by parameter: constants, values of the row, and counted functions."""
+    """Return the arguments of one call by parameter: constants, values of the row, generators, symbols, counted functions."""
     given = {name: np.array(value) if isinstance(value, list) else value for name, value in question["constants"].items()}
     values = {**given, **row}
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
     for name, family in question["families"].items():
         scope = {known: values.pop(known) for known in family["given"]}
         values[name] = Counted(_function(family["text"], tuple(family["over"]), scope), name, most)
+    values |= {name: np.random.default_rng(values[name]) for name in question.get("generators", ())}
+    values |= {name: _symbol(name, assumptions) for name, assumptions in question.get("symbols", {}).items()}
     return {parameter: values[parameter] for parameter in question["parameters"]}
 
 
 def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping[str, Any]) -> Any:
-    """Return the answer of the student's function to these arguments.
+    """Return the answer of the student's function to these arguments, or the value of the student's variable.
 
-    Raises WrongAnswer if it cannot be called with them or changes one of them.
+    Raises WrongAnswer if the function cannot be called with them or changes one of them.
     """
+    if variables := question.get("variables"):
+        return {name: student[name] for name in variables} if question.get("keys") else student[variables[0]]
     name, parameters = question["function"], tuple(question["parameters"])
     function = student[name]
     if text := question.get("call"):
@@ -142,6 +148,12 @@ def _code(text: str) -> Any:
 def _function(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
     code, scope = _code(text), {**MATHEMATICS, **given}
     return lambda *values: eval(code, scope, dict(zip(over, values, strict=True)))  # noqa: S307
+
+
+def _symbol(name: str, assumptions: Mapping[str, bool]) -> Any:
+    import sympy
+
+    return sympy.Symbol(name, **assumptions)
 
 
 def _plain(value: Any) -> Any:

@@ -13,9 +13,9 @@ from typing import Any
 
 from ecp.checks import Check
 from ecp.exercise import Exercise, Figure
-from ecp.kinds import values
+from ecp.kinds import expression, fit, random, values
 
-KINDS: Mapping[str, ModuleType] = {"values": values}
+KINDS: Mapping[str, ModuleType] = {"expression": expression, "fit": fit, "random": random, "values": values}
 NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
 
 

@@ -53,7 +53,9 @@ def expression(
     are known by the names in ``ask``. ``agree`` and ``keys`` are those of ``values``. The assignment declares
     ``packages=("sympy",)``.
     """
-    several = agree if isinstance(agree, Mapping) else {"value": Value(agree, label or (f"{variable} is right" if variable else None))}
+    several = (
+        agree if isinstance(agree, Mapping) else {"value": Value(agree, label or (f"{variable} is right" if variable else None))}
+    )
     symbols = {name: value for name, value in ask.items() if isinstance(value, Symbol)}
     return Question(
         kind="expression",

@@ -75,5 +75,6 @@ def _fitted(
     starts = [np.array([drawn[name](rng) for name in names], float) for _ in range(STARTS)]
     found = [least_squares(residuals, p, "3-point", method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15) for p in starts]
     best = min(found, key=lambda result: float(result.cost))
-    covariance = np.linalg.inv(best.jac.T @ best.jac)
+    jacobian = np.asarray(best.jac)
+    covariance = np.linalg.inv(jacobian.T @ jacobian)
     return best.x, covariance if absolute_sigma else covariance * 2 * best.cost / (len(x) - len(names))

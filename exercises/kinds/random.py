@@ -86,19 +86,21 @@ def estimate(
     data = {"tolerance": {**allowed, "reason": reason}}
     if error:
         data["error"] = {"limit": error.limit, "reason": error.reason}
-    returned = {name: question.values["value"] for name in ("value", "error")} if error else question.values
+    returned = dict.fromkeys(("value", "error"), question.values["value"]) if error else question.values
     known = {"value": truth, "sd": sd}
     return replace(question, values=returned, known=known, data={**question.data, **data}, line=calling_line())
 
 
-def _question(solution: Callable[..., Any], ask: Mapping[str, Any], *, repetitions: int, rows: tuple[int, int], **given: Any) -> Question:
+def _question(
+    solution: Callable[..., Any], ask: Mapping[str, Any], *, repetitions: int, rows: tuple[int, int], **given: Any
+) -> Question:
     seeds = {name: value for name, value in ask.items() if isinstance(value, Seed)}
-    reason = f"a right solution fails one of these tests in fewer than one of {1 / RATE:.0e} gradings"
+    reason = f"a right solution fails one of these tests in fewer than one of {1 / RATE:,.0f} gradings"
     return Question(
         kind="random",
         solution=solution,
         ask=ask,
-        values={"value": Value(Tolerance(reason=reason))},
+        values={"value": Value(Tolerance(limit=RATE, reason=reason))},
         data={
             "generators": [name for name, value in seeds.items() if value.generator],
             "seeds": [name for name, value in seeds.items() if not value.generator],

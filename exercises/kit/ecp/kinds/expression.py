@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.kinds.asking import arguments, call, each_row, returned, stacked
-from ecp.kinds.values import checks as checks
+from ecp.kinds.values import checks  # noqa: F401
 from ecp.return_value import WrongAnswer
 
 DIGITS = 30  # of the evaluation, so that cancellation in an equivalent form costs nothing
@@ -22,7 +22,7 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
             found[key] = _parts(question, call(question, student, arguments(question, row)))
         point = {name: complex(*value) if np.ndim(value) else value for name, value in row.items() if name in question["symbols"]}
         parts = [_evaluated(part, point, question["function"]) for part in found[key]]
-        answers.append(returned(question | {"keys": False}, parts[0] if len(parts) == 1 else parts))
+        answers.append(returned({**question, "keys": False}, parts[0] if len(parts) == 1 else parts))
     return stacked(answers)
 
 

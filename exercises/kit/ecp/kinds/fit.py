@@ -8,7 +8,7 @@ import numpy as np
 from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.judge import Judgement
-from ecp.kinds.values import play as play
+from ecp.kinds.values import play  # noqa: F401
 from ecp.outcome import Tolerance
 
 

@@ -59,6 +59,8 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return the checks of the samples or of the estimates, and the one that repeated calls differ."""
     id = question["id"] + ("-new" if suffix else "")
     tests = SAMPLES if question.get("distribution") else ESTIMATES
+    seeds = [*question["generators"], *question["seeds"]]
+    without_seeds = {**question, "drawn": [name for name in question["drawn"] if name not in seeds]}
     found = [
         Check(
             f"{id}-{name}",
@@ -66,13 +68,12 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
             (scene,),
             lambda seen, truth, test=test: test(question, seen[0], truth[0]),  # type: ignore[misc]
             Tolerance(**question["tolerance"] if name != "error" else question["error"]),
-            lambda index, seen: describe(question, seen, index[0]),
+            lambda index, seen: describe(without_seeds, seen, index[0]),
         )
         for name, (label, test) in tests.items()
         if name != "error" or question.get("error")
     ]
-    seeded = bool(question["generators"] or question["seeds"])
-    label = "equal seeds give equal results, different seeds different ones" if seeded else "repeated calls give different results"
+    label = "equal seeds give equal results, different seeds different ones" if seeds else "repeated calls give different results"
     reason = "results are compared bit for bit"
     repeated = holds(f"{id}-repeated", f"{question['function']}: {label}{suffix}", scene, claim=_repeats, reason=reason)
     return [*found, repeated]
@@ -108,12 +109,14 @@ def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> J
 
 
 def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
-    """Judge the correlation of successive samples of one call, which has the standard deviation 1/√N if they are independent."""
+    """Judge the rank correlation of successive samples of a call, or of single samples of successive calls.
+
+    It has the standard deviation 1/√N for N independent pairs.
+    """
     import scipy.stats
 
     samples = seen["value"].reshape(*seen["value"].shape[:2], -1)
-    if samples.shape[2] < 2:
-        return judge.holds(True, "one sample a call")
+    samples = np.swapaxes(samples, 1, 2) if samples.shape[2] == 1 else samples
     ranks = scipy.stats.rankdata(samples.reshape(len(samples), -1), axis=1).reshape(samples.shape)
     first, second = (ranks[:, :, part].reshape(len(samples), -1) for part in (slice(None, -1), slice(1, None)))
     found = np.array([np.corrcoef(a, b)[0, 1] if np.ptp(a) and np.ptp(b) else 1.0 for a, b in zip(first, second, strict=True)])

@@ -131,8 +131,8 @@ def _number_array(value: Any, spec: Mapping[str, Any], name: str) -> NDArray[np.
     shape = tuple(spec["shape"])
     if spec.get("complex"):
         array = np.asarray(value)
-        if array.dtype.kind == "c" and array.shape == shape:
-            return np.stack([array.real, array.imag], axis=-1)
+        if array.dtype.kind == "c":
+            return np.stack([real_array(part, shape, name) for part in (array.real, array.imag)], axis=-1)
         return np.stack([real_array(value, shape, name), np.zeros(shape)], axis=-1)
     found = real_array(value, shape, name)
     if not np.all(np.isfinite(found)):

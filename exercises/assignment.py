@@ -117,7 +117,8 @@ class Assignment:
     if that is more than the server's limit: five times as much as the right solution uses.
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
-    are their texts. ``questions`` are those of each exercise as data, for the students' kit.
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``notebook`` returns
+    the students' notebook as published from the declaration; without it the folder may hold notebook.ipynb.
     """
 
     slug: str
@@ -134,6 +135,7 @@ class Assignment:
     cpu_s: float | None = None
     setup: str | None = None
     plays: str | None = None
+    notebook: Callable[[], str] | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
 
     def source(self, name: str) -> str:

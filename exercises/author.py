@@ -4,6 +4,7 @@ The file makes one ``Notebook`` and adds its exercises, each of one or more ques
 ``exercises.kinds`` make the questions.
 """
 
+import functools
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -12,7 +13,9 @@ from typing import Any
 
 from ecp.kinds import exercise as expand_exercise
 from ecp.outcome import Tolerance
-from exercises.assignment import Assignment
+from exercises import author_notebook, publish
+from exercises.assignment import Assignment, InvalidAssignment
+from exercises.author_notebook import Cell, InvalidNotebook
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
@@ -68,9 +71,9 @@ def itself(reason: str) -> Itself:
 
 @dataclass
 class Notebook:
-    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cell.
+    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cells.
 
-    ``setup`` replaces the Setup cell where there is no notebook. ``packages`` and ``cpu_s`` are those of ``Assignment``.
+    ``setup`` is the code of the Setup cell where there is no notebook. ``packages`` and ``cpu_s`` are those of ``Assignment``.
     """
 
     title: str
@@ -97,9 +100,15 @@ class Notebook:
         return [question for _, _, questions in self.exercises for question in questions]
 
     def assignment(self, folder: Path) -> Assignment:
-        """Return the assignment that grading reads. Runs nothing of the author's solutions."""
+        """Return the assignment that grading reads. Runs nothing of the author's solutions.
+
+        Raises InvalidAssignment for the errors of the notebook.
+        """
+        slug = folder.name.replace("_", "-")
+        sections = [publish.Section(*declared) for declared in self.exercises]
+        cells, setup = self._read(slug, folder, [name for section in sections for name in section.names])
         return Assignment(
-            slug=folder.name.replace("_", "-"),
+            slug=slug,
             title=self.title,
             version=self.version,
             folder=folder,
@@ -107,10 +116,27 @@ class Notebook:
             exercises=tuple(expand_exercise(number, title, map(_document, asked), True) for number, title, asked in self.exercises),
             packages=self.packages,
             cpu_s=self.cpu_s,
-            setup=self.setup,
+            setup=setup,
             plays=PLAYS,
+            notebook=functools.cache(
+                lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
+            ),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
+
+    def _read(self, slug: str, folder: Path, names: list[str]) -> tuple[list[Cell], str]:
+        """Return the cells of the author's notebook, none without one, and the Setup."""
+        if self.notebook is None:
+            return [], self.setup or ""
+        if self.setup is not None:
+            raise InvalidAssignment(slug, [f"assignment.py line {self.line}: the notebook has the Setup; remove setup="])
+        try:
+            cells = author_notebook.read(folder / self.notebook)
+        except InvalidNotebook as error:
+            raise InvalidAssignment(slug, [str(error)]) from error
+        if errors := [f"{self.notebook}: {error}" for error in author_notebook.errors(cells, names)]:
+            raise InvalidAssignment(slug, errors)
+        return cells, author_notebook.setup(cells, names)
 
 
 def _document(question: Question) -> Mapping[str, Any]:

@@ -91,6 +91,11 @@ class Question:
         """The name of the student's function."""
         return self.solution.__name__
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names that a student's cells must define."""
+        return (self.function,)
+
     @functools.cached_property
     def source(self) -> str:
         """The source of the right solution."""
@@ -98,8 +103,9 @@ class Question:
 
     @functools.cached_property
     def parameters(self) -> list[str]:
-        """The arguments in the order of the call."""
-        return list(self.ask)
+        """The arguments in the order of the call, which is that of the solution's signature."""
+        named = list(inspect.signature(self.solution).parameters)
+        return named if set(named) == set(self.ask) else list(self.ask)
 
     @functools.cached_property
     def drawn(self) -> dict[str, Draw]:

@@ -14,9 +14,11 @@ from typing import Any
 from ecp.kinds import exercise as expand_exercise
 from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
-from exercises.assignment import Assignment, InvalidAssignment
+from exercises.assignment import Assignment
 from exercises.author_notebook import Cell, InvalidNotebook
+from exercises.mistakes import Variant, made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.question_errors import question_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
 
@@ -99,14 +101,25 @@ class Notebook:
         """Return the questions of all exercises in order."""
         return [question for _, _, questions in self.exercises for question in questions]
 
-    def assignment(self, folder: Path) -> Assignment:
-        """Return the assignment that grading reads. Runs nothing of the author's solutions.
+    def errors(self, folder: Path) -> list[str]:
+        """Return the errors of all questions and of the author's notebook, each with its file."""
+        declared = [error for question in self.questions() for error in question_errors(question)]
+        if self.notebook and self.setup is not None:
+            declared.append(f"line {self.line}: both notebook= and setup= are given: the Setup is the notebook's; remove setup=")
+        found = [f"assignment.py {error}" for error in declared]
+        try:
+            cells = self._cells(folder)
+        except InvalidNotebook as error:
+            return [*found, str(error)]
+        return (
+            [*found, *(f"{self.notebook}: {error}" for error in author_notebook.errors(cells, self._names()))] if cells else found
+        )
 
-        Raises InvalidAssignment for the errors of the notebook.
-        """
-        slug = folder.name.replace("_", "-")
+    def assignment(self, folder: Path) -> Assignment:
+        """Return the assignment that grading reads, of a declaration without errors. Runs nothing of the author's solutions."""
+        slug, cells = folder.name.replace("_", "-"), self._cells(folder)
         sections = [publish.Section(*declared) for declared in self.exercises]
-        cells, setup = self._read(slug, folder, [name for section in sections for name in section.names])
+        setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
         return Assignment(
             slug=slug,
             title=self.title,
@@ -121,22 +134,26 @@ class Notebook:
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
             ),
+            variants=self._variants,
+            made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
 
-    def _read(self, slug: str, folder: Path, names: list[str]) -> tuple[list[Cell], str]:
-        """Return the cells of the author's notebook, none without one, and the Setup."""
-        if self.notebook is None:
-            return [], self.setup or ""
-        if self.setup is not None:
-            raise InvalidAssignment(slug, [f"assignment.py line {self.line}: the notebook has the Setup; remove setup="])
-        try:
-            cells = author_notebook.read(folder / self.notebook)
-        except InvalidNotebook as error:
-            raise InvalidAssignment(slug, [str(error)]) from error
-        if errors := [f"{self.notebook}: {error}" for error in author_notebook.errors(cells, names)]:
-            raise InvalidAssignment(slug, errors)
-        return cells, author_notebook.setup(cells, names)
+    def _cells(self, folder: Path) -> list[Cell]:
+        """Return the cells of the author's notebook, none without one. Raises InvalidNotebook."""
+        return author_notebook.read(folder / self.notebook) if self.notebook else []
+
+    def _names(self) -> list[str]:
+        return [name for question in self.questions() for name in question.names]
+
+    def _numbered(self) -> list[tuple[str, Question]]:
+        return [(number, question) for number, _, questions in self.exercises for question in questions]
+
+    def _variants(self, id: str) -> list[Variant]:
+        """Return the variants of the question ``id``, the right solution first."""
+        numbered = self._numbered()
+        k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
+        return variants_of(numbered[k][1], source_before(numbered, k))
 
 
 def _document(question: Question) -> Mapping[str, Any]:

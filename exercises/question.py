@@ -103,9 +103,8 @@ class Question:
 
     @functools.cached_property
     def parameters(self) -> list[str]:
-        """The arguments in the order of the call, which is that of the solution's signature."""
-        named = list(inspect.signature(self.solution).parameters)
-        return named if set(named) == set(self.ask) else list(self.ask)
+        """The arguments in the order of the call."""
+        return list(self.ask)
 
     @functools.cached_property
     def drawn(self) -> dict[str, Draw]:

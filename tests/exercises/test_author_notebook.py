@@ -14,7 +14,7 @@ NAMES = {"speed", "height"}
 def test_the_setup_runs_before_a_submission_in_the_sandbox(tmp_path, sandbox):
     shown = code("from IPython.display import HTML\ndisplay(HTML('<b>Falling</b>'))\nget_ipython()")
     folder = write(tmp_path, [*CELLS[:3], shown, *CELLS[3:]])
-    source = "def speed(t, g): return SIGN * np.multiply(g, t)\ndef height(t, h, g): return h - g * t**2 / 2"
+    source = "def speed(t, g): return SIGN * np.multiply(g, t)\ndef height(t, g, h): return h - g * t**2 / 2"
     with known(folder) as found:
         assert found.valid["falling"].setup.startswith("pass\nimport numpy as np\n\nfrom IPython")
         report = grade(Submission(source), found.valid["falling"], sandbox, 1).report
@@ -68,7 +68,7 @@ def test_the_setup_is_the_code_below_its_heading_or_before_the_first_solution(ce
         ),
         (
             lambda folder: change(folder / "assignment.py", '.ipynb"', '.ipynb", setup=""'),
-            ["assignment.py line 7: the notebook has"],
+            ["assignment.py line 7: both notebook= and setup= are given"],
         ),
     ],
 )

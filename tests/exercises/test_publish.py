@@ -43,7 +43,7 @@ def test_the_authors_notebook_becomes_the_students(tmp_path):
         "assert speed(1.0, 9.81) == 9.81",
         'ecp.check("1")',
         "## Exercise 2 — Height",
-        "def height(t, h, g):\n    ...\n\n\nprint(height(1.0, 100.0, 9.81))",
+        "def height(t, g, h):\n    ...\n\n\nprint(height(1.0, 9.81, 100.0))",
         'ecp.check("2")',
         "## Summary",
         "print('done')",
@@ -105,10 +105,10 @@ def emptied(sections, source, *tags):
         ("def helper(x):\n    return 2 * x", "def helper(x):\n    return 2 * x"),
         ("class A: x = 1", "class A:\n    ..."),
         (
-            '@dataclass\nclass A(B):\n    """Doc."""\n\n    x: float\n    y: float = 1\n    z = 3\n\n    @property\n    def p(self):\n'
-            "        return 1\n\n    class C:\n        def q(self): return 2\n",
-            '@dataclass\nclass A(B):\n    """Doc."""\n    x: float\n    y: float = 1\n\n    @property\n    def p(self):\n        ...\n\n'
-            "    class C:\n        def q(self):\n            ...\n",
+            '@dataclass\nclass A(B):\n    """Doc."""\n\n    x: float\n    y: float = 1\n    z = 3\n\n    @property\n'
+            "    def p(self):\n        return 1\n\n    class C:\n        def q(self): return 2\n",
+            '@dataclass\nclass A(B):\n    """Doc."""\n    x: float\n    y: float = 1\n\n    @property\n    def p(self):\n'
+            "        ...\n\n    class C:\n        def q(self):\n            ...\n",
         ),
     ],
 )

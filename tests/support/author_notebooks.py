@@ -16,7 +16,7 @@ def speed(t, g):
     return SIGN * g * t
 
 
-def height(t, h, g):
+def height(t, g, h):
     return h - g * t**2 / 2
 
 
@@ -30,7 +30,7 @@ notebook.exercise(
 notebook.exercise(
     "2",
     "Height",
-    values(height, ask=G | {"h": 100.0}, truth=lambda t, h, g: h - 0.5 * g * t * t, agree=Tolerance(atol=1e-11, reason="rounding")),
+    values(height, ask=G | {"h": 100.0}, truth=lambda t, g, h: h - 0.5 * g * t * t, agree=Tolerance(atol=1e-11, reason="rounding")),
 )
 '''
 
@@ -44,7 +44,7 @@ def code(source, *tags, **fields):
 
 
 SPEED = code('def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    # g t\n    return SIGN * g * t', "solution")
-HEIGHT = code("def height(t, h, g):\n    return h - g * t**2 / 2\n\n\nprint(height(1.0, 100.0, 9.81))")
+HEIGHT = code("def height(t, g, h):\n    return h - g * t**2 / 2\n\n\nprint(height(1.0, 9.81, 100.0))")
 CELLS = [
     markdown("# Falling"),
     markdown("## Setup"),

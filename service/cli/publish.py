@@ -32,7 +32,8 @@ def _publish(arguments: argparse.Namespace) -> int:
         elif arguments.into.resolve() == assignment.folder.resolve():
             error = f"{file} would lie beside the author's notebook: choose another folder with --into"
         else:
-            write(file, wheel.notebook(assignment, server.rstrip("/"), f"{server.rstrip('/')}/kit/{wheel.NAME}"))
+            address = server.rstrip("/")
+            write(file, wheel.notebook(assignment, address, f"{address}/kit/{wheel.filename(assignment.slug)}"))
     except (InvalidAssignment, NoAssignment, OSError) as failure:
         error = str(failure)
     if error:

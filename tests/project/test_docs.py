@@ -1,5 +1,7 @@
 """The docs are tested: every route, setting, check word, diagnosis code and word of the glossary is where a reader looks for it."""
 
+import importlib
+import inspect
 import re
 from pathlib import Path
 
@@ -9,6 +11,7 @@ from ecp import checks
 from ecp.document import document
 from ecp.kinds import KINDS
 from exercises import author, mutation
+from exercises.question import Question
 from exercises.samples import samples
 from service import app
 from service.grading.grade import grade
@@ -103,7 +106,7 @@ def test_the_example_for_authors_passes_its_own_checks(example, sandbox):
     right = next(iter(example.made_samples()))
     assert right.unexpected(graded(right, example, sandbox)) == []
     codes = {sample.code for sample in example.made_samples()} - {None}
-    assert len(example.exercises) == 4 and len(codes) >= 4 and codes <= documented_codes()
+    assert len(example.exercises) == 5 and len(codes) >= 4 and codes <= documented_codes()
 
 
 @pytest.mark.slow
@@ -112,11 +115,21 @@ def test_each_mistake_of_the_example_for_authors_is_named(example, sandbox):
         assert sample.unexpected(graded(sample, example, sandbox)) == [], sample.name
 
 
+COMMON = "`solution`, `ask`, `truth`, `mistakes` and `budget_s`"
+
+
 def test_the_guide_for_authors_names_what_an_author_imports():
     for name in author.__all__:
         assert re.search(rf"`{name}\(", doc("docs/authors.md")), name
-    for kind in KINDS:
-        assert f"### `{kind}`" in doc("docs/authors.md"), kind
+    modules = [importlib.import_module(f"exercises.kinds.{kind}") for kind in KINDS]
+    made = [(f, inspect.signature(f)) for module in modules for f in vars(module).values() if inspect.isfunction(f)]
+    kinds = {f.__name__: signature for f, signature in made if signature.return_annotation is Question and f.__name__[0] != "_"}
+    assert len(kinds) >= len(KINDS)
+    for kind, signature in kinds.items():
+        sections = [text for text in doc("docs/authors.md").split("\n### ") if f"`{kind}`" in text.split("\n")[0]]
+        assert sections, kind
+        for name in signature.parameters:
+            assert f"`{name}`" in sections[0] + COMMON, (kind, name)
 
 
 def test_links_and_folders_of_the_readme_exist():

@@ -143,7 +143,7 @@ print(repr(report))
 @pytest.fixture
 def kits_home(course):
     """The folder beside which a kit lies that was made while the assignment is known."""
-    with zipfile.ZipFile(io.BytesIO(wheel.wheel())) as archive:
+    with zipfile.ZipFile(io.BytesIO(wheel.wheel("driven-pendulum"))) as archive:
         archive.extractall(course.parent / "kit")
     return course.parent
 
@@ -151,6 +151,7 @@ def kits_home(course):
 def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_home, polhode):
     home = kits_home / "kit" / "ecp" / "assignments" / "driven_pendulum"
     assert {p.name for p in home.iterdir()} == {
+        "made.json",
         "plays.py",
         "public.json",
         "truth.npz",

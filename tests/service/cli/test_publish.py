@@ -16,7 +16,7 @@ def test_the_file_is_the_notebook_that_a_server_of_that_address_serves(tmp_path,
     with known(FOLDER) as found:
         assert main(["publish", "toolbox", "--into", str(file.parent), "--server", "https://x.org/"]) == 0
         assert capsys.readouterr().out == f"written to {file}\n"
-        served = wheel.notebook(found.valid["toolbox"], "https://x.org", f"https://x.org/kit/{wheel.NAME}")
+        served = wheel.notebook(found.valid["toolbox"], "https://x.org", f"https://x.org/kit/{wheel.filename('toolbox')}")
         assert file.read_bytes() == served and "{{" not in file.read_text()
         monkeypatch.setenv("POLHODE_PUBLIC_URL", "https://y.org")
         assert main(["publish", "toolbox", "--into", str(file.parent)]) == 0

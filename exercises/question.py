@@ -110,6 +110,11 @@ class Question:
         """The name of the student's function, or of the first variable."""
         return self.variables[0] if self.variables else self.solution.__name__
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names that a student's cells must define."""
+        return tuple(getattr(self, "variables", ())) or (self.function,)
+
     @functools.cached_property
     def source(self) -> str:
         """The source of the right solution: of a function or class, or of a cell."""

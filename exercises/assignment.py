@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise, points
@@ -15,7 +15,8 @@ from ecp.outcome import Diagnosis, SweepResult
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
 """The inputs of a function and the arrays it returned, by scene."""
-RightHandSide = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+Ask = Callable[[Mapping[str, ArrayLike]], Arrays]
+"""Calls a play in the sandbox once, with real numbers and arrays by name, and returns its arrays."""
 
 
 class InvalidAssignment(Exception):
@@ -50,13 +51,18 @@ class HostVerification:
     It accepts the motion if ``certified(inputs, seen, truth)`` holds for the scene ``proof``, in which the
     function was called at single points, some along the exact motion. Otherwise ``follows(inputs, seen, ask,
     rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
-    ``motion(inputs, ask)`` integrates all of it.
+    ``motion(inputs, ask)`` integrates all of it, or raises ArithmeticError or ValueError if it cannot.
+
+    Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` of plays.py once in the
+    sandbox, with a float for a number and float64 arrays for the others, and returns the arrays ``returns``.
     """
 
     proof: str
     certified: Callable[[Inputs, Arrays, Arrays], bool]
-    follows: Callable[[Inputs, Arrays, RightHandSide, np.random.Generator], bool]
-    motion: Callable[[Inputs, RightHandSide], Arrays]
+    follows: Callable[[Inputs, Arrays, Ask, np.random.Generator], bool]
+    motion: Callable[[Inputs, Ask], Arrays]
+    play: str
+    returns: Mapping[str, ArraySpec]
 
 
 @dataclass(frozen=True, eq=False)

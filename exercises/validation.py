@@ -68,6 +68,8 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
         yield "it has no exercise"
     variables, names = assignment.variables(), {name for e in assignment.exercises for name in e.function_names()}
     for exercise in assignment.exercises:
+        equal = _twice(check.label for check in exercise.checks)
+        yield from (f"exercise {exercise.number}: several checks have the label {label!r}: a report shows labels" for label in equal)
         asked = exercise.function_names()
         yield from (f"exercise {exercise.number}: the variable {v} is not in functions" for v in set(exercise.variables) - asked)
         both = sorted(asked & variables - set(exercise.variables))
@@ -93,8 +95,9 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:
-        if plays is not None and scene.play not in plays:
-            yield f"scene {scene.name}: plays.py has no function {scene.play}"
+        for play in (scene.play, *([scene.drive.play] if scene.drive else [])):
+            if plays is not None and play not in plays:
+                yield f"scene {scene.name}: plays.py has no function {play}"
 
 
 def _plays(path: Path) -> set[str] | None:

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.return_value import describe_exception, is_written, missing, real_array
+from ecp.return_value import describe_exception, is_written, missing
 
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
@@ -98,17 +98,17 @@ def _play(
 
     def answer() -> None:
         unchanged()
-        if scene["asked"]:
-            function = student[scene["function"]]
-            for t, w, moments in questions:
-                write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
-            return
         names = student
         if scene["source"] is not None:
             names = dict(student)
             exec(compile(scene["source"], "source.py", "exec"), names)
-        asked = (names, scene["inputs"]) if scene["question"] is None else (scene["question"], names, scene["inputs"])
-        arrays = plays[scene["play"]](*asked)
+        play = plays[scene["play"]]
+        asked = (names,) if scene["question"] is None else (scene["question"], names)
+        if scene["asked"]:
+            for arguments in questions:
+                write.answer(play(*asked, arguments))
+            return
+        arrays = play(*asked, scene["inputs"])
         unchanged()
         for key, array in arrays.items():
             write.array(name, key, array)

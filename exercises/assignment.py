@@ -1,5 +1,6 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -123,7 +124,8 @@ class Assignment:
     if that is more than the server's limit: five times as much as the right solution uses.
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
-    are their texts. ``questions`` are those of each exercise as data, for the students' kit.
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``solution`` returns
+    the source of a right submission; without it, a sample ``right_*.py`` serves.
     """
 
     slug: str
@@ -141,11 +143,20 @@ class Assignment:
     setup: str | None = None
     plays: str | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
+    solution: Callable[[], str] | None = None
 
     def source(self, name: str) -> str:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
         declared = {"setup": self.setup, "plays": self.plays}[name]
         return (self.folder / f"{name}.py").read_text(encoding="utf-8") if declared is None else declared
+
+    def right_submission(self, function: str) -> str | None:
+        """Return the source of a right submission that defines ``function``, or None if there is none."""
+        if self.solution is not None:
+            return self.solution()
+        defines = re.compile(rf"^(?:def |class |){re.escape(function)}\b *[(:=]", re.MULTILINE)
+        samples = (path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py")))
+        return next((source for source in samples if defines.search(source)), None)
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

@@ -109,6 +109,7 @@ class Notebook:
             cpu_s=self.cpu_s,
             setup=self.setup,
             plays=PLAYS,
+            solution=lambda: "\n\n".join(dict.fromkeys(question.source for question in self.questions())),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
 

@@ -18,6 +18,7 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
+from service.grading.author_errors import author_errors, play
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
 from service.grading.submission import Submission
 from service.sandbox.job import Job, SceneRequest
@@ -63,8 +64,21 @@ def grade(
 
     ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those that the assignment
     declares if they are longer; scenes that are left have then timed out. Raises UnknownExercise, and SystemFault if the sandbox
-    fails or a package of the assignment is not installed.
+    fails, a package of the assignment is not installed, or the assignment's own code fails.
     """
+    with author_errors(assignment):
+        return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
+
+
+def _grade(
+    submission: Submission,
+    assignment: Assignment,
+    sandbox: Sandbox,
+    seed: int,
+    numbers: Iterable[str] | None,
+    *,
+    on_progress: OnProgress,
+) -> Graded:
     if absent := missing_packages(assignment):
         raise SystemFault(absent)
     asked = select(assignment, numbers)
@@ -161,7 +175,7 @@ def _play(
         on_progress("playing", places[scene], len(places))
         exact[scene] = truth(assignment.scene(scene), inputs[scene])
 
-    result = sandbox.play(job, on_scene, budget)
+    result = play(job, assignment, sandbox, on_scene, budget)
     for name in list(result.arrays):
         scene = assignment.scene(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None

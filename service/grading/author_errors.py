@@ -12,10 +12,11 @@ from ecp.outcome import Ended, SceneEnd
 from exercises.assignment import Assignment
 from exercises.validation import format_error
 from service.sandbox.job import Cell, Job
-from service.sandbox.result import PlayResult, SystemFault
+from service.sandbox.result import NotPrepared, PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
 
+FAULT = "assignment {slug} has an error: {error}"
 NO_SUBMISSION = """
 class {name}: pass
 def {function}(*values, **named): return {name}()
@@ -36,10 +37,10 @@ def author_errors(assignment: Assignment, *, numbers: bool = False) -> Iterator[
     """
     try:
         yield
+    except (AuthorError, NotPrepared) as error:
+        raise _fault(assignment, str(error)) from error
     except SystemFault:
         raise
-    except AuthorError as error:
-        raise _fault(assignment, str(error)) from error
     except (Exception, SystemExit) as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = any(Path(frame.filename).is_relative_to(assignment.folder) for frame in frames)
@@ -78,4 +79,4 @@ def play(
 
 
 def _fault(assignment: Assignment, error: str) -> AssignmentFault:
-    return AssignmentFault(f"assignment {assignment.slug} has an error: {error}")
+    return AssignmentFault(FAULT.format(slug=assignment.slug, error=error))

@@ -78,3 +78,7 @@ class Cancelled(Exception):
 
 class SystemFault(Exception):
     """The submission could not be graded because polhode or a course author failed. Never a verdict."""
+
+
+class NotPrepared(SystemFault):
+    """The assignment's setup.py or plays.py failed before the submission ran."""

@@ -1,7 +1,7 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -124,8 +124,9 @@ class Assignment:
     if that is more than the server's limit: five times as much as the right solution uses.
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
-    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``solution`` returns
-    the source of a right submission; without it, a sample ``right_*.py`` serves.
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
+    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
+    that follow from the declaration (exercises.mistakes.MadeSample).
     """
 
     slug: str
@@ -143,7 +144,8 @@ class Assignment:
     setup: str | None = None
     plays: str | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
-    solution: Callable[[], str] | None = None
+    variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
+    made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
 
     def source(self, name: str) -> str:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
@@ -152,8 +154,8 @@ class Assignment:
 
     def right_submission(self, function: str) -> str | None:
         """Return the source of a right submission that defines ``function``, or None if there is none."""
-        if self.solution is not None:
-            return self.solution()
+        if made := next((sample.source for sample in self.made_samples() if sample.right), None):
+            return str(made)
         defines = re.compile(rf"^(?:def |class |){re.escape(function)}\b *[(:=]", re.MULTILINE)
         samples = (path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py")))
         return next((source for source in samples if defines.search(source)), None)

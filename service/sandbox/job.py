@@ -27,7 +27,8 @@ class SceneRequest:
 
     A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far: the host calls
     ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these named arrays and returns its arrays.
-    ``question`` is that of the scene, if it has one (ecp.kinds).
+    ``question`` is that of the scene, if it has one (ecp.kinds). With ``source`` the scene runs that source, after the setup, in
+    place of the submission.
     """
 
     name: str
@@ -39,6 +40,7 @@ class SceneRequest:
     after: str | None
     drive: Callable[[Ask], Any] | None = None
     question: Mapping[str, Any] | None = None
+    source: str | None = None
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,7 @@ class Job:
             | {
                 "asked": s.drive is not None,
                 "question": s.question,
+                "source": s.source,
                 "returns": {name: vars(spec) for name, spec in s.returns.items()},
             }
             for s in self.scenes

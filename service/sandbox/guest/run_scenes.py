@@ -92,15 +92,19 @@ def _play(
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
-    if not callable(student.get(scene["function"])):
+    if scene["source"] is None and not callable(student.get(scene["function"])):
         sentence = f"{scene['function']} is not defined"
         write.event("scene", scene=name, ended="missing-function", code="missing-function", sentence=sentence)
         return False
 
     def answer() -> None:
         unchanged()
+        names = student
+        if scene["source"] is not None:
+            names = dict(student)
+            exec(compile(scene["source"], "source.py", "exec"), names)
         play = plays[scene["play"]]
-        asked = (student,) if scene["question"] is None else (scene["question"], student)
+        asked = (names,) if scene["question"] is None else (scene["question"], names)
         if scene["asked"]:
             for arguments in questions:
                 write.answer(checked_arrays(play, play(*asked, arguments), scene["returns"]))

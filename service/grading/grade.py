@@ -146,7 +146,16 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
     requests = tuple(
-        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question)
+        SceneRequest(
+            s.name,
+            s.play,
+            s.function,
+            dict(inputs[s.name]),
+            dict(s.returns),
+            s.budget_s,
+            s.after,
+            question=None if s.question is None else dict(s.question),
+        )
         for s in scenes
     )
     functions = tuple(sorted(assignment.functions()))
@@ -171,12 +180,18 @@ def _play(
     """Play the job. Return its result and the exact answers, which are computed while the guest plays."""
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
+    failed: list[Exception] = []
 
     def on_scene(scene: str) -> None:
         on_progress("playing", places[scene], len(places))
-        exact[scene] = truth(assignment.scene(scene), inputs[scene])
+        try:
+            exact[scene] = truth(assignment.scene(scene), inputs[scene])
+        except Exception as error:  # raised after the play: the guest goes on
+            failed.append(error)
 
     result = play(job, assignment, sandbox, on_scene, budget)
+    if failed:
+        raise failed[0]
     for name in list(result.arrays):
         scene = assignment.scene(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None

@@ -203,3 +203,49 @@ def test_plays_that_import_what_the_guest_does_not_have_are_an_error_of_the_decl
     with known(folder) as catalogue:
         (error,) = catalogue.invalid["doubling"].errors
     assert error.startswith("plays.py line 2: the sandbox and the kit have no ")
+
+
+ONE_FILE = """from exercises.author import Notebook, Tolerance, integers, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Halving", setup="")
+
+
+def half(x):
+    return x / 2
+
+
+def exact(x):
+    return 0.5 * x
+
+
+notebook.exercise(
+    "1",
+    "Halving",
+    values(
+        half,
+        ask={"x": uniform(1, 2)},
+        truth=exact,
+        agree=Tolerance(rtol=1e-9, reason="rounding"),
+    ),
+)
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "source", "message"),
+    [
+        ("return 0.5 * x", "return [0.5 * x]", None, "assignment.py line 18: question 1: WrongAnswer: half must return shape ()"),
+        ("return 0.5 * x", "return 0.5 * y", None, "assignment.py line 12: NameError: name 'y' is not defined"),
+        ("uniform(1, 2)", "integers(2, 1)", None, "assignment.py line 18: question 1: ValueError: low > high"),
+        ("return x / 2", "return x / 0", "def half(x): return x / 2", "assignment.py line 8: ZeroDivisionError"),
+    ],
+)
+def test_an_error_in_a_declaration_of_one_file_is_a_fault_with_its_line(tmp_path, sandbox, old, new, source, message):
+    (tmp_path / "halving").mkdir()
+    text = ONE_FILE.replace(old, new)
+    (tmp_path / "halving" / "assignment.py").write_text(text)
+    assert text != ONE_FILE
+    with known(tmp_path / "halving") as catalogue, pytest.raises(SystemFault) as fault:
+        grade(Submission(source or "def half(x): return x / 2"), catalogue.valid["halving"], sandbox, 1)
+    assert str(fault.value).startswith(f"assignment halving has an error: {message}"), fault.value

@@ -100,9 +100,7 @@ def test_without_an_error_it_is_graded(folder, sandbox):
             "setup.py", "import numpy as np\n", "1 / 0\n", "setup.py line 1: ZeroDivisionError", marks=pytest.mark.slow
         ),  # starts a new guest
         ("__init__.py", "rng.uniform(", "rng.uniforms(", "__init__.py line 11: AttributeError"),
-        pytest.param(
-            "__init__.py", 'inputs["x"]', 'inputs["z"]', "__init__.py line 15: KeyError: 'z'", marks=pytest.mark.slow
-        ),  # starts a new guest
+        ("__init__.py", 'inputs["x"]', 'inputs["z"]', "__init__.py line 15: KeyError: 'z'"),
         ("__init__.py", 'return seen["y"]', 'return seen["z"]', "check 1-points: __init__.py line 19: KeyError: 'z'"),
         ("__init__.py", 'return truth["y"]', 'return truth["y"] @ 1', "check 1-points: __init__.py line 23: ValueError"),
         (

@@ -171,6 +171,8 @@ def test_a_submission_cannot_forge_an_error_of_the_author(folder, sandbox, sampl
 def test_the_exception_of_a_student_stays_one(folder, sandbox):
     report = graded(folder, sandbox, "def double(x):\n    return x['y']\n").report
     assert report.scene_ends[0].ended is Ended.RAISED and "line 2, in double" in report.scene_ends[0].traceback
+    report = graded(folder, sandbox, "double = eval('lambda x: 1 // 0')\n").report
+    assert report.scene_ends[0].ended is Ended.RAISED and "ZeroDivisionError" in report.scene_ends[0].sentence
 
 
 def test_the_right_submission_is_never_in_the_process_of_a_students(folder, sandbox):

@@ -70,9 +70,9 @@ def _located(method: Callable[..., T]) -> Callable[..., T]:
     """Let a method that runs the author's code raise AuthorError with the question's line if no frame is of the author's file."""
 
     @functools.wraps(method)
-    def run(self: "Question", *args: Any) -> T:
+    def run(self: "Question", *args: Any, **named: Any) -> T:
         try:
-            return method(self, *args)
+            return method(self, *args, **named)
         except Exception as error:
             file = inspect.getsourcefile(self.solution) or ""
             if isinstance(error, AuthorError) or file in [f.filename for f in traceback.extract_tb(error.__traceback__)]:

@@ -166,36 +166,40 @@ def close(
 def within(
     id: str,
     label: str,
-    scene: str,
-    *,
+    *scenes: str,
     measured: Measure,
     expected: Measure,
     scale: Measure,
-    limit: float | Callable[[Arrays], Tolerance],
+    limit: float | Callable[..., Tolerance],
     reason: str,
     locate: Locate | None = None,
 ) -> Check:
-    """Check that ``measured(seen)`` equals ``expected(truth)`` to ``limit · scale(truth)``.
+    """Check that ``measured(*seen)`` equals ``expected(*truth)`` to ``limit · scale(*truth)``.
 
-    ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
-    A function ``limit(truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
-    shape that differs is judged as by ``close``.
+        ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
+    <<<<<<< HEAD
+        A function ``limit(truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
+        shape that differs is judged as by ``close``.
+    =======
+        A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
+        shape that differs fails.
+    >>>>>>> b5b3209625d71c27f7b7e094fb03aed44691311f
 
-    >>> check = within(
-    ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
-    ...     measured=lambda seen: seen["w"], expected=lambda truth: truth["w"], scale=lambda truth: truth["w"].max(),
-    ... )
-    >>> print(check.judge([{"w": np.array([2.0, 4.0])}], [{"w": np.array([2.0, 5.0])}]).line)
-    ✗  ω(t) follows the exact motion   [max|Δ|/scale = 0.2 (limit 1e-09)]
+        >>> check = within(
+        ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
+        ...     measured=lambda seen: seen["w"], expected=lambda truth: truth["w"], scale=lambda truth: truth["w"].max(),
+        ... )
+        >>> print(check.judge([{"w": np.array([2.0, 4.0])}], [{"w": np.array([2.0, 5.0])}]).line)
+        ✗  ω(t) follows the exact motion   [max|Δ|/scale = 0.2 (limit 1e-09)]
     """
     allow = limit if callable(limit) else None
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        allowed = allow(truth[0]).limit if allow else limit
+        allowed = allow(*truth).limit if allow else limit
         assert isinstance(allowed, float)
-        return judge.within(measured(seen[0]), expected(truth[0]), scale(truth[0]), allowed)
+        return judge.within(measured(*seen), expected(*truth), scale(*truth), allowed)
 
-    return Check(id, label, (scene,), word, Tolerance(limit=None if callable(limit) else limit, reason=reason), locate, allow)
+    return Check(id, label, scenes, word, Tolerance(limit=None if callable(limit) else limit, reason=reason), locate, allow)
 
 
 def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
@@ -263,9 +267,9 @@ def holds(
     return Check(id, label, scenes, word, Tolerance(reason=reason), hint=hint)
 
 
-def shows(id: str, label: str, scene: str, *, claim: Callable[[Arrays, Arrays], tuple[bool | None, str]], reason: str) -> Check:
-    """Check a claim against the truth: ``claim(seen, truth)`` returns (true, false or None, the text for the
-    brackets).
+def shows(id: str, label: str, *scenes: str, claim: Callable[..., tuple[bool | None, str]], reason: str) -> Check:
+    """Check a claim against the truth: ``claim(*seen, *truth)`` returns (true, false or None, the text for the
+    brackets). With two scenes it is called as ``claim(seen_1, seen_2, truth_1, truth_2)``.
 
     None means that the claim does not apply: the outcome is unmeasured and not counted.
 
@@ -278,7 +282,7 @@ def shows(id: str, label: str, scene: str, *, claim: Callable[[Arrays, Arrays], 
     """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        ok, detail = claim(seen[0], truth[0])
+        ok, detail = claim(*seen, *truth)
         return Judgement(Verdict.UNMEASURED, detail) if ok is None else judge.holds(ok, detail)
 
-    return Check(id, label, (scene,), word, Tolerance(reason=reason))
+    return Check(id, label, scenes, word, Tolerance(reason=reason))

@@ -176,21 +176,16 @@ def within(
 ) -> Check:
     """Check that ``measured(*seen)`` equals ``expected(*truth)`` to ``limit · scale(*truth)``.
 
-        ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
-    <<<<<<< HEAD
-        A function ``limit(truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
-        shape that differs is judged as by ``close``.
-    =======
-        A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
-        shape that differs fails.
-    >>>>>>> b5b3209625d71c27f7b7e094fb03aed44691311f
+    ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
+    A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
+    shape that differs is judged as by ``close``.
 
-        >>> check = within(
-        ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
-        ...     measured=lambda seen: seen["w"], expected=lambda truth: truth["w"], scale=lambda truth: truth["w"].max(),
-        ... )
-        >>> print(check.judge([{"w": np.array([2.0, 4.0])}], [{"w": np.array([2.0, 5.0])}]).line)
-        ✗  ω(t) follows the exact motion   [max|Δ|/scale = 0.2 (limit 1e-09)]
+    >>> check = within(
+    ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",
+    ...     measured=lambda seen: seen["w"], expected=lambda truth: truth["w"], scale=lambda truth: truth["w"].max(),
+    ... )
+    >>> print(check.judge([{"w": np.array([2.0, 4.0])}], [{"w": np.array([2.0, 5.0])}]).line)
+    ✗  ω(t) follows the exact motion   [max|Δ|/scale = 0.2 (limit 1e-09)]
     """
     allow = limit if callable(limit) else None
 

@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 
 from ecp import checks, validate
-<<<<<<< HEAD
 from ecp.author_errors import AuthorError
-from ecp.checks import below, close, conserved, holds
-=======
 from ecp.checks import below, close, conserved, holds, shows, within
->>>>>>> b5b3209625d71c27f7b7e094fb03aed44691311f
 from ecp.judge import Verdict
 
 NAN = float("nan")
@@ -72,7 +68,6 @@ def test_conserved_below_holds():
     assert holds("a", "l", "s", claim=lambda s: (False, "no"), reason="r").judge(SEEN, []).line == "✗  l   [no]"
 
 
-<<<<<<< HEAD
 def judged(measured, seen, truth, expected=lambda truth: truth["x"]):
     check = close("id", "label", "s", measured=measured, expected=expected, rtol=0.0, atol=1.0, reason="why")
     return check.judge([{"x": np.asarray(seen, float)}], truth)
@@ -121,7 +116,8 @@ def test_a_wrong_length_of_the_student_fails_and_one_of_the_author_is_an_error()
 
 def test_an_index_beyond_what_the_student_returned_is_unmeasured():
     assert judged(lambda seen: seen["x"][1], [1.0], EXACT, expected=lambda truth: 1.0).verdict is Verdict.UNMEASURED
-=======
+
+
 def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths():
     seen, truth = [{"n": np.array(1.0)}, {"n": np.array(2.0)}], [{"n": np.array(3.0)}, {"n": np.array(4.0)}]
     numbers = shows("a", "l", "s", "t", claim=lambda *all: (True, " ".join(f"{one['n']:g}" for one in all)), reason="r")
@@ -129,7 +125,6 @@ def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths()
     both = {"measured": lambda a, b: a["n"] + b["n"], "expected": lambda a, b: a["n"] + b["n"] - 4.0, "scale": lambda a, b: b["n"]}
     assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, truth).verdict is Verdict.PASS
     assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, seen).verdict is Verdict.FAIL
->>>>>>> b5b3209625d71c27f7b7e094fb03aed44691311f
 
 
 def test_unmeasured_carries_its_cause():

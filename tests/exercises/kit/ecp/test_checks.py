@@ -68,15 +68,6 @@ def test_conserved_below_holds():
     assert holds("a", "l", "s", claim=lambda s: (False, "no"), reason="r").judge(SEEN, []).line == "✗  l   [no]"
 
 
-def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths():
-    seen, truth = [{"n": np.array(1.0)}, {"n": np.array(2.0)}], [{"n": np.array(3.0)}, {"n": np.array(4.0)}]
-    numbers = shows("a", "l", "s", "t", claim=lambda *all: (True, " ".join(f"{one['n']:g}" for one in all)), reason="r")
-    assert numbers.judge(seen, truth).line == "✓  l   [1 2 3 4]"
-    both = {"measured": lambda a, b: a["n"] + b["n"], "expected": lambda a, b: a["n"] + b["n"] - 4.0, "scale": lambda a, b: b["n"]}
-    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, truth).verdict is Verdict.PASS
-    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, seen).verdict is Verdict.FAIL
-
-
 def judged(measured, seen, truth, expected=lambda truth: truth["x"]):
     check = close("id", "label", "s", measured=measured, expected=expected, rtol=0.0, atol=1.0, reason="why")
     return check.judge([{"x": np.asarray(seen, float)}], truth)
@@ -125,6 +116,15 @@ def test_a_wrong_length_of_the_student_fails_and_one_of_the_author_is_an_error()
 
 def test_an_index_beyond_what_the_student_returned_is_unmeasured():
     assert judged(lambda seen: seen["x"][1], [1.0], EXACT, expected=lambda truth: 1.0).verdict is Verdict.UNMEASURED
+
+
+def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths():
+    seen, truth = [{"n": np.array(1.0)}, {"n": np.array(2.0)}], [{"n": np.array(3.0)}, {"n": np.array(4.0)}]
+    numbers = shows("a", "l", "s", "t", claim=lambda *all: (True, " ".join(f"{one['n']:g}" for one in all)), reason="r")
+    assert numbers.judge(seen, truth).line == "✓  l   [1 2 3 4]"
+    both = {"measured": lambda a, b: a["n"] + b["n"], "expected": lambda a, b: a["n"] + b["n"] - 4.0, "scale": lambda a, b: b["n"]}
+    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, truth).verdict is Verdict.PASS
+    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, seen).verdict is Verdict.FAIL
 
 
 def test_unmeasured_carries_its_cause():

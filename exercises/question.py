@@ -79,7 +79,7 @@ class Question:
 
     ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
     with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
-    "value". ``data`` holds what the checks of the kind need, as JSON; ``limits`` maps the kind's further tolerances to errors.
+    "value". ``data`` holds what the checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind.
     ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy.
     """
 
@@ -93,6 +93,7 @@ class Question:
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
+    errors: Callable[[], Iterator[str]] = lambda: iter(())
     sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0

@@ -39,6 +39,15 @@ def flat(question: Mapping[str, Any], state: Mapping[str, Any]) -> Array:
     return np.concatenate([np.ravel(state[name]) for name in question["state"].values()])
 
 
+def split(question: Mapping[str, Any], like: Mapping[str, Any], y: Array) -> dict[str, Any]:
+    """Return the parts of the state ``y`` (d,) by parameter, with the shapes of those in ``like``."""
+    names = list(question["state"].values())
+    parts = np.split(y, np.cumsum([np.size(like[name]) for name in names])[:-1])
+    return {
+        n: part.reshape(np.shape(like[n])) if np.ndim(like[n]) else float(part[0]) for n, part in zip(names, parts, strict=True)
+    }
+
+
 def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[str, Any]) -> dict[str, Any]:
     """Return the arguments after one step."""
     for value in given.values():
@@ -69,20 +78,13 @@ def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
     known = {name: value for name, value in row.items() if name in question["parameters"]}
     constants = {name: value for name, value in question["constants"].items() if name in question["parameters"]}
     given = arguments({**question, "families": families, "constants": constants}, known)
-    shapes = {name: np.shape(given[name]) for name in question["state"].values()}
-    unit = np.eye(sum(int(np.prod(shape)) for shape in shapes.values()))
 
     def grows(h: float) -> bool:
-        columns = []
-        for start in unit:
-            at, state = 0, {}
-            for name, shape in shapes.items():
-                size = int(np.prod(shape))
-                state[name], at = start[at : at + size].reshape(shape) if shape else float(start[at]), at + size
-            try:
-                columns.append(flat(question, _step(question, student, given | state | {question["step"]: h})))
-            except Exception:  # a method that cannot do this step
-                return True
+        starts = [split(question, given, unit) for unit in np.eye(flat(question, given).size)]
+        try:
+            columns = [flat(question, _step(question, student, given | start | {question["step"]: h})) for start in starts]
+        except Exception:  # a method that cannot do this step
+            return True
         return bool(np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + GROWTH)
 
     stable, step = 0.0, SMALLEST

@@ -29,7 +29,7 @@ def fingerprint(tree: ast.Module) -> str:
     """Return a text that is equal for two modules that differ only by rules of arithmetic."""
     values = Values()
     with np.errstate(all="ignore"):
-        return values.text([values.block(tree.body), *sorted(values.names.items())])
+        return values.text([values.block(tree.body), *values.variables()])
 
 
 class Values:
@@ -39,9 +39,13 @@ class Values:
         self.names: dict[str, Any] = {}
         self.calls: Counter[str] = Counter()
 
+    def variables(self) -> list[Any]:
+        """Return the names and values of all variables, sorted by name."""
+        return [part for item in sorted(self.names.items()) for part in item]
+
     def text(self, parts: Iterable[Any]) -> str:
         """Return a text that is equal for equal ``parts``, numbers to nine digits."""
-        return " ".join("".join(f"{x:.9e}" for x in (p.ravel() + 0.0)) if isinstance(p, np.ndarray) else repr(p) for p in parts)
+        return " ".join("".join(f"{x:.9e}" for x in (p.ravel() + 0j)) if isinstance(p, np.ndarray) else repr(p) for p in parts)
 
     def opaque(self, *parts: Any) -> Any:
         """Return a random matrix (2, 2), equal for equal ``parts``."""
@@ -96,9 +100,11 @@ class Values:
             case ast.If() | ast.For() | ast.While() | ast.With() | ast.Try() | ast.Assign() | ast.AugAssign():
                 return self._changing(node)
             case ast.FunctionDef() | ast.ClassDef():
-                before, inside = self.names, _stored(node)
-                self.names = {name: value for name, value in before.items() if name not in inside}
-                effect = self._changing(node)
+                before, own = self.names, _stored(node) if self.names else set()
+                self.names = {name: value for name, value in before.items() if name not in own}
+                effect = self.opaque(type(node).__name__, *[self.of(v) for _, v in ast.iter_fields(node)])
+                if isinstance(node, ast.ClassDef):
+                    effect = self.opaque(effect, *self.variables())
                 self.names = before
                 return effect
             case _:
@@ -112,17 +118,18 @@ class Values:
             self.names |= {name: self.opaque("loop", name, self.names.get(name)) for name in changed}
         effects: list[Any] = [type(node).__name__]
         for _, value in ast.iter_fields(node):
-            effects += [self.of(value), *([] if isinstance(node, ast.FunctionDef) else map(self.names.get, changed))]
+            effects += [self.of(value), *map(self.names.get, changed)]
         effect = self.opaque(*effects)
         self.names |= {name: self.opaque("after", name, effect) for name in changed}
         return effect
 
 
 def _stored(node: ast.AST) -> set[str]:
-    stored = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    changed = {
-        n.value.id
-        for n in ast.walk(node)
-        if isinstance(n, ast.Subscript | ast.Attribute) and isinstance(n.ctx, ast.Store) and isinstance(n.value, ast.Name)
-    }
-    return stored | changed | {n.arg for n in ast.walk(node) if isinstance(n, ast.arg)}
+    """Return the names that ``node`` sets, changes parts of, or takes as parameters."""
+    nodes = list(ast.walk(node))
+    stored = [
+        n.value if isinstance(n, ast.Subscript | ast.Attribute) else n
+        for n in nodes
+        if isinstance(getattr(n, "ctx", None), ast.Store)
+    ]
+    return {n.id for n in stored if isinstance(n, ast.Name)} | {n.arg for n in nodes if isinstance(n, ast.arg)}

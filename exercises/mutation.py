@@ -206,8 +206,8 @@ def _orders(s: Solution, node: Any) -> Iterator[Change]:
             yield Change("component-order", what, s.span(first, second), "{}, {}", (second, first), exact=True)
     elif isinstance(node, ast.Attribute) and node.attr == "T":
         yield s.change("transposed", f"`.T` is missing after {s.quote(node.value)}", node, "{}", node.value)
-    elif isinstance(node, ast.Name) and (
-        is_operation(s.parents[node], ast.MatMult) or (node.id[0].isupper() and s.is_returned(node))
+    elif (
+        isinstance(node, ast.Name) and node.id[0].isupper() and (is_operation(s.parents[node], ast.MatMult) or s.is_returned(node))
     ):
         yield s.stands("transposed", node, f"{node.id}.T")
 
@@ -235,31 +235,19 @@ def _names(s: Solution, node: Any) -> Iterator[Change]:
     if not (attribute or isinstance(node, ast.Name)) or not isinstance(node.ctx, ast.Load):
         return
     around = s.outer(node, ast.stmt, ast.Compare)
-    if isinstance(around, ast.Compare) or (isinstance(around, ast.Assign) and isinstance(around.targets[0], ast.Attribute)):
+    if called(s.parents[node]).endswith(("_like", "len")):
         return
-    outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), _own_name(node)
-    found = [n for n in ast.walk(outer) if isinstance(n, type(node))]
-    defined = {} if attribute or isinstance(outer, ast.Module) else {a.arg: 0 for a in outer.args.args if a.arg != "self"}
-    for n in found:
-        if isinstance(n.ctx, ast.Store) and not isinstance(s.parents[n], ast.comprehension):
-            defined.setdefault(_own_name(n), n.lineno)
-    uses = {name: {_use(s, n) for n in found if _own_name(n) == name} for name in defined}
-    alike = [n for n in defined if n == own or (uses[n] in (set(), uses.get(own)) and (attribute or defined[n] < node.lineno))]
-    if own in alike and "called" not in uses[own]:
-        k = alike.index(own)
-        for other in alike[max(k - 1, 0) : k] + alike[k + 1 : k + 2]:
-            whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
-            yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
+    if isinstance(around, ast.Compare) or (isinstance(around, ast.Assign) and "self." in s.text(around.targets[0])):
+        return
+    outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), node.attr if attribute else node.id
+    known = s.variables(outer, attribute)
+    _, use = known.get(own, (0, {"called"}))
+    alike = [n for n, (first, uses) in known.items() if n == own or (uses in (set(), use) and (attribute or first < node.lineno))]
+    k = alike.index(own) if own in alike else 0
+    for other in [] if "called" in use else alike[max(k - 1, 0) : k] + alike[k + 1 : k + 2]:
+        whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
+        yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
 
 
 RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)
 """The most common mistakes first."""
-
-
-def _own_name(node: Any) -> str:
-    return node.attr if isinstance(node, ast.Attribute) else node.id
-
-
-def _use(s: Solution, node: Any) -> str:
-    parent = s.parents[node]
-    return "called" if getattr(parent, "func", None) is node else "indexed" if isinstance(parent, ast.Subscript) else "plain"

@@ -1,6 +1,7 @@
 """The syntax tree of a right solution: where its nodes stand in the source, what they are part of, and how they read."""
 
 import ast
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -33,14 +34,18 @@ class Solution:
         self.source, self.bytes, self.tree = source, source.encode(), ast.parse(source)
         self.starts = [0, *(k + 1 for k, byte in enumerate(self.bytes) if byte == ord("\n"))]
         self.parents: dict[Any, Any] = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
-        self.computed = {n.targets[0].id for n in self.parents if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)}
+        self.statements = [self.span(n) for n in self.parents if isinstance(n, ast.stmt) and not isinstance(n, COMPOUND)]
+        assigned = [n for n in self.parents if isinstance(n, ast.Assign) and is_operation(n.value, *PRODUCT)]
+        self.products = {target.id for n in assigned for target in n.targets if isinstance(target, ast.Name)}
         self.nodes = [node for top in _needed(self.tree, function) for node in _walk(top)]
 
     def change(
         self, code: str, what: str, node: Any, new: str, *parts: Any, at: Any = None, last: Any = None, exact: bool = False
     ) -> Change:
         """Return the change of ``node``, or of ``node`` to ``last``; its sentence adds the place ``at`` to ``what``."""
-        return Change(code, what + self.place(at or node), self.span(node, last), new, parts, exact)
+        inner, place = f" in {self.quote(at or node)}", self.place(at or node)
+        sentence = what.replace(inner, place) if place and inner in what else what + place
+        return Change(code, sentence, self.span(node, last), new, parts, exact)
 
     def stands(self, code: str, node: Any, new: str, whole: Any = None) -> Change:
         """Return the change of ``node`` to ``new``; its sentence quotes the ``whole`` of which it is a part."""
@@ -51,12 +56,17 @@ class Solution:
         """Return the changed source, with as few brackets as keep its meaning; None if it is not valid Python."""
         (start, end), texts = change.span, [self.text(part) for part in change.parts]
         needed = [text if isinstance(part, SIMPLE) else f"({text})" for part, text in zip(change.parts, texts, strict=True)]
-        bracketed = [] if change.exact else [change.new.format(*needed), f"({change.new.format(*needed)})"]
-        sources = [
-            (self.bytes[:start] + new.encode() + self.bytes[end:]).decode() for new in (change.new.format(*texts), *bracketed)
-        ]
-        meanings = [_meaning(source) for source in sources]
-        return sources[meanings.index(meanings[-1])] if meanings[-1] else None
+        news = [change.new.format(*texts)]
+        if not change.exact:
+            news += [change.new.format(*needed), f"({change.new.format(*needed)})"]
+        whole = [(a, b) for a, b in self.statements if a <= start and end <= b]
+        first, last = min(whole, key=lambda span: span[1] - span[0], default=(0, len(self.bytes)))
+        changed = [(self.bytes[first:start] + new.encode() + self.bytes[end:last]).decode() for new in news]
+        meaning = _meaning(changed[-1])
+        if meaning is None:
+            return None
+        text = next(text for text in changed if text is changed[-1] or _meaning(text) == meaning)
+        return self.bytes[:first].decode() + text + self.bytes[last:].decode()
 
     def span(self, node: Any, last: Any = None) -> tuple[int, int]:
         """Return the first byte of ``node`` and the one after the end of ``last`` or of ``node``."""
@@ -96,6 +106,22 @@ class Solution:
             node = self.parents[node]
         return node
 
+    @functools.lru_cache(8)  # noqa: B019
+    def variables(self, outer: Any, attributes: bool) -> dict[str, tuple[int, set[str]]]:
+        """Return the variables of a function, or the ``attributes`` of a class: the line that defines each, and its uses."""
+        key = "attr" if attributes else "id"
+        found: list[Any] = [n for n in ast.walk(outer) if isinstance(n, ast.Attribute if attributes else ast.Name)]
+        lines = {a.arg: 0 for a in outer.args.args if a.arg != "self"} if isinstance(outer, ast.FunctionDef) else {}
+        for n in found:
+            if isinstance(n.ctx, ast.Store) and not isinstance(self.parents[n], ast.comprehension):
+                lines.setdefault(getattr(n, key), n.lineno)
+        uses: dict[str, set[str]] = {name: set() for name in lines}
+        for n in found:
+            parent = self.parents[n]
+            use = "called" if getattr(parent, "func", None) is n else "indexed" if isinstance(parent, ast.Subscript) else "plain"
+            uses.get(getattr(n, key), set()).add(use)
+        return {name: (lines[name], uses[name]) for name in lines}
+
     def product(self, node: Any) -> Any:
         """Return the largest product that ``node`` is a factor of."""
         while is_operation(self.parents[node], *PRODUCT, ast.MatMult):
@@ -114,8 +140,8 @@ class Solution:
         if not isinstance(node, (ast.BinOp, *SIMPLE)) or isinstance(node, ast.Constant | ast.List) or is_operation(node, *SUM):
             return False
         whole = is_operation(node, *PRODUCT) and self.product(node) is node
-        computed = isinstance(node, ast.Name) and node.id in self.computed
-        return whole or is_operation(self.parents[node], *SUM) or (self.is_returned(node) and not computed)
+        changed_before = isinstance(node, ast.Name) and node.id in self.products
+        return whole or is_operation(self.parents[node], *SUM) or (self.is_returned(node) and not changed_before)
 
 
 def is_operation(node: Any, *operators: type) -> bool:

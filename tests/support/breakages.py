@@ -559,6 +559,20 @@ GRADING = [
 
 COMMANDS = [
     Breakage(
+        "two wrong versions of a solution are equal by the rules of arithmetic",
+        "exercises/mutation.py",
+        "(key := fingerprint(ast.parse(text))) not in seen",
+        "(key := text) not in seen",
+        ("tests/exercises/test_mutation.py::test_no_variant_is_equal_by_the_rules_of_arithmetic",),
+    ),
+    Breakage(
+        "a variable set in one branch is forgotten when two sources are compared",
+        "exercises/equivalence.py",
+        "effects += [self.of(value), *map(self.names.get, changed)]",
+        "effects += [self.of(value)]",
+        ("tests/exercises/test_equivalence.py",),
+    ),
+    Breakage(
         "polhode grade exits with 1 where a file could not be graded",
         "service/cli/grade.py",
         "return 2 if any(file.fault for file in graded) else 0",

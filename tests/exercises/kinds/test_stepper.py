@@ -133,8 +133,13 @@ def test_an_error_of_the_declaration_is_reported(changed, error):
 
 
 def test_the_order_needs_three_runs_above_rounding():
-    assert kit.observed_order(np.array([1e-3, 1e-5, 1e-13, 1e-14])) is None
-    assert kit.observed_order(np.array([1e-2, 1e-4, 1e-6, 5e-13, 1e-14])) == pytest.approx(np.log2(100))
+    assert kit.observed_order(np.array([1e-3, 1e-5, 1e-14, 1e-15])) is None
+    assert kit.observed_order(np.array([1e-2, 1e-4, 1e-6, 5e-14, 1e-15])) == pytest.approx(np.log2(100))
+
+
+def test_runs_that_are_unstable_do_not_count_for_the_order():
+    assert kit.observed_order(np.array([1e9, 1e20, 1e3, 8e-2, 4e-2, 2e-2, 1e-2])) == pytest.approx(1)
+    assert kit.observed_order(np.array([5.0, 0.9, 0.8, 0.8, 0.8, 0.8, 0.8])) == pytest.approx(0, abs=1e-9)
 
 
 def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):

@@ -20,7 +20,7 @@ from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
 FIRST, HALVINGS = 4, 6
-ROUNDING = 1e-12  # errors below this part of the state are those of rounding and of the truth
+ROUNDING, CONVERGING = 1e-13, 0.1  # relative errors below are those of rounding and of the truth; above, of an unstable run
 SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the stability limit is searched
 GROWTH = 1e-6  # of one step: a smaller one is rounding
 
@@ -107,8 +107,13 @@ def errors(ends: Array, exact: Array) -> Array:
 
 
 def observed_order(found: Array) -> float | None:
-    """Return the median slope between all pairs of runs whose errors are above ROUNDING; None with fewer than three runs."""
-    used = [(k, np.log2(error)) for k, error in enumerate(found) if error > ROUNDING]
+    """Return the median slope between all pairs of runs with errors from ROUNDING to CONVERGING.
+
+    With fewer than three such runs, the three finest above ROUNDING count. Return None if there are not three.
+    """
+    above = [(k, np.log2(error)) for k, error in enumerate(found) if error > ROUNDING]
+    used = [(k, error) for k, error in above if error < np.log2(CONVERGING)]
+    used = used if len(used) >= 3 else above[-3:]
     slopes = [(a - b) / (m - k) for k, a in used for m, b in used if m > k]
     return float(np.median(slopes)) if len(used) >= 3 else None
 

@@ -12,7 +12,7 @@ import pytest
 
 from exercises import wheel
 from exercises.author_notebook import Cell
-from exercises.publish import Section, published
+from exercises.publish import Section, plain, published
 from exercises.question import Question
 from tests.support.assignments import known
 from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, markdown, write
@@ -154,6 +154,24 @@ def test_it_is_the_same_for_the_same_folder_and_keeps_valid_ids(tmp_path):
     assert len(set(ids)) == len(ids) and {"install", "check-1", "check-2", "submit", "intro", "intro-2"} <= set(ids)
     fewer = students(write(tmp_path / "falling", cells[4:]))
     assert set(ids) >= {cell["id"] for cell in json.loads(fewer)["cells"]}
+
+
+def spins():
+    """Compute the rate in 1/s of the first spin."""
+    moments = [1, 2]
+    rate = moments[0] / 7.25
+    return rate
+
+
+def test_a_plain_notebook_asks_for_variables_by_name():
+    sections = [Section("1", "Spins", (Question("variables", spins, {}, {}, variables=("rate",), id="1"),))]
+    text = published("s", plain("Spins", "", sections), sections)
+    assert "7.25" not in text and "moments" not in text
+    assert sources(text)[3:6] == [
+        "## Exercise 1: Spins",
+        "Compute the rate in 1/s of the first spin.",
+        "# your code here\n# rate = ...",
+    ]
 
 
 def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():

@@ -101,9 +101,9 @@ class Question:
     ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
     with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
     "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
-    checks of the kind need, as JSON. ``variables`` names what the body of ``solution``, a cell, assigns: then the question asks for
-    these variables instead of a function. ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is
-    a chart of speed against accuracy.
+    checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
+    ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
+    scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy.
     """
 
     kind: str
@@ -118,6 +118,7 @@ class Question:
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
+    errors: Callable[[], Iterator[str]] = lambda: iter(())
     sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
@@ -133,7 +134,7 @@ class Question:
     @property
     def names(self) -> tuple[str, ...]:
         """The names that a student's cells must define."""
-        return tuple(getattr(self, "variables", ())) or (self.function,)
+        return self.variables or (self.function,)
 
     @functools.cached_property
     def source(self) -> str:

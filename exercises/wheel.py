@@ -116,7 +116,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     yield "plays.py", assignment.source("plays").encode()
     scenes = _public_scenes(assignment)
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
-    sent = [*precursors.values(), *scenes]
+    sent = list(dict.fromkeys([*precursors.values(), *scenes]))
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
     declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
     if assignment.questions:

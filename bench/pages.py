@@ -131,10 +131,10 @@ INSERT INTO member SELECT c.id, prof.id, 'instructor' FROM course c, prof
 """
 
 _OUTCOMES = """
-INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes)
+INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
 SELECT r.grading_id, o->>'id', o->>'verdict', true, (o->>'margin')::float8 * (0.5 + random()),
     ARRAY(SELECT d->>'code' FROM jsonb_array_elements(o->'diagnosis') d),
-    ARRAY(SELECT d->>'sentence' FROM jsonb_array_elements(o->'diagnosis') d)
+    ARRAY(SELECT d->>'sentence' FROM jsonb_array_elements(o->'diagnosis') d), (o->>'points')::int, (o->>'earned')::int
 FROM result r, jsonb_array_elements(r.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 """
 

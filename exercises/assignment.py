@@ -188,8 +188,8 @@ class Assignment:
         return [c for e in self.exercises for c in e.checks]
 
     def max_points(self, numbers: Collection[str] | None = None, written: Collection[str] = ()) -> int:
-        """Return the points of the exercises ``numbers`` (default: all): one per check, without those of
-        optional functions that are not ``written``.
+        """Return the points of the exercises ``numbers`` (default: all), without those of optional functions that are
+        not ``written``.
         """
         chosen = [e for e in self.exercises if numbers is None or e.number in numbers]
         return points(chosen, self.exercises, written, self.names)

@@ -60,11 +60,32 @@ class Itself:
 
 @dataclass(frozen=True)
 class Value:
-    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to`` (ecp.kinds.alignment)."""
+    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to`` (ecp.kinds.alignment).
+
+    ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns the points times the
+    fraction of inputs that are right, rounded down.
+    """
 
     tolerance: Tolerance
     label: str | None = None
     up_to: str | None = None
+    points: int = 1
+    partial: bool = False
+
+
+Agree = Tolerance | Value | Mapping[str, Value | Tolerance]
+"""A tolerance, or one with its label and points, of a single value, or those of several values by name."""
+
+
+def named_values(
+    agree: Agree, label: str | None = None, up_to: str | None = None, points: int = 1, partial: bool = False
+) -> dict[str, Value]:
+    """Return the values that a question agrees on by name; a single one has the name "value"."""
+    if (points, partial) != (1, False) and not isinstance(agree, Tolerance):
+        raise ValueError("points= and partial= are for a single Tolerance: give them to each Value(…) instead")
+    if isinstance(agree, Mapping):
+        return {name: value if isinstance(value, Value) else Value(value) for name, value in agree.items()}
+    return {"value": agree if isinstance(agree, Value) else Value(agree, label, up_to, points, partial)}
 
 
 def _located(method: Callable[..., T]) -> Callable[..., T]:
@@ -211,7 +232,8 @@ class Question:
 
     def _returned(self, name: str, value: Value) -> dict[str, Any]:
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
-        return {"name": name, "tolerance": tolerance_data(value.tolerance), "label": label, "up_to": value.up_to}
+        credit = {"points": value.points, "partial": value.partial}
+        return {"name": name, "tolerance": tolerance_data(value.tolerance), "label": label, "up_to": value.up_to, **credit}
 
     def play(self, student: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
         """Return what a function, or a ``student`` with these names, answers, as the sandbox would.

@@ -8,10 +8,11 @@ import math
 import re
 from collections.abc import Iterator
 
+from ecp.checks import points_errors
 from ecp.kinds.alignment import UP_TO
 from ecp.kinds.asking import MATHEMATICS
 from ecp.outcome import Tolerance
-from exercises.question import Family, Itself, Mistake, Question
+from exercises.question import Family, Itself, Mistake, Question, Value
 
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "ecp", "np", "plt"}
@@ -43,8 +44,17 @@ def _of_question(question: Question) -> Iterator[str]:
     yield from question.errors()
     for label, value in question.values.items():
         yield from (f"{name} ({label}): {error}" for error in tolerance_errors(value.tolerance))
+        yield from (f"{name} ({label}): {error}" for error in _of_points(question, value))
         if value.up_to is not None and value.up_to not in UP_TO:
             yield f"{name} ({label}): up_to is {value.up_to!r}; it must be one of: {', '.join(UP_TO)}"
+
+
+def _of_points(question: Question, value: Value) -> Iterator[str]:
+    yield from (errors := points_errors(value.points))
+    if value.partial and not errors and value.points < 2:
+        yield "partial credit needs points of at least 2"
+    if value.partial and not question.drawn:
+        yield "partial credit needs drawn arguments: a single input is right or wrong"
 
 
 def family_errors(family: Family) -> Iterator[str]:

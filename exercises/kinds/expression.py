@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ecp.outcome import Tolerance
-from exercises.question import Itself, Mistake, Question, Value, calling_line
+from exercises.question import Agree, Itself, Mistake, Question, calling_line, named_values
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ def expression(
     ask: Mapping[str, Any],
     truth: Callable[..., Any] | Itself,
     *,
-    agree: Tolerance | Mapping[str, Value | Tolerance],
+    agree: Agree,
     variable: str | None = None,
     label: str | None = None,
     keys: bool = False,
@@ -53,15 +52,12 @@ def expression(
     are known by the names in ``ask``. ``agree`` and ``keys`` are those of ``values``. The assignment declares
     ``packages=("sympy",)``.
     """
-    several = (
-        agree if isinstance(agree, Mapping) else {"value": Value(agree, label or (f"{variable} is right" if variable else None))}
-    )
     symbols = {name: value for name, value in ask.items() if isinstance(value, Symbol)}
     return Question(
         kind="expression",
         solution=solution,
         ask=ask,
-        values={name: value if isinstance(value, Value) else Value(value) for name, value in several.items()},
+        values=named_values(agree, label or (f"{variable} is right" if variable else None)),
         truth=truth if isinstance(truth, Itself) else _numeric(truth, symbols),
         keys=keys,
         variables=(variable,) if variable else (),

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
 from ecp.outcome import Tolerance
-from exercises.question import Draw, Mistake, Question, Value, calling_line
+from exercises.question import Draw, Mistake, Question, Value, calling_line, named_values
 
 STARTS = 8
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ def fit(
     x: ArrayLike,
     sigma: ArrayLike,
     drawn: Mapping[str, Draw],
-    agree: tuple[Tolerance, Tolerance],
+    agree: tuple[Tolerance | Value, Tolerance | Value],
     absolute_sigma: bool = True,
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (2, 8),
@@ -53,7 +53,7 @@ def fit(
         kind="fit",
         solution=solution,
         ask=dict(zip(names, (given, data, np.array(deviations)), strict=True)),
-        values={"parameters": Value(agree[0]), "covariance": Value(agree[1])},
+        values=named_values(dict(zip(("parameters", "covariance"), agree, strict=True))),
         truth=exact,
         data={"fitted": list(inspect.signature(model).parameters)[1:]},
         mistakes=tuple(mistakes),

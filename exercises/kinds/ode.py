@@ -25,6 +25,7 @@ from exercises.question import (
     Value,
     call_with,
     calling_line,
+    named_values,
     tolerance_data,
 )
 from exercises.question_errors import family_errors, tolerance_errors
@@ -34,7 +35,7 @@ from exercises.sweep import BUDGET_S, SETTINGS, result
 def ode(
     solution: Callable[..., Any],
     ask: Mapping[str, Any],
-    agree: Tolerance,
+    agree: Tolerance | Value,
     *,
     truth: Callable[..., Any] | Itself | None = None,
     t_end: float | None = None,
@@ -88,7 +89,7 @@ def ode(
         kind="ode",
         solution=solution,
         ask=ask,
-        values={"value": Value(agree, label)},
+        values=named_values(agree, label),
         truth=truth or (Itself("the closed form of its motion certifies it") if motion else None),
         data=data | moves,
         parts={"motion": Part(exact)} if follow else {},

@@ -11,14 +11,15 @@ from ecp.outcome import Tolerance
 from exercises.question import (
     HIDDEN_ROWS,
     PUBLIC_ROWS,
+    Agree,
     Family,
     Itself,
     Mistake,
     Part,
     Question,
-    Value,
     call_with,
     calling_line,
+    named_values,
     tolerance_data,
 )
 from exercises.question_errors import family_errors, tolerance_errors
@@ -48,7 +49,7 @@ rk4 = tableau([[], [1 / 2], [0, 1 / 2], [0, 0, 1]], [1 / 6, 1 / 3, 1 / 3, 1 / 6]
 def stepper(
     solution: Callable[..., Any],
     ask: Mapping[str, Any],
-    agree: Tolerance | Mapping[str, Value | Tolerance],
+    agree: Agree,
     *,
     truth: Callable[..., Any] | Itself | None = None,
     calls: Tolerance | None = None,
@@ -75,7 +76,7 @@ def stepper(
     which the ``test`` problem does not grow, or ``math.inf``. The test problem is the expression of the function argument, by
     default minus its last variable: y' = −y, or x'' = −x.
     """
-    several = agree if isinstance(agree, Mapping) else {"value": Value(agree, label)}
+    several = named_values(agree, label)
     name, family = next(((name, value) for name, value in ask.items() if isinstance(value, Family)), ("", Family("0", ("",), {})))
     states = {name: name for name in several} if isinstance(agree, Mapping) else {"value": state}
     data: dict[str, Any] = {"time": time, "step": step, "state": states, "test": test or f"-{family.over[-1]}"}
@@ -99,7 +100,7 @@ def stepper(
         kind="stepper",
         solution=solution,
         ask=ask,
-        values={name: value if isinstance(value, Value) else Value(value) for name, value in several.items()},
+        values=several,
         truth=truth,
         data=data | ({"calls": tolerance_data(calls)} if calls else {}),
         parts={part: parts[part] for part, given in measured.items() if given},

@@ -4,17 +4,19 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ecp.outcome import Tolerance
-from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Itself, Mistake, Question, Value, calling_line
+from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Agree, Itself, Mistake, Question, calling_line, named_values
 
 
 def values(
     solution: Callable[..., Any],
     ask: Mapping[str, Any],
-    agree: Tolerance | Mapping[str, Value | Tolerance],
+    agree: Agree,
     *,
     truth: Callable[..., Any] | Itself | None = None,
     label: str | None = None,
     up_to: str | None = None,
+    points: int = 1,
+    partial: bool = False,
     calls: Tolerance | None = None,
     call: str | None = None,
     keys: bool = False,
@@ -25,17 +27,16 @@ def values(
     """Return the question what ``solution`` returns for the arguments ``ask``.
 
     ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order, of a dict with
-    ``keys=True``. ``up_to`` names what a single value leaves open (ecp.kinds.alignment). ``calls`` limits the calls of the function
-    arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its parameters, such as
+    ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` of a single value are those of ``Value``. ``calls`` limits the
+    calls of the function arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its parameters, such as
     ``"Pendulum(l, g).period()"``. ``rows`` are the numbers of public and of hidden inputs.
     """
-    several = agree if isinstance(agree, Mapping) else {"value": Value(agree, label, up_to)}
     limit = {"calls": {"limit": calls.limit, "reason": calls.reason}} if calls else {}
     return Question(
         kind="values",
         solution=solution,
         ask=ask,
-        values={name: value if isinstance(value, Value) else Value(value) for name, value in several.items()},
+        values=named_values(agree, label, up_to, points, partial),
         truth=truth,
         call=call,
         keys=keys,

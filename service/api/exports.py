@@ -78,7 +78,13 @@ def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
 
 def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
     checks = [
-        {"id": check.id, "exercise": exercise.number, "label": check.label, "hidden": assignment.hidden(check)}
+        {
+            "id": check.id,
+            "exercise": exercise.number,
+            "label": check.label,
+            "hidden": assignment.hidden(check),
+            "points": check.points,
+        }
         for exercise in assignment.exercises
         for check in exercise.checks
     ]

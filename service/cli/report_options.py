@@ -38,7 +38,10 @@ def add(grade: argparse.ArgumentParser) -> None:
     grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write Gradescope's results.json (for one file only)")
     grade.add_argument("--hidden", choices=VISIBILITIES, help="with --gradescope: visibility of hidden checks (default visible)")
     grade.add_argument(
-        "--max-score", type=_positive, metavar="N", help="with --gradescope: points of all checks together; default: one per check"
+        "--max-score",
+        type=_positive,
+        metavar="N",
+        help="with --gradescope: points of all checks together; default: the sum of their points",
     )
     grade.add_argument(
         "--classroom50", type=Path, metavar="FILE", help="write Classroom 50's result.json (for one file, in its runner)"

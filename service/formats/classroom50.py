@@ -74,8 +74,8 @@ def _tests(exercise: ExerciseReport, report: Report) -> Iterator[dict[str, Any]]
             yield {
                 "test-name": name,
                 "passed": passed,
-                "score": int(passed),
-                "max-score": 1,
+                "score": outcome.earned,
+                "max-score": outcome.points,
                 "id": outcome.id,
                 "verdict": outcome.verdict.value,
                 "state": state(outcome, report.scene_ends),

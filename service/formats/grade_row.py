@@ -14,10 +14,10 @@ class GradeRow:
     """One student's counted submission for one assignment: the one with the most points, the newest among equals.
 
     ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded. ``max_points``
-    is the assignment's maximum, the same for every student. ``counted`` is the number of counted checks in the
-    report; it is smaller if the submission left out exercises. ``attempts`` is the number of the student's
+    is the assignment's maximum, the same for every student. ``counted`` are the points of the counted checks in the
+    report; they are fewer if the submission left out exercises. ``attempts`` is the number of the student's
     submissions. ``status`` is the submission's, or "none" without one. ``checks`` holds each check's measured
-    state, ``given`` its overridden points (1 or 0).
+    state, ``worth`` its points, ``earned`` the points it earned before overrides, ``given`` its overridden points.
     """
 
     assignment: str
@@ -40,6 +40,8 @@ class GradeRow:
     overridden: bool = False
     grader: str = ""
     checks: Mapping[str, str] = field(default_factory=dict)
+    worth: Mapping[str, int] = field(default_factory=dict)
+    earned: Mapping[str, int] = field(default_factory=dict)
     given: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -53,10 +55,13 @@ class GradeRow:
         return None if self.points is None or not self.max_points else round(100 * self.points / self.max_points, 2)
 
     def state(self, check: str) -> str | None:
-        """Return a check's state with its override applied, or None if the report lacks the check."""
+        """Return a check's state with its override applied, or None if the report lacks the check.
+
+        An override that gives all points passes the check.
+        """
         if check not in self.checks or check not in self.given:
             return self.checks.get(check)
-        return "pass" if self.given[check] else "fail"
+        return "pass" if self.given[check] >= self.worth[check] else "fail"
 
 
 def moment(at: datetime | None) -> str | None:
@@ -91,4 +96,6 @@ def _graded(about: GradeRow, file: GradedFile) -> GradeRow:
     assert report is not None
     grader = f"polhode {report.provenance.versions.get('polhode', '')}, assignment version {report.version}"
     checks = {outcome.id: state(outcome, report.scene_ends) for outcome in report.outcomes()}
-    return replace(about, status="graded", counted=report.max_score, grader=grader, checks=checks)
+    worth = {outcome.id: outcome.points for outcome in report.outcomes()}
+    earned = {outcome.id: outcome.earned for outcome in report.outcomes()}
+    return replace(about, status="graded", counted=report.max_score, grader=grader, checks=checks, worth=worth, earned=earned)

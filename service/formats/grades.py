@@ -67,5 +67,8 @@ def _pairs(of: dict[str, GradeRow], slugs: Sequence[str]) -> list[Value]:
 
 def _student(row: GradeRow) -> dict[str, Any]:
     times = {"submitted_at": moment(row.submitted_at), "graded_at": moment(row.graded_at)}
-    checks = {check: {"state": state, "given": row.given.get(check)} for check, state in row.checks.items()}
+    checks = {
+        check: {"state": state, "given": row.given.get(check), "points": row.worth[check], "earned": row.earned[check]}
+        for check, state in row.checks.items()
+    }
     return {name: getattr(row, name) for name in JSON_FIELDS} | times | {"grader": row.grader or None, "checks": checks}

@@ -24,7 +24,7 @@ MOST_PICTURES = 4 << 20
 def document(
     file: GradedFile, assignment: Assignment, *, max_score: float | None = None, hidden: str = "visible"
 ) -> dict[str, Any]:
-    """Return the results of one file: a counted check is worth one point, or its share of ``max_score``.
+    """Return the results of one file: a counted check is worth its points, or their share of ``max_score``.
 
     Hidden checks have the visibility ``hidden``. Each exercise that was not attempted is one failed test with
     all its points. Raises NoVerdict after a system fault and ValueError for an unknown visibility.
@@ -63,7 +63,8 @@ def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) 
         test: dict[str, Any] = {"name": one_line(outcome.label), "number": f"{exercise.number}.{number}"}
         if outcome.counted:
             passed = outcome.verdict is Verdict.PASS
-            test |= {"score": point * passed, "max_score": point, "status": "passed" if passed else "failed"}
+            points = {"score": point * outcome.earned, "max_score": point * outcome.points}
+            test |= points | {"status": "passed" if passed else "failed"}
         test |= {"output": detail(outcome, report), "output_format": "text", "tags": _tags(exercise, outcome)}
         test["visibility"] = hidden if outcome.hidden else "visible"
         test["extra_data"] = {"id": outcome.id, "verdict": outcome.verdict.value, "state": state(outcome, report.scene_ends)}

@@ -34,7 +34,7 @@ def index(files: Sequence[GradedFile], assignment: Assignment, pages: Mapping[Pa
     checks = [check for check in assignment.checks() if check.id in made]
     heads = "".join(f'<th scope="col" title="{escape(check.label)}">{escape(check.id)}</th>' for check in checks)
     rows = "\n".join(_row(file, [check.id for check in checks], pages[file.file]) for file in files)
-    head = f'<thead><tr><th scope="col">file</th><th scope="col">✓</th>{heads}</tr></thead>'
+    head = f'<thead><tr><th scope="col">file</th><th scope="col">points</th>{heads}</tr></thead>'
     table = f"<table>{head}\n<tbody>{rows}</tbody></table>"
     legend = "✓ pass · ✗ fail · – unmeasured (the report gives the reason) · blank: not attempted"
     return _page(assignment.title, f'<p>{escape(summary(files))}</p><div class="wide">{table}</div><p><small>{legend}</small></p>')

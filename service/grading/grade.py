@@ -234,7 +234,7 @@ def _judge(exercise: Exercise, assignment: Assignment, played: PlayedJob, crosse
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
             if outcome.verdict is Verdict.PASS:
                 outcome = check.failed("the same questions in another order got different answers")
-            outcome.diagnosis = [_unsteady(unsteady)]
+            outcome.diagnosis, outcome.partial = [_unsteady(unsteady)], None
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _diagnose_failure(scenes, result, causes)
         outcome.hidden = assignment.hidden(check)

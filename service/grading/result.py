@@ -39,7 +39,7 @@ class GradedFile:
 
     @property
     def points(self) -> int | None:
-        """The number of passed checks: 0 for an invalid submission, None after a system fault."""
+        """The points earned: 0 for an invalid submission, None after a system fault."""
         if self.report is None:
             return 0 if self.fault is None else None
         return self.report.score

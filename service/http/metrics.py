@@ -21,9 +21,9 @@ BUCKETS = (0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300, 900, 3600)
 _DEPTH = "SELECT status::text, task_name, count(*) AS n FROM procrastinate_jobs GROUP BY 1, 2"
 _RESULTS = """
 SELECT count(*) FILTER (WHERE fault IS NULL) AS graded,
-    count(*) FILTER (WHERE fault IS NOT NULL AND cancelled_by IS NULL) AS faulted, count(cancelled_by) AS cancelled,
-    coalesce(sum(score), 0) AS passed, coalesce(sum(max_score - score), 0) AS others FROM result
+    count(*) FILTER (WHERE fault IS NOT NULL AND cancelled_by IS NULL) AS faulted, count(cancelled_by) AS cancelled FROM result
 """
+_VERDICTS = "SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted FROM outcome WHERE counted"
 _RUNS = "SELECT end_reason, count(*) AS n FROM run WHERE end_reason IS NOT NULL GROUP BY 1"
 _WORKERS = """
 SELECT count(*) FILTER (WHERE seen AND unavailable_reason IS NULL) AS ready,
@@ -61,12 +61,12 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
     )
     for row in await database.rows(_DEPTH):
         jobs.add_metric([row.task_name, row.status], row.n)
-    (sums,) = await database.rows(_RESULTS)
+    (sums,), (made,) = await database.rows(_RESULTS), await database.rows(_VERDICTS)
     results = CounterMetricFamily("polhode_results", "Results by status.", labels=["status"])
     verdicts = CounterMetricFamily("polhode_verdicts", "Counted checks by verdict.", labels=["verdict"])
     for family, name, value in (
         (results, "graded", sums.graded), (results, "faulted", sums.faulted), (results, "cancelled", sums.cancelled),
-        (verdicts, "pass", sums.passed), (verdicts, "other", sums.others),
+        (verdicts, "pass", made.passed), (verdicts, "other", made.counted - made.passed),
     ):  # fmt: skip
         family.add_metric([name], value)
     runs = GaugeMetricFamily("polhode_runs", "Runs by end reason; a lost run may still report a result.", labels=["ending"])

@@ -55,7 +55,7 @@ async def context(request: Request, stored: SubmissionRecord) -> dict[str, Any]:
     found = await overrides.of_submission(request.app.state.database, stored.id)
     outcomes = stored.report.outcomes() if stored.report else []
     labels = {outcome.id: outcome.label for outcome in outcomes}
-    counted = [(outcome.id, outcome.label) for outcome in outcomes if outcome.counted]
+    counted = [(outcome.id, outcome.label, outcome.points) for outcome in outcomes if outcome.counted]
     return {"overrides": found, "overrides_revision": overrides.revision(found), "check_labels": labels, "checks_counted": counted}
 
 

@@ -147,6 +147,8 @@ def diff(pairs: Sequence[Row[Any]], changes: Iterable[Row[Any]], labels: Mapping
     kinds: Counter[tuple[str, str]] = Counter()
     for change in changes:
         marks = f"{_mark(change.was)} → {_mark(change.now)}"
+        if change.was == change.now:  # the partial credit changed, or what the check is worth
+            marks += f", {change.was_points} → {change.now_points} points"
         check = {"check": change.check_id, "label": labels.get(change.check_id, "")}
         by_grading[change.grading].append(
             check | {"marks": marks, "description": f"{_label(change.was)}, now {_label(change.now)}"}

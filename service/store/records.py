@@ -89,10 +89,11 @@ class SubmissionRow:
 
 def points(given: str, grading: str, score: str) -> str:
     """Return a lateral subquery, named by ``given``, with the ``points`` of a grading of submission ``s``
-    after overrides, and whether any override is in force, ``overridden``."""
+    after overrides, and whether any override is in force, ``overridden``. An override from before the check lost
+    points counts at most what the check is worth."""
     return f"""LATERAL (
     SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
-        {score} + coalesce(sum(o.points - CAST(v.state = 'pass' AS int)), 0)) AS points, count(o.id) > 0 AS overridden
+        {score} + coalesce(sum(least(o.points, v.points) - v.earned), 0)) AS points, count(o.id) > 0 AS overridden
     FROM override o LEFT JOIN outcome v ON v.grading_id = {grading} AND v.check_id = o.check_id AND v.counted
     WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
 ) {given} ON true"""

@@ -215,7 +215,7 @@ async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
 
 
 async def check_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
-    """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` (or None)."""
+    """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` and their points (or None)."""
     return await database.rows(_FLIPS, {"id": id})
 
 
@@ -241,12 +241,14 @@ WHERE a.regrade_id = :id ORDER BY p.name, s.submitted_at
 """
 
 _FLIPS = f"""
-SELECT grading, check_id, max(state) FILTER (WHERE old) AS was, max(state) FILTER (WHERE NOT old) AS now
+SELECT grading, check_id, max(state) FILTER (WHERE old) AS was, max(state) FILTER (WHERE NOT old) AS now,
+    max(earned) FILTER (WHERE old) AS was_points, max(earned) FILTER (WHERE NOT old) AS now_points
 FROM (
-    SELECT a.id AS grading, o.check_id, o.state, side.old
+    SELECT a.id AS grading, o.check_id, o.state, o.earned, side.old
     FROM grading a JOIN result r ON r.grading_id = a.id AND r.report IS NOT NULL JOIN {_BEFORE},
         LATERAL (VALUES (was.grading, true), (a.id, false)) AS side (grading, old), outcome o
     WHERE a.regrade_id = :id AND o.grading_id = side.grading
 ) both_sides
-GROUP BY grading, check_id HAVING count(*) = 1 OR min(state) <> max(state) ORDER BY check_id
+GROUP BY grading, check_id HAVING count(*) = 1 OR min(state) <> max(state) OR min(earned) <> max(earned)
+ORDER BY check_id
 """

@@ -211,6 +211,8 @@ def outcome_rows(grading: UUID, report: Report) -> list[dict[str, Any]]:
             "margin": outcome.margin,
             "codes": [cause.code for cause in outcome.diagnosis],
             "causes": [cause.sentence for cause in outcome.diagnosis],
+            "points": outcome.points,
+            "earned": outcome.earned,
         }
         for outcome in report.outcomes()
     ]

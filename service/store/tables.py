@@ -3,8 +3,7 @@
 A submission is immutable. A submission has gradings, and a grading has runs: one per worker that started
 it. The first run to finish records the grading's only result, with its artefacts in the same transaction. A
 preview grading belongs to a regrade that has not been applied; pages and grades ignore it. An override sets
-the points of a check (1 or 0) or, without a check, of the whole submission; at most one of each is in
-force.
+the points of a check or, without a check, of the whole submission; at most one of each is in force.
 """
 
 from sqlalchemy import (
@@ -226,6 +225,8 @@ outcome = Table(
     Column("margin", Float, nullable=True),
     Column("codes", ARRAY(Text), nullable=False),
     Column("causes", ARRAY(Text), nullable=False),
+    Column("points", Integer, nullable=False),
+    Column("earned", Integer, nullable=False),
 )
 
 override = Table(

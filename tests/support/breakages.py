@@ -214,6 +214,27 @@ KIT = [
         ("tests/exercises/kit/ecp/test_local.py::test_a_right_function_passes_in_a_kernel_too",),
     ),
     Breakage(
+        "a failure whose inputs are all right earns all points",
+        "exercises/kit/ecp/outcome.py",
+        "return min(self.points * self.partial.right // self.partial.rows, self.points - 1)",
+        "return self.points * self.partial.right // self.partial.rows",
+        ("tests/exercises/kit/ecp/test_report.py",),
+    ),
+    Breakage(
+        "answers that are not deterministic earn partial credit",
+        "service/grading/grade.py",
+        "outcome.diagnosis, outcome.partial = [_unsteady(unsteady)], None",
+        "outcome.diagnosis = [_unsteady(unsteady)]",
+        ("tests/exercises/kinds/test_values.py::test_answers_that_differ_between_runs_earn_no_partial_credit",),
+    ),
+    Breakage(
+        "an override of a check ignores the partial credit it replaces",
+        "service/store/records.py",
+        "least(o.points, v.points) - v.earned",
+        "least(o.points, v.points) - CAST(v.state = 'pass' AS int)",
+        ("tests/service/store/course/test_overrides.py::test_a_check_of_four_points",),
+    ),
+    Breakage(
         "a report passes if nothing in it failed",
         "exercises/kit/ecp/report.py",
         "return 0 < self.score == self.max_score",

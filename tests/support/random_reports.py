@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 
 from ecp.claims import NotebookCheck
-from ecp.judge import Verdict
+from ecp.judge import RowsRight, Verdict
 from ecp.outcome import Diagnosis, Ended, Outcome, Picture, SceneEnd
 from tests.support.reports import ASSIGNMENT, TOLERANCE, TRACEBACK, graded_file, report
 
@@ -38,6 +38,8 @@ def outcomes(draw, id):
         hints=draw(st.lists(TEXTS, max_size=1)),
         hidden=draw(st.booleans()),
         counted=verdict is not Verdict.UNMEASURED or draw(st.booleans()),
+        points=draw(st.integers(1, 4)),
+        partial=draw(st.none() | st.builds(RowsRight, st.integers(0, 3), st.just(4))) if verdict is Verdict.FAIL else None,
     )
 
 

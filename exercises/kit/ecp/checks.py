@@ -22,6 +22,7 @@ from ecp.outcome import Outcome, Tolerance
 Arrays = Mapping[str, NDArray[Any]]
 Measure = Callable[..., Any]
 Locate = Callable[..., str]
+MOST_POINTS = 1000  # of one check
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Check:
 
     If ``allow`` is given, ``allow(*truth)`` is the tolerance of one grading, and ``tolerance`` describes how
     it is computed. A word that returns UNMEASURED does not apply to what it sees, and the outcome is not
-    counted. ``hint(*seen)`` returns remarks that do not affect the verdict.
+    counted. ``hint(*seen)`` returns remarks that do not affect the verdict. ``points`` is what the check is worth.
     """
 
     id: str
@@ -42,6 +43,7 @@ class Check:
     locate: Locate | None = None
     allow: Callable[..., Tolerance] | None = None
     hint: Callable[..., list[str]] | None = None
+    points: int = 1
 
     def judge(self, seen: list[Arrays], truth: list[Arrays]) -> Outcome:
         """Return the outcome for the arrays of the check's scenes.
@@ -114,6 +116,7 @@ class Check:
             found.append(f"check {self.id}: a tolerance must be a finite number ≥ 0")
         if not self.label.strip() or "   " in self.label or "\n" in self.label:
             found.append(f"check {self.id}: a label must be one line without three spaces in a row")
+        found += [f"check {self.id}: {error}" for error in points_errors(self.points)]
         return found
 
     def _outcome(self, judgement: Judgement, seen: list[Arrays]) -> Outcome:
@@ -128,7 +131,19 @@ class Check:
             tolerance=self.tolerance,
             margin=judgement.margin,
             where=self.locate(at, *seen) if self.locate and at is not None else None,
+            points=self.points,
+            partial=judgement.partial,
         )
+
+
+def points_errors(points: Any) -> list[str]:
+    """Return the error of what a check is worth as a sentence, empty if there is none."""
+    is_integer = isinstance(points, int) and not isinstance(points, bool)
+    return (
+        []
+        if is_integer and 1 <= points <= MOST_POINTS
+        else [f"points is {points!r}; it must be an integer from 1 to {MOST_POINTS}"]
+    )
 
 
 def close(

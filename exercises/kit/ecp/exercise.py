@@ -98,8 +98,7 @@ def attempted(exercises: Sequence[Exercise], written: Collection[str]) -> list[E
 
 
 def points(chosen: Sequence[Exercise], exercises: Sequence[Exercise], written: Collection[str], names_of: NamesOf) -> int:
-    """Return the points of the ``chosen`` of all ``exercises``: one per check, without those of optional functions
-    that are not ``written``.
-    """
+    """Return the points of the ``chosen`` of all ``exercises``, without those of optional functions that are not ``written``."""
     asked = {f for e in exercises for f in e.functions}
-    return sum(len(e.applicable_checks((asked - set(e.optional)) | set(written), names_of)) for e in chosen)
+    present = [(asked - set(e.optional)) | set(written) for e in chosen]
+    return sum(c.points for e, names in zip(chosen, present, strict=True) for c in e.applicable_checks(names, names_of))

@@ -27,11 +27,20 @@ MARKS = {Verdict.PASS: "✓", Verdict.FAIL: "✗", Verdict.UNMEASURED: "–"}
 
 
 @dataclass(frozen=True)
+class RowsRight:
+    """How many of a scene's ``rows``, its inputs, are ``right``: the fraction that partial credit follows."""
+
+    right: int
+    rows: int
+
+
+@dataclass(frozen=True)
 class Judgement:
     """The judgement of one claim. ``detail`` is the text in the brackets.
 
     ``margin`` is allowed / measured, None if nothing deviates or there is no number. ``where`` is the index
-    of the worst value in the compared array. ``misshapen``: the shapes exclude a comparison.
+    of the worst value in the compared array. ``misshapen``: the shapes exclude a comparison. ``partial`` is
+    given for a ✗ with partial credit.
     """
 
     verdict: Verdict
@@ -41,6 +50,7 @@ class Judgement:
     margin: float | None = None
     where: tuple[int, ...] | None = None
     misshapen: bool = False
+    partial: RowsRight | None = None
 
 
 def line(verdict: Verdict, label: str, detail: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import ClassVar
 
-from ecp.judge import Verdict, line
+from ecp.judge import RowsRight, Verdict, line
 
 NEARLY = 0.01  # a larger margin may be explained by a few rounding errors,
 SMALL = 1e-6  # if the tolerance that would pass is at most this
@@ -64,6 +64,7 @@ class Outcome:
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
+    ``points`` is what the check is worth; ``partial`` is given for a ✗ with partial credit.
     """
 
     id: str
@@ -80,24 +81,37 @@ class Outcome:
     hints: list[str] = field(default_factory=list)
     hidden: bool = False
     counted: bool = True
+    points: int = 1
+    partial: RowsRight | None = None
 
-    COMPUTED_FIELDS: ClassVar = ("line",)
+    COMPUTED_FIELDS: ClassVar = ("line", "earned")
 
     @property
     def line(self) -> str:
         """Return the ✓/✗ line, byte for byte as in the notebook."""
         return line(self.verdict, self.label, self.detail)
 
+    @property
+    def earned(self) -> int:
+        """Return the points earned: all for a ✓; for a ✗ with partial credit the share of right inputs, rounded down; else 0."""
+        if self.verdict is Verdict.PASS:
+            return self.points
+        if self.verdict is Verdict.UNMEASURED or self.partial is None:
+            return 0
+        return min(self.points * self.partial.right // self.partial.rows, self.points - 1)
+
     def notes(self) -> list[str]:
-        """Return the place of a ✗'s worst value and how far off it is."""
+        """Return the place of a ✗'s worst value, how far off it is, and its partial credit."""
         if self.verdict is not Verdict.FAIL:
             return []
         found = [f"worst at {self.where}"] if self.where else []
-        if not self.margin:
-            return found
-        found.append(f"{1 / self.margin:.3g} times the allowed difference")
-        if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
-            found.append(f"no known mistake gives these numbers; the tolerance may be too tight: it would pass at {would}")
+        if self.margin:
+            found.append(f"{1 / self.margin:.3g} times the allowed difference")
+            if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
+                found.append(f"no known mistake gives these numbers; the tolerance may be too tight: it would pass at {would}")
+        if self.partial:
+            right = f"{self.partial.right} of {self.partial.rows} inputs are right"
+            found.append(f"{right}: {self.earned} of {self.points} points")
         return found
 
     def _would_pass(self) -> str | None:

@@ -38,14 +38,15 @@ def _no_picture(name: str) -> bytes | None:
 
 @dataclass(repr=False)
 class Report:
-    """All outcomes of one grading. Each passed check is one point.
+    """All outcomes of one grading. A passed check earns its points, one unless the author says otherwise.
 
     ``total`` is the number of points of every exercise that was to be graded, including those
     ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
 
     ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures ``drawn``
     (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, a ``remark``, and the
-    function ``html`` that renders it there. A ``local`` report comes from ``ecp.check`` and has the public checks only.
+    function ``html`` that renders it there. A ``local`` report comes from ``ecp.check`` and has the public checks only;
+    it is ``weighted`` if one of the assignment's checks is worth more than a point.
     """
 
     assignment: str
@@ -61,6 +62,7 @@ class Report:
     total: int | None = None
     not_attempted: list[str] = field(default_factory=list)
     local: bool = field(default=False, metadata={"local_only": True}, compare=False)
+    weighted: bool = field(default=False, metadata={"local_only": True}, compare=False)
     drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"local_only": True}, compare=False)
     sent: Any = field(default=None, metadata={"local_only": True}, compare=False)
     address: str | None = field(default=None, metadata={"local_only": True}, compare=False)
@@ -71,13 +73,13 @@ class Report:
 
     @property
     def score(self) -> int:
-        """Return the number of passed checks."""
-        return sum(o.verdict is Verdict.PASS for o in self.outcomes())
+        """Return the points earned."""
+        return sum(o.earned for o in self.outcomes())
 
     @property
     def max_score(self) -> int:
-        """Return the number of checks that count."""
-        return sum(o.counted for o in self.outcomes())
+        """Return the points of the checks that count."""
+        return sum(o.points for o in self.outcomes() if o.counted)
 
     @property
     def most(self) -> int:
@@ -119,7 +121,7 @@ class Report:
     def summary(self) -> str:
         """Return the points out of all points, the public checks among them, and the exercises not attempted."""
         if self.local:
-            points = f"{self.score} of {self.most} public checks ✓"
+            points = f"{self.score} of {self.most} {'points of the public checks' if self.weighted else 'public checks ✓'}"
         else:
             of = f"{self.most} points" if self.total is not None else f"{self.most} points of the attempted exercises"
             public = [o for o in self.outcomes() if o.counted and not o.hidden]

@@ -91,7 +91,8 @@ def _outcome(outcome: Outcome, numbers: Mapping[str, int]) -> str:
         else f"<p>likely <b>{escape(d.code)}</b>: {escape(d.sentence)}</p>"
         for d in outcome.causes()
     ]
-    return f'<li class="{outcome.verdict.value}"><code>{escape(outcome.line)}</code>{"".join(below)}</li>'
+    worth = f"<small>{outcome.earned} of {outcome.points} points</small>" if outcome.points > 1 else ""
+    return f'<li class="{outcome.verdict.value}"><code>{escape(outcome.line)}</code>{worth}{"".join(below)}</li>'
 
 
 def _picture(report: Report, picture: Picture) -> str:

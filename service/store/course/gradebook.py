@@ -18,7 +18,7 @@ from service.store.database import Database
 
 
 class Cell(NamedTuple):
-    """The outcome of one check; ``given`` are the points of an override.
+    """The outcome of one check worth ``points``; ``given`` are the points of an override.
 
     ``causes`` holds the code and the sentence of each diagnosis.
     """
@@ -26,13 +26,14 @@ class Cell(NamedTuple):
     state: str
     counted: bool
     margin: float | None
+    points: int = 1
     given: int | None = None
     causes: tuple[tuple[str, str], ...] = ()
 
     @property
     def shown(self) -> str:
-        """Return the state that counts: that of the override, if any."""
-        return self.state if self.given is None else "pass" if self.given else "fail"
+        """Return the state that counts: with an override, passed if it gives all points."""
+        return self.state if self.given is None else "pass" if self.given >= self.points else "fail"
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ async def student_rows(database: Database, slug: str) -> list[StudentRow]:
 
 
 def _cells(row: Row[Any]) -> dict[str, Cell]:
-    cells = zip(row.states, row.counted, row.margins, strict=True)
+    cells = zip(row.states, row.counted, row.margins, row.points, strict=True)
     return dict(zip(row.checks, itertools.starmap(Cell, cells), strict=True))
 
 
@@ -121,7 +122,7 @@ ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
 # One row per student rather than per check, as a class has tens of thousands of outcomes.
 _CELLS = """
 SELECT grading_id, array_agg(check_id) AS checks, array_agg(state) AS states, array_agg(counted) AS counted,
-    array_agg(margin) AS margins
+    array_agg(margin) AS margins, array_agg(points) AS points
 FROM outcome WHERE grading_id = ANY(CAST(:gradings AS uuid[])) GROUP BY grading_id
 """
 

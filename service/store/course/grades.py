@@ -30,12 +30,13 @@ IS_PERSON = "(p.name <> 'local' OR EXISTS (SELECT FROM submission o WHERE o.pers
 
 _GRADES = f"""
 WITH best AS MATERIALIZED ({BEST})
-SELECT x.slug, x.due_at, p.name, p.full_name, p.email, p.student_id, b.*, measured.checks, overridden.given,
+SELECT x.slug, x.due_at, p.name, p.full_name, p.email, p.student_id, b.*, measured.*, overridden.given,
     CASE WHEN :detailed THEN r.report->'provenance'->'versions'->>'polhode' END AS polhode
 FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id JOIN assignment x ON x.course_id = c.id
     LEFT JOIN best b ON b.assignment_id = x.id AND b.person_id = p.id
     LEFT JOIN result r ON r.grading_id = b.grading
-    LEFT JOIN LATERAL (SELECT jsonb_object_agg(v.check_id, v.state) AS checks FROM outcome v
+    LEFT JOIN LATERAL (SELECT jsonb_object_agg(v.check_id, v.state) AS checks,
+        jsonb_object_agg(v.check_id, v.points) AS worth, jsonb_object_agg(v.check_id, v.earned) AS earned FROM outcome v
         WHERE :detailed AND v.grading_id = b.grading) measured ON true
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
         WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL AND o.withdrawn_at IS NULL) overridden ON true
@@ -120,6 +121,8 @@ def _row(found: Found[Any]) -> GradeRow:
         overridden=bool(found.overridden),
         grader=grader,
         checks=found.checks or {},
+        worth=found.worth or {},
+        earned=found.earned or {},
         given=given,
         **same,
     )

@@ -24,7 +24,7 @@ LONGEST_REASON = 1000
 
 @dataclass(frozen=True)
 class Override:
-    """Points of a check (1 or 0) or, if ``check`` is None, of the submission; valid until withdrawn."""
+    """Points of a check or, if ``check`` is None, of the submission; valid until withdrawn."""
 
     id: UUID
     check: str | None
@@ -79,7 +79,7 @@ async def give(
             await connection.execute(_WITHDRAW, {"submission": submission, "id": old.id, "actor": actor})
         values = {"submission_id": submission, "check_id": check, "points": points, "reason": reason, "given_by": actor}
         await connection.execute(insert(override).values(values | {"given_at": text("clock_timestamp()")}))
-        measured = before.score if outcome is None else int(outcome.state == "pass")
+        measured = before.score if outcome is None else outcome.earned
         detail = {
             "action": "override",
             "check": check,
@@ -117,7 +117,7 @@ def _validate(before: Row[Any], outcome: Row[Any] | None, check: str | None, poi
         raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:
         raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}")
-    most = before.max_score if check is None else 1
+    most = before.max_score if outcome is None else outcome.points
     if not 0 <= points <= most:
         raise OverrideRejected("invalid-request", f"points must be from 0 to {most}")
     if not 0 < len(reason) <= LONGEST_REASON:
@@ -152,7 +152,9 @@ SELECT p.name AS person, shown.grading, shown.score, shown.max_score, given.poin
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = :id
 """)
 
-_OUTCOME = text("SELECT state FROM outcome WHERE grading_id = :grading AND check_id = CAST(:check AS text) AND counted")
+_OUTCOME = text("""
+SELECT points, earned FROM outcome WHERE grading_id = :grading AND check_id = CAST(:check AS text) AND counted
+""")
 
 _WITHDRAW = text("""
 UPDATE override SET withdrawn_by = :actor, withdrawn_at = clock_timestamp()

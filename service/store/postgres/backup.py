@@ -103,9 +103,9 @@ _BROKEN = {
             SELECT 1 FROM grading_artefact k WHERE k.grading_id = r.grading_id AND k.name = 'arrays.npz')""",
     "reports whose outcomes do not add up to their score": """
         SELECT count(*) FROM result r, LATERAL (
-            SELECT count(*) FILTER (WHERE state = 'pass') AS passed, count(*) AS counted
+            SELECT coalesce(sum(earned), 0) AS earned, coalesce(sum(points), 0) AS points
             FROM outcome o WHERE o.grading_id = r.grading_id AND o.counted) sums
-        WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (sums.passed, sums.counted)""",
+        WHERE report IS NOT NULL AND (score, max_score) IS DISTINCT FROM (sums.earned, sums.points)""",
     "preview gradings without a regrade": "SELECT count(*) FROM grading WHERE preview AND regrade_id IS NULL",
     "artefacts whose content does not match its hash": """
         SELECT count(*) FROM artefact WHERE encode(sha256(content), 'hex') <> sha256""",

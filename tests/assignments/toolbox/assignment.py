@@ -47,6 +47,8 @@ notebook.exercise(
         ask={"f": family("E - e*sin(E) - M", "E", M=uniform(0.01, 3.1), e=uniform(0, 0.99)), "a": 0.0, "b": pi, "tol": 1e-12},
         truth=kepler,
         agree=Tolerance(atol=2e-12, reason="tol, twice"),
+        points=4,
+        partial=True,
         calls=Tolerance(limit=60, reason="bisection needs 42"),
         mistakes=[
             mistake("f(m) < 0", "f(m) > 0", "sign-flipped", "the search keeps the half without the root"),

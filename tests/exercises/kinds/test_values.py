@@ -53,6 +53,37 @@ def test_a_wrong_answer_is_unmeasured_with_its_reason(toolbox, sandbox, source, 
     assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()
 
 
+PARTLY = """
+def find_root(f, a, b, tol):
+    while b - a > tol:
+        m = (a + b) / 2
+        a, b = (m, b) if f(m) < 0 else (a, m)
+    return a if a < 2 else a + 1e-3
+"""
+
+
+def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_kit(toolbox, sandbox, tmp_path):
+    report = grade(Submission(PARTLY), toolbox.assignment, sandbox, 1).report
+    found = {outcome.id: outcome for outcome in report.outcomes()}
+    public, hidden = found["1-value"], found["1-new-value"]
+    assert 0 < public.partial.right < public.partial.rows == 3 and 0 < hidden.partial.right < hidden.partial.rows == 16
+    for outcome in (public, hidden):
+        right, rows = outcome.partial.right, outcome.partial.rows
+        assert outcome.verdict is Verdict.FAIL and outcome.earned == 4 * right // rows
+        assert outcome.notes()[-1] == f"{right} of {rows} inputs are right: {outcome.earned} of 4 points"
+    assert report.score == public.earned + hidden.earned + 2 and report.max_score == 10
+    local = json.loads(
+        check_locally("toolbox", PARTLY, tmp_path, "[outcome.line, outcome.earned, outcome.points, outcome.notes()]")
+    )
+    assert local == [[o.line, o.earned, o.points, o.notes()] for o in report.outcomes() if not o.hidden]
+
+
+def test_answers_that_differ_between_runs_earn_no_partial_credit(toolbox, sandbox):
+    unsteady = "import random\n" + PARTLY.replace("a + 1e-3", "a + random.random()")
+    report = grade(Submission(unsteady), toolbox.assignment, sandbox, 1).report
+    assert [(o.earned, o.diagnosis[0].code) for o in report.outcomes() if o.id == "1-new-value"] == [(0, "not-deterministic")]
+
+
 def test_the_kit_prints_the_lines_of_the_server(toolbox, sandbox, tmp_path):
     wrong = [("normal_modes", 1), ("oscillator", 1), ("pendulum", 1), ("rk4_step", 1), ("verlet", 0)]
     for source in (right(toolbox), "\n\n".join(mistaken(toolbox, function, number) for function, number in wrong)):

@@ -71,6 +71,14 @@ def test_a_report_is_a_result_that_both_validators_take(rigid_body):
     assert told["tests"][2]["state"] == "error" and "ZeroDivisionError" in told["tests"][2]["output"]
 
 
+def test_a_check_of_several_points_and_its_partial_credit_are_in_the_total(rigid_body):
+    partly = outcome("1-box", "fail", points=4, partial=RowsRight(12, 16))
+    file = graded_file(report([outcome("1-notebook", points=2), partly]))
+    result = Result.model_validate_json(json.dumps(document(file, rigid_body, ABOUT)))
+    assert (result.score, result.max_score) == (5, 6)
+    assert [(test.passed, test.score, test.max_score) for test in result.tests] == [(True, 2, 2), (False, 3, 4)]
+
+
 def test_exercises_not_attempted_are_in_the_total(rigid_body):
     right = report([outcome("1-notebook"), outcome("1-box")], total=7, not_attempted=["2"])
     result = Result.model_validate_json(json.dumps(document(graded_file(right), rigid_body, ABOUT)))

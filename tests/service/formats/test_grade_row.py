@@ -3,6 +3,7 @@
 import csv
 import io
 
+from ecp.judge import RowsRight
 from service.formats import gradebooks, grades
 from service.formats.grade_row import row, rows
 from tests.support.reports import example, graded_file, outcome, report
@@ -13,6 +14,13 @@ def test_a_graded_file(rigid_body):
     assert (told.student, told.status, told.points, told.score, told.counted) == ("ann", "graded", 1, 1, 3)
     assert (told.max_points, told.title, told.grader) == (36, rigid_body.title, "polhode 0.1.0, assignment version 1")
     assert told.checks == {"1-notebook": "pass", "2-pointwise": "fail", "2-energy": "error", "2-drawn": "unmeasured"}
+
+
+def test_canvas_gets_the_points_of_checks_worth_several_and_their_partial_credit(rigid_body):
+    partly = outcome("1-box", "fail", points=4, partial=RowsRight(12, 16))
+    graded = row(graded_file(report([outcome("1-notebook", points=2), partly])), rigid_body)
+    assert (graded.score, graded.counted, graded.worth["1-box"], graded.earned["1-box"]) == (5, 6, 4, 3)
+    assert gradebooks.canvas_csv([graded], "T", 6).splitlines()[1:] == ["    Points Possible,,,,,6", "ann,,,ann,,5"]
 
 
 def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_body):

@@ -41,8 +41,16 @@ def test_json_has_numbers_null_and_texts_as_they_are():
     students = json.loads(grades.assignment_json({"assignment": "rigid-body"}, [*CLASS, evil]))["students"]
     assert [s["points"] for s in students] == [2, 1, 1, None, None, 2]
     assert (students[5]["student"], students[5]["full_name"], students[5]["email"]) == (evil.student, evil.full_name, evil.email)
-    assert students[2]["checks"] == {"2-energy": {"state": "fail", "given": 1}, "2-motion": {"state": "timeout", "given": None}}
+    assert students[2]["checks"] == {
+        "2-energy": {"state": "fail", "given": 1, "points": 1, "earned": 0},
+        "2-motion": {"state": "timeout", "given": None, "points": 1, "earned": 0},
+    }
     assert students[0]["submitted_at"] == "2026-02-28T23:59:58Z" and students[3]["late"] is None and students[3]["checks"] == {}
+
+
+def test_a_check_of_several_points_passes_if_an_override_gives_all_of_them():
+    partly, fully = (row("ann", n, worth={"2-energy": 4, "2-motion": 1}, given={"2-energy": n}) for n in (3, 4))
+    assert (partly.state("2-energy"), fully.state("2-energy")) == ("fail", "pass")
 
 
 def test_the_most_points_leave_out_what_may_be_left_out(rigid_body):

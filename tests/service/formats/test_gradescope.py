@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
+from ecp.judge import RowsRight
 from ecp.outcome import Picture
 from service.formats.check_text import NoVerdict
 from service.formats.gradescope import MOST_PICTURES, VISIBILITIES, document
@@ -82,6 +83,18 @@ def test_other_visibilities_there_are_none(rigid_body):
 def test_points_of_the_assignment_are_shared_by_the_checks(rigid_body):
     results = told(rigid_body, graded_file(example()), max_score=12.0)
     assert results.score == 4.0 and [test.max_score for test in results.tests] == [4.0, 4.0, 4.0, None]
+
+
+def test_a_check_of_several_points_and_its_partial_credit_are_in_the_total(rigid_body):
+    partly = outcome("1-box", "fail", points=4, partial=RowsRight(12, 16))
+    file = graded_file(report([outcome("1-notebook", points=2), partly]))
+    for most in (None, 12.0):
+        results, share = told(rigid_body, file, max_score=most), 1 if most is None else 2
+        assert results.score == 5 * share == sum(test.score for test in results.tests)
+        assert [(test.score, test.max_score, test.status) for test in results.tests] == [
+            (2 * share, 2 * share, "passed"), (3 * share, 4 * share, "failed"),
+        ]  # fmt: skip
+    assert "12 of 16 inputs are right: 3 of 4 points" in results.tests[1].output
 
 
 def test_exercises_not_attempted_are_in_the_total(rigid_body):

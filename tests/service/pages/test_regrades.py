@@ -4,9 +4,11 @@ import re
 
 import pytest
 
+from ecp.judge import RowsRight
 from service.store import records
 from tests.support.database import run, sql
-from tests.support.submissions import grade_open, graded, open_gradings, submitted
+from tests.support.reports import outcome, report
+from tests.support.submissions import finish, grade_open, graded, open_gradings, submitted
 from tests.support.visitor import Visitor, enter
 
 REGRADES = "/assignments/rigid-body/regrades"
@@ -109,6 +111,32 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
     assert "overrides" not in ann.json(f"/v1/submissions/{id}") and "withdrawn by prof2" in ann.open(own)[1]
     trail = tutor.open(f"/audit?subject={id}")[1]
     assert "override withdrawn" in trail and "points: 1 → 2" in trail and "points: 2 → 1" in trail and "&lt;b&gt;" in trail
+
+
+def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, url, people):
+    partly = outcome("c1", "fail", points=4, partial=RowsRight(12, 16))
+    id = graded(url, "ann", exercises=report([partly, outcome("c2")]).exercises)
+    own, prof = f"/submissions/{id}", people["prof"]
+    page = prof.open(own)[1]
+    assert "12 of 16 inputs are right: 3 of 4 points" in page and '<span class="badge">3 of 4 points</span>' in page
+    assert "4 of 5 points (public checks: 1 of 2)" in page and "<td>4 of 5 points, version 1</td>" in page
+    assert '<option value="c1">c1 (4 points)</option><option value="c2">c2</option>' in page
+    assert prof.send(f"{own}/overrides", own, check="c1", points="4", reason="the rest is right too") == (303, f"{own}#points")
+    assert "5 of 5 (graded 4)" in people["ann"].open(own)[1]
+    told = people["ann"].json(f"/v1/submissions/{id}")
+    listed = [(o["points"], o["earned"]) for e in told["report"]["exercises"] for o in e["outcomes"]]
+    assert (listed, told["points"], told["report"]["score"]) == ([(4, 3), (1, 1)], 5, 4)
+
+
+def test_a_regrade_that_changes_partial_credit_only_names_the_check(server, url, people):
+    def graded_with(right):
+        return report([outcome("c1", "fail", points=4, partial=RowsRight(right, 16))]).exercises
+
+    id = graded(url, "ann", exercises=graded_with(12))
+    _, where = people["prof"].send(REGRADES, REGRADES, which=id)
+    ((_, grading),) = open_gradings(url)
+    finish(url, grading, version="2", exercises=graded_with(8))
+    assert "✗ → ✗, 3 → 2 points" in people["prof"].open(where)[1]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.judge import Judgement
-from ecp.kinds.values import play  # noqa: F401
+from ecp.kinds.values import credited, play  # noqa: F401
 from ecp.outcome import Tolerance
 
 
@@ -24,18 +24,22 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
             f"{id}-{value['name']}",
             value["label"] + suffix,
             (scene,),
-            _word(value["name"], value["tolerance"]["limit"]),
+            _word(value),
             Tolerance(**value["tolerance"]),
             locate,
+            points=value.get("points", 1),
         )
         for value in question["returns"]
     ]
 
 
-def _word(name: str, limit: float) -> Any:
+def _word(value: Mapping[str, Any]) -> Any:
+    name, limit = value["name"], value["tolerance"]["limit"]
+
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         deviation = np.sqrt(np.einsum("rii->ri", truth[0]["covariance"]))
         scale = deviation if name == "parameters" else deviation[:, :, None] * deviation[:, None, :]
-        return judge.within(seen[0][name], truth[0][name], scale, limit)
+        got, want = seen[0][name], truth[0][name]
+        return credited(value, lambda rows: judge.within(got[rows], want[rows], scale[rows], limit), len(want))
 
     return word

@@ -1,13 +1,14 @@
 """The kind "values": the values of a function at points, to a tolerance, and the number of calls of its function arguments."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ecp import judge
 from ecp.checks import Arrays, Check, below
-from ecp.judge import Judgement
+from ecp.judge import Judgement, RowsRight, Verdict
 from ecp.kinds.alignment import aligned
 from ecp.kinds.asking import Counted, arguments, call, describe, each_row, returned, stacked
 from ecp.outcome import Tolerance
@@ -41,11 +42,25 @@ def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: st
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         got, want = seen[0][value["name"]], truth[0][value["name"]]
-        return compare(aligned(got, want, value.get("up_to")), want, tolerance)
 
-    return Check(
-        id, value["label"] + suffix, (scene,), word, tolerance, locate=lambda index, seen: describe(question, seen, index[0])
-    )
+        def compared(rows: slice) -> Judgement:
+            return compare(aligned(got[rows], want[rows], value.get("up_to")), want[rows], tolerance)
+
+        return credited(value, compared, len(want))
+
+    def locate(index: tuple[int, ...], seen: Arrays) -> str:
+        return describe(question, seen, index[0])
+
+    return Check(id, value["label"] + suffix, (scene,), word, tolerance, locate, points=value.get("points", 1))
+
+
+def credited(value: Mapping[str, Any], compared: Callable[[slice], Judgement], rows: int) -> Judgement:
+    """Return ``compared`` of all rows; for a ✗ of a value with partial credit, each row is also judged alone."""
+    whole = compared(slice(None))
+    if not value.get("partial") or whole.verdict is not Verdict.FAIL or whole.misshapen:
+        return whole
+    right = sum(compared(slice(k, k + 1)).verdict is Verdict.PASS for k in range(rows))
+    return replace(whole, partial=RowsRight(right, rows))
 
 
 def compare(got: Any, want: Any, tolerance: Tolerance) -> Judgement:

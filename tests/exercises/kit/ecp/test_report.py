@@ -3,9 +3,10 @@
 import pytest
 
 from ecp.document import NotADocument, document, read
+from ecp.judge import RowsRight
 from ecp.outcome import Ended, SceneEnd
 from ecp.report import Report
-from tests.support.reports import report_of_verdicts
+from tests.support.reports import outcome, report, report_of_verdicts
 
 
 @pytest.mark.parametrize(
@@ -30,6 +31,7 @@ def test_a_report_passes_if_every_check_that_counts_does_and_there_is_one(verdic
         ({"total": 2}, "1 of 2 points (public checks: 1 of 2)"),
         ({"total": 9, "not_attempted": ["6"]}, "1 of 9 points (public checks: 1 of 2); not attempted: exercise 6"),
         ({"total": 36, "not_attempted": ["1", "6"]}, "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"),
+        ({"total": 9, "local": True, "weighted": True}, "1 of 9 points of the public checks"),
         ({"total": 7, "not_attempted": ["6"], "local": True}, "1 of 7 public checks ✓; not attempted: exercise 6"),
     ],
 )
@@ -43,6 +45,32 @@ def test_a_report_stored_before_totals_were_recorded_is_read():
     report = read(Report, stored)
     assert (report.total, report.most) == (None, 2)
     assert report.summary() == "1 of 2 points of the attempted exercises (public checks: 1 of 2)"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "partial", "earned"),
+    [
+        ("pass", None, 4),
+        ("fail", None, 0),
+        ("fail", RowsRight(0, 16), 0),
+        ("fail", RowsRight(11, 16), 2),
+        ("fail", RowsRight(12, 16), 3),
+        ("fail", RowsRight(16, 16), 3),
+        ("unmeasured", RowsRight(12, 16), 0),
+    ],
+)
+def test_a_check_earns_its_points_or_its_partial_credit_but_never_all_points_of_a_failure(verdict, partial, earned):
+    one = report([outcome("c1", verdict, points=4, partial=partial)])
+    assert (one.score, one.max_score, one.outcomes()[0].earned) == (earned, 4, earned)
+    assert read(Report, document(one)).outcomes() == one.outcomes()
+
+
+def test_a_report_stored_before_checks_had_points_is_read():
+    stored = document(report_of_verdicts("+-."))
+    for one in stored["exercises"][0]["outcomes"]:
+        assert one["points"] == 1 and one["earned"] == (one["verdict"] == "pass")
+        del one["points"], one["earned"], one["partial"]
+    assert [(o.points, o.earned) for o in read(Report, stored).outcomes()] == [(1, 1), (1, 0), (1, 0)]
 
 
 def test_renamed_fields_are_written_under_both_names_and_read_under_either():

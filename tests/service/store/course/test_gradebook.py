@@ -61,7 +61,10 @@ def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(data
     run(database_url, lambda database: hand_in(database, "ann", marks))
     written = sql(database_url, "DELETE FROM outcome RETURNING *")
     of_0004 = importlib.import_module("service.store.migrations.versions.0004_dashboard").KNOWN
+    of_0007 = importlib.import_module("service.store.migrations.versions.0007_points").EARNED
+    sql(database_url, "ALTER TABLE outcome ALTER points SET DEFAULT 1, ALTER earned SET DEFAULT 0")
     sql(database_url, of_0004.replace("attempt_id", "grading_id"))  # as revision 0006 calls it
+    sql(database_url, of_0007)
     assert sorted(sql(database_url, "SELECT * FROM outcome")) == sorted(written) and len(written) == 5
 
 

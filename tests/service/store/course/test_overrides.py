@@ -4,10 +4,13 @@ import asyncio
 
 import pytest
 
+from ecp.judge import RowsRight
 from service.store import history, records
-from service.store.course import overrides
+from service.store.course import gradebook, grades, overrides
 from service.store.course.overrides import OverrideRejected, give, withdraw
+from service.store.postgres.backup import check
 from tests.support.database import run, sql
+from tests.support.reports import outcome, report
 from tests.support.submissions import graded, submitted
 
 
@@ -54,6 +57,29 @@ def test_points_for_a_check_and_for_all(database_url, submission):
     ]
     assert run(database_url, lambda d: records.recent(d, 5))[0].points == 1
     assert run(database_url, lambda d: history.past_submissions(d, "ann", "rigid-body"))[0].points == 1
+
+
+def test_a_check_of_four_points(database_url):
+    partly = outcome("c1", "fail", points=4, partial=RowsRight(12, 16))
+    sent = graded(database_url, "ann", exercises=report([partly, outcome("c2")]).exercises)
+    assert points(database_url, sent) == 4
+    assert not check(database_url)["reports whose outcomes do not add up to their score"]
+    with pytest.raises(OverrideRejected, match="0 to 4"):
+        given(database_url, sent, "c1", 5)
+    for n, total in ((4, 5), (0, 1), (2, 3)):
+        given(database_url, sent, "c1", n)
+        assert points(database_url, sent) == total
+    assert trail(database_url)[0][3:6] == (3, 4, [4, 5])
+    cell = run(database_url, lambda d: gradebook.student_rows(d, "rigid-body"))[0].cells["c1"]
+    assert (cell.points, cell.given, cell.shown) == (4, 2, "fail")
+    (row,) = run(database_url, lambda d: grades.grades(d, "rigid-body"))
+    assert (row.worth, row.earned, row.points) == ({"c1": 4, "c2": 1}, {"c1": 3, "c2": 1}, 3)
+
+
+def test_an_override_gives_at_most_what_the_check_is_worth_after_a_regrade(database_url, submission):
+    given(database_url, submission)
+    sql(database_url, "UPDATE override SET points = 4")
+    assert points(database_url, submission) == 2
 
 
 def test_a_new_one_replaces_the_one_in_force_and_both_are_kept(database_url, submission):

@@ -27,9 +27,9 @@ def values(
     """Return the question what ``solution`` returns for the arguments ``ask``.
 
     ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order, of a dict with
-    ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` of a single value are those of ``Value``. ``calls`` limits the
-    calls of the function arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its parameters, such as
-    ``"Pendulum(l, g).period()"``. ``rows`` are the numbers of public and of hidden inputs.
+    ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` are those of ``Value``, for a single value. ``calls`` limits
+    the calls of the function arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its
+    parameters, such as ``"Pendulum(l, g).period()"``. ``rows`` are the numbers of public and of hidden inputs.
     """
     limit = {"calls": {"limit": calls.limit, "reason": calls.reason}} if calls else {}
     return Question(

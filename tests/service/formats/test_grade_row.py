@@ -20,7 +20,7 @@ def test_canvas_gets_the_points_of_checks_worth_several_and_their_partial_credit
     partly = outcome("1-box", "fail", points=4, partial=RowsRight(12, 16))
     graded = row(graded_file(report([outcome("1-notebook", points=2), partly])), rigid_body)
     assert (graded.score, graded.counted, graded.worth["1-box"], graded.earned["1-box"]) == (5, 6, 4, 3)
-    assert gradebooks.canvas_csv([graded], "T", 6).splitlines()[1:] == ["    Points Possible,,,,,6", "ann,,,ann,,5"]
+    assert gradebooks.canvas_csv([graded], "T", 6).splitlines()[1:] == ["Points Possible,,,,,6", "ann,,,ann,,5"]
 
 
 def test_what_is_no_submission_has_no_points_and_a_fault_has_no_verdict(rigid_body):

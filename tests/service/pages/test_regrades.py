@@ -115,7 +115,7 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
 
 def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, url, people):
     partly = outcome("c1", "fail", points=4, partial=RowsRight(12, 16))
-    id = graded(url, "ann", exercises=report([partly, outcome("c2")]).exercises)
+    id = graded(url, "ann", exercises=report([partly, outcome("c2")]).exercises, total=5)
     own, prof = f"/submissions/{id}", people["prof"]
     page = prof.open(own)[1]
     assert "12 of 16 inputs are right: 3 of 4 points" in page and '<span class="badge">3 of 4 points</span>' in page

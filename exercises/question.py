@@ -182,7 +182,7 @@ class Question:
         drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []
         for row in asking.each_row(rows):
             given = {**asking.arguments(self.asked, row), **row}
-            known = {n: np.asarray(call_with(v, given) if callable(v) else v, float) for n, v in self.known.items()}
+            known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
             exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
             answers.append(exact | known)
         own = self.play(self.student, rows) if isinstance(self.truth, Itself) else {}
@@ -201,6 +201,7 @@ class Question:
             truth=self.exact,
             budget_s=self.budget_s,
             known=tuple(f"at_{name}" for name in self.drawn),
+            needs=self.variables[1:],
             question=Later(lambda: self.asked),
         )
         yield one
@@ -210,7 +211,7 @@ class Question:
                 name=f"{self.id}-hidden",
                 inputs=lambda rng: self.draw(rng, hidden),
                 returns=self._specs(hidden),
-                twice=self.twice,
+                twice=self.twice and not self.variables,
             )
 
     def _specs(self, rows: int) -> "Later":
@@ -258,6 +259,12 @@ def cell(source: str) -> str:
 def calling_line() -> int:
     """Return the line of the author's file that calls the function which calls this one."""
     return sys._getframe(2).f_lineno
+
+
+def _real(value: Any) -> Any:
+    """Return numbers as float64, complex ones as real and imaginary parts in a last index."""
+    array = np.asarray(value)
+    return np.stack([array.real, array.imag], axis=-1) if np.iscomplexobj(array) else array.astype(float)
 
 
 def _json(value: Any) -> Any:

@@ -40,6 +40,7 @@ def failed(question, names, seed=0):
     return [o.id.rpartition("-")[2] for o in outcomes if o.verdict is not Verdict.PASS]
 
 
+@pytest.mark.slow
 def test_a_mistake_fails_its_check_in_the_sandbox(toolbox, sandbox):
     report = grade(Submission(mistaken(toolbox, "decay_times", 2)), toolbox.assignment, sandbox, 1, ["5"]).report
     found = {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL}

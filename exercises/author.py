@@ -116,6 +116,7 @@ class Notebook:
             cpu_s=self.cpu_s,
             data=self.data,
             setup=self.setup,
+            sweep=next((question.sweep(question) for question in self.questions() if question.sweep), None),
             plays=PLAYS,
             variants=self._variants,
             made_samples=lambda: made_samples(self._numbered()),

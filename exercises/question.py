@@ -14,7 +14,7 @@ import numpy as np
 from ecp.checks import Arrays
 from ecp.kinds import asking, kind_module
 from ecp.outcome import Tolerance
-from exercises.assignment import ArraySpec, Inputs, Scene
+from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 Draw = Callable[[np.random.Generator], Any]
@@ -63,6 +63,17 @@ class Value:
     up_to: str | None = None
 
 
+@dataclass(frozen=True)
+class Part:
+    """A further public scene of a question, such as a motion: ``exact(values)`` returns its exact arrays for one row.
+
+    ``values`` are the row's arguments and drawn values by name.
+    """
+
+    exact: Callable[[dict[str, Any]], Mapping[str, Any]]
+    rows: int = PUBLIC_ROWS
+
+
 @dataclass(frozen=True, eq=False)
 class Question:
     """One question: ``solution`` (a function or class of the author's file) asked with ``ask``, and its exact answers.
@@ -71,7 +82,8 @@ class Question:
     with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
     "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
     checks of the kind need, as JSON. ``variables`` names what the body of ``solution``, a cell, assigns: then the question asks for
-    these variables instead of a function.
+    these variables instead of a function. ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is
+    a chart of speed against accuracy.
     """
 
     kind: str
@@ -85,6 +97,8 @@ class Question:
     variables: tuple[str, ...] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
+    parts: Mapping[str, Part] = field(default_factory=dict)
+    sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     twice: bool = True
@@ -147,6 +161,7 @@ class Question:
             "call": self.call,
             "keys": self.keys,
             "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
+            "parts": list(self.parts),
             "returns": [self._returned(name, value) for name, value in self.values.items()],
             **self.data,
         }
@@ -167,36 +182,43 @@ class Question:
         return self.document | {"returns": shaped}
 
     def _returned(self, name: str, value: Value) -> dict[str, Any]:
-        tolerance = {key: number for key, number in vars(value.tolerance).items() if number is not None}
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
-        return {"name": name, "tolerance": tolerance, "label": label, "up_to": value.up_to}
+        return {"name": name, "tolerance": tolerance_data(value.tolerance), "label": label, "up_to": value.up_to}
 
-    def play(self, student: Any, rows: Mapping[str, Any]) -> Arrays:
-        """Return what a function, or a ``student`` with these names, answers, as the sandbox would."""
+    def play(self, student: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
+        """Return what a function, or a ``student`` with these names, answers, as the sandbox would.
+
+        ``part`` is one of ``parts``, or the kind's own.
+        """
         names = student if isinstance(student, Mapping) else {self.function: student}
-        answers: Arrays = kind_module(self.asked).play(self.asked, names, rows)
+        asked = self.asked if part is None else self.asked | {"part": part}
+        answers: Arrays = kind_module(asked).play(asked, names, rows)
         return answers
 
-    def exact(self, rows: Mapping[str, Any]) -> dict[str, Any]:
+    def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
         """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
-        drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []
+        answers = []
         for row in asking.each_row(rows):
-            given = {**asking.arguments(self.asked, row), **row}
+            asked = asking.arguments(self.asked, row)  # a truth may call a function as often as it likes
+            given = {**{n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()}, **row}
             known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
-            exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
-            answers.append(exact | known)
-        own = self.play(self.student, rows) if isinstance(self.truth, Itself) else {}
-        return {**asking.stacked(answers), **own, **drawn}
+            if part is not None:
+                answers.append(part.exact(given))
+            elif callable(self.truth):
+                answers.append(asking.returned(self.asked, call_with(self.truth, given)) | known)
+            else:
+                answers.append(known)
+        own = self.play(self.student, rows) if isinstance(self.truth, Itself) and part is None else {}
+        return {**asking.stacked(answers), **own, **{f"at_{name}": np.asarray(rows[name]) for name in self.drawn}}
 
     def scenes(self) -> Iterator[Scene]:
-        """Yield the public scene and the hidden one."""
+        """Yield the public scene, those of the parts, and the hidden one."""
         public, hidden = self.rows if self.drawn else (1, 0)
-        fixed = Later(lambda: self.draw(np.random.default_rng(0), public))
         one = Scene(
             name=f"{self.id}-public",
             play="play",
             function=self.function,
-            inputs=fixed,
+            inputs=Later(lambda: self.draw(np.random.default_rng(0), public)),
             returns=self._specs(public),
             truth=self.exact,
             budget_s=self.budget_s,
@@ -205,6 +227,8 @@ class Question:
             question=Later(lambda: self.asked),
         )
         yield one
+        for name, part in self.parts.items():
+            yield self.part_scene(one, name, part)
         if hidden:
             yield replace(
                 one,
@@ -214,9 +238,21 @@ class Question:
                 twice=self.twice and not self.variables,
             )
 
-    def _specs(self, rows: int) -> "Later":
+    def part_scene(self, public: Scene, name: str, part: Part) -> Scene:
+        """Return the scene of a part, played if the ``public`` scene finished."""
+        return replace(
+            public,
+            name=f"{self.id}-{name}",
+            inputs=Later(lambda: self.draw(np.random.default_rng(0), part.rows)),
+            returns=self._specs(part.rows, name),
+            truth=functools.partial(self.exact, part=part),
+            after=public.name,
+            question=Later(lambda: self.asked | {"part": name}),
+        )
+
+    def _specs(self, rows: int, part: str | None = None) -> "Later":
         def specs() -> dict[str, ArraySpec]:
-            one = self.play(self.student, self.draw(np.random.default_rng(0), 1))
+            one = self.play(self.student, self.draw(np.random.default_rng(0), 1), part)
             return {name: ArraySpec((rows, *array.shape[1:])) for name, array in one.items()}
 
         return Later(specs)
@@ -265,6 +301,11 @@ def _real(value: Any) -> Any:
     """Return numbers as float64, complex ones as real and imaginary parts in a last index."""
     array = np.asarray(value)
     return np.stack([array.real, array.imag], axis=-1) if np.iscomplexobj(array) else array.astype(float)
+
+
+def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
+    """Return a tolerance as JSON: the arguments of Tolerance."""
+    return {key: number for key, number in vars(tolerance).items() if number is not None}
 
 
 def _json(value: Any) -> Any:

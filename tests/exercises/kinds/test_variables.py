@@ -18,10 +18,10 @@ def cells(toolbox):
 
 
 def report(toolbox, sandbox, source):
-    return grade(Submission(source), toolbox.assignment, sandbox, 1, ["7"]).report
+    return grade(Submission(source), toolbox.assignment, sandbox, 1, ["11"]).report
 
 
-@pytest.mark.parametrize(("number", "failed"), [(0, {"7-rate"}), (1, {"7-claim-1"}), (2, {"7-axes"})])
+@pytest.mark.parametrize(("number", "failed"), [(0, {"11-rate"}), (1, {"11-claim-1"}), (2, {"11-axes"})])
 def test_a_mistake_fails_its_check(toolbox, sandbox, number, failed):
     found = report(toolbox, sandbox, mistaken(toolbox, "rate", number))
     assert {o.id for o in found.outcomes() if o.verdict is Verdict.FAIL} == failed, found.text()

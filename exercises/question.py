@@ -197,7 +197,7 @@ class Question:
 
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
         """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
-        answers = []
+        itself, answers = isinstance(self.truth, Itself) or (self.truth is None and not self.known), []
         for row in asking.each_row(rows):
             asked = asking.arguments(self.asked, row)  # a truth may call a function as often as it likes
             given = {**{n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()}, **row}
@@ -208,7 +208,7 @@ class Question:
                 answers.append(asking.returned(self.asked, call_with(self.truth, given)) | known)
             else:
                 answers.append(known)
-        own = self.play(self.student, rows) if isinstance(self.truth, Itself) and part is None else {}
+        own = self.play(self.student, rows) if itself and part is None else {}
         return {**asking.stacked(answers), **own, **{f"at_{name}": np.asarray(rows[name]) for name in self.drawn}}
 
     def scenes(self) -> Iterator[Scene]:

@@ -76,6 +76,7 @@ def unmeasured(symbolic, answer):
 )
 def test_an_equivalent_form_is_right(symbolic, velocity):
     assert unmeasured(symbolic, f"U * (z + 1/z), {velocity}") is None
+    assert unmeasured(symbolic, f"[U * (z + 1/z), {velocity}]") is None
 
 
 @pytest.mark.parametrize(

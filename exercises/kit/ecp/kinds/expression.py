@@ -48,12 +48,14 @@ def _number(part: Any, point: Mapping[str, complex], name: str) -> complex:
     if unknown := sorted({symbol.name for symbol in expression.free_symbols} - set(point)):
         raise WrongAnswer(None, f"{name} contains {', '.join(unknown)}; it may contain only {', '.join(point)}")
     symbols = {symbol: _exactly(point[symbol.name]) for symbol in expression.free_symbols}
-    for form in (expression, expression.doit()) if not expression.has(sympy.Sum, sympy.Product) else (expression.doit(),):
+    for simpler in (lambda: expression, expression.doit):
+        if (form := simpler()).has(sympy.Sum, sympy.Product):  # sympy's numbers of a series are unreliable
+            continue
         try:
             value = complex(form.subs(symbols).evalf(DIGITS))
         except (TypeError, ValueError):
             continue
-        if np.isfinite(value) and not form.has(sympy.Sum, sympy.Product):  # sympy's numbers of a series are unreliable
+        if np.isfinite(value):
             return value
     at = ", ".join(f"{key} = {value:.6g}" for key, value in point.items())
     raise WrongAnswer(None, f"{name} has no value at {at}: {str(expression)[:200]}")

@@ -1,5 +1,6 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -130,7 +131,8 @@ class Assignment:
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
     are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
     right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
-    that follow from the declaration (exercises.mistakes.MadeSample).
+    that follow from the declaration (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook as
+    published from the declaration; without it the folder may hold notebook.ipynb.
     """
 
     slug: str
@@ -148,6 +150,7 @@ class Assignment:
     data: tuple[str, ...] = ()
     setup: str | None = None
     plays: str | None = None
+    notebook: Callable[[], str] | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
     variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
     made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
@@ -156,6 +159,14 @@ class Assignment:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
         declared = {"setup": self.setup, "plays": self.plays}[name]
         return (self.folder / f"{name}.py").read_text(encoding="utf-8") if declared is None else declared
+
+    def right_submission(self, function: str) -> str | None:
+        """Return the source of a right submission that defines ``function``, or None if there is none."""
+        if made := next((sample.source for sample in self.made_samples() if sample.right), None):
+            return str(made)
+        defines = re.compile(rf"^(?:def |class |){re.escape(function)}\b *[(:=]", re.MULTILINE)
+        samples = (path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py")))
+        return next((source for source in samples if defines.search(source)), None)
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

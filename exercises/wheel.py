@@ -70,14 +70,14 @@ def wheel(slug: str | None = None, server: str | None = None) -> bytes:
 
 def has_notebook(assignment: Assignment) -> bool:
     """Return whether the assignment has a notebook for students."""
-    return (assignment.folder / NOTEBOOK).is_file()
+    return assignment.notebook is not None or (assignment.folder / NOTEBOOK).is_file()
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
     """Return the notebook for students with the addresses of ``server`` and ``kit`` and the list of
     importable packages.
     """
-    text = (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
+    text = assignment.notebook() if assignment.notebook else (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
     listing = packages.listing(assignment.packages)
     for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit, "{{PACKAGES}}": listing}.items():
         text = text.replace(mark, json.dumps(value)[1:-1])
@@ -116,7 +116,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     yield "plays.py", assignment.source("plays").encode()
     scenes = _public_scenes(assignment)
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
-    sent = [*precursors.values(), *scenes]
+    sent = list(dict.fromkeys([*precursors.values(), *scenes]))
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
     declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
     if assignment.questions:
@@ -129,6 +129,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 def _declared(scene: Scene) -> dict[str, Any]:
     declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
+    declared["returns"] = {name: vars(spec) for name, spec in scene.returns.items()}
     declared |= {"known": list(scene.known), "needs": list(scene.needs)}
     return declared | ({} if scene.question is None else {"question": scene.question})
 

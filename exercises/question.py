@@ -5,12 +5,15 @@ import functools
 import inspect
 import sys
 import textwrap
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
+from ecp.author_errors import AuthorError
 from ecp.checks import Arrays
 from ecp.kinds import asking, kind_module
 from ecp.outcome import Tolerance
@@ -18,6 +21,7 @@ from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 Draw = Callable[[np.random.Generator], Any]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,22 @@ class Value:
     tolerance: Tolerance
     label: str | None = None
     up_to: str | None = None
+
+
+def _located(method: Callable[..., T]) -> Callable[..., T]:
+    """Let a method that runs the author's code raise AuthorError with the question's line if no frame is of the author's file."""
+
+    @functools.wraps(method)
+    def run(self: "Question", *args: Any, **named: Any) -> T:
+        try:
+            return method(self, *args, **named)
+        except Exception as error:
+            file = inspect.getsourcefile(self.solution) or ""
+            if isinstance(error, AuthorError) or file in [f.filename for f in traceback.extract_tb(error.__traceback__)]:
+                raise
+            raise AuthorError(f"{Path(file).name} line {self.line}: question {self.id}: {type(error).__name__}: {error}") from error
+
+    return run
 
 
 @dataclass(frozen=True)
@@ -144,6 +164,7 @@ class Question:
         given = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
         return {name: value for name, value in given.items() if callable(value)}
 
+    @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
         each = [{name: draw(rng) for name, draw in self.drawn.items()} for _ in range(rows)]
@@ -173,6 +194,7 @@ class Question:
         }
 
     @functools.cached_property
+    @_located
     def asked(self) -> dict[str, Any]:
         """The question as data, with the shapes of its answer: calls the right solution once."""
         row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
@@ -201,6 +223,7 @@ class Question:
         answers: Arrays = kind_module(asked).play(asked, names, rows)
         return answers
 
+    @_located
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
         """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
         drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []

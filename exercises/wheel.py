@@ -129,6 +129,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 def _declared(scene: Scene) -> dict[str, Any]:
     declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
+    declared["returns"] = {name: vars(spec) for name, spec in scene.returns.items()}
     declared |= {"known": list(scene.known), "needs": list(scene.needs)}
     return declared | ({} if scene.question is None else {"question": scene.question})
 

@@ -40,7 +40,6 @@ def expression(
     agree: Agree,
     variable: str | None = None,
     label: str | None = None,
-    keys: bool = False,
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (4, 16),
     budget_s: float = 10.0,
@@ -49,8 +48,7 @@ def expression(
 
     ``ask`` maps its parameters to symbols, constants and draws. ``truth`` gets numbers for the symbols and returns numbers, by
     numpy, sympy or another method. ``variable`` names the expression that a cell assigns, the body of ``solution``; its symbols
-    are known by the names in ``ask``. ``agree`` and ``keys`` are those of ``values``. The assignment declares
-    ``packages=("sympy",)``.
+    are known by the names in ``ask``. ``agree`` is that of ``values``. The assignment declares ``packages=("sympy",)``.
     """
     symbols = {name: value for name, value in ask.items() if isinstance(value, Symbol)}
     return Question(
@@ -59,7 +57,6 @@ def expression(
         ask=ask,
         values=named_values(agree, label or (f"{variable} is right" if variable else None)),
         truth=truth if isinstance(truth, Itself) else _numeric(truth, symbols),
-        keys=keys,
         variables=(variable,) if variable else (),
         data={"symbols": {name: dict(value.assumptions) for name, value in symbols.items()}, "complex": True},
         mistakes=tuple(mistakes),
@@ -75,8 +72,6 @@ def _numeric(truth: Callable[..., Any], symbols: Mapping[str, Symbol]) -> Callab
     @functools.wraps(truth)
     def exact(**given: Any) -> Any:
         answer = truth(**{n: complex(*v) if n in symbols and symbols[n].complex else v for n, v in given.items()})
-        if isinstance(answer, dict):
-            return {name: _complex(part) for name, part in answer.items()}
         return tuple(map(_complex, answer)) if isinstance(answer, tuple) else _complex(answer)
 
     return exact

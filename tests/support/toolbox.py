@@ -42,12 +42,16 @@ sys.path.insert(0, {kit!r})
 {setup}
 {source}
 import ecp
-print(json.dumps([{of} for outcome in ecp.check(assignment={slug!r}).outcomes()]))
+report = ecp.check(assignment={slug!r})
+print(json.dumps([{of} for outcome in report.outcomes()]))
 """
 
 
 def check_locally(slug, source, folder, of="outcome.line"):
-    """What ``ecp.check`` of the kit as students install it prints, as JSON; ``of`` is an expression for each outcome."""
+    """What ``ecp.check`` of the kit as students install it prints, as JSON.
+
+    ``of`` is an expression for each ``outcome`` of the ``report``.
+    """
     kit = folder / "kit"
     zipfile.ZipFile(io.BytesIO(wheel.wheel(slug))).extractall(kit)
     code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug, of=of)

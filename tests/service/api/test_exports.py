@@ -179,7 +179,11 @@ def test_the_same_as_json_with_texts_as_they_are(asked, sent, rigid_body):
     assert [c["id"] for c in told["checks"]] == [c.id for e in rigid_body.exercises for c in e.checks]
     students = {one["student"]: one for one in told["students"]}
     assert students[EVIL]["full_name"] == '@SUM(1+1),=1\n"x' and students[EVIL]["points"] == 1
-    assert students["ben"]["checks"] == {"2-energy": {"state": "fail", "given": 1}, "2-motion": {"state": "error", "given": None}}
+    assert students["ben"]["checks"] == {
+        "2-energy": {"state": "fail", "given": 1, "points": 1, "earned": 0},
+        "2-motion": {"state": "error", "given": None, "points": 1, "earned": 0},
+    }
+    assert sum(check["points"] for check in told["checks"]) == len(told["checks"])
     assert students["dora"]["points"] is None and students["dora"]["checks"] == {} and "prof" not in students
 
 

@@ -43,8 +43,8 @@ INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, 
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs)
     SELECT gen_random_uuid(), id, 1, 'interactive', 7, 3 FROM submission;
 INSERT INTO result (grading_id, report, score, max_score, version) SELECT id, CAST(%(report)s AS jsonb), 5, 10, '1' FROM grading;
-INSERT INTO outcome (grading_id, check_id, state, counted, codes, causes)
-    SELECT a.id, '2-check' || k, CASE WHEN k %% 2 = 0 THEN 'pass' ELSE 'fail' END, true, '{}', '{}'
+INSERT INTO outcome (grading_id, check_id, state, counted, codes, causes, points, earned)
+    SELECT a.id, '2-check' || k, CASE WHEN k %% 2 = 0 THEN 'pass' ELSE 'fail' END, true, '{}', '{}', 1, (k + 1) %% 2
     FROM grading a, generate_series(1, 10) k
 """
 

@@ -15,7 +15,7 @@ from ecp.outcome import Tolerance
 from exercises.assignment import Assignment
 from exercises.mistakes import Variant, made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
-from exercises.question_errors import question_errors
+from exercises.question_errors import question_errors, uses_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
 
@@ -100,7 +100,9 @@ class Notebook:
 
     def errors(self) -> list[str]:
         """Return the errors of all questions, with their lines."""
-        return [error for question in self.questions() for error in question_errors(question)]
+        questions = self.questions()
+        found = [error for question in questions for error in question_errors(question)]
+        return found + [error for k, question in enumerate(questions) for error in uses_errors(question, questions[:k])]
 
     def assignment(self, folder: Path) -> Assignment:
         """Return the assignment that grading reads. Runs nothing of the author's solutions."""
@@ -116,6 +118,7 @@ class Notebook:
             setup=self.setup,
             plays=PLAYS,
             variants=self._variants,
+            solution=lambda: "\n\n".join(dict.fromkeys(question.source for question in self.questions())),
             made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )

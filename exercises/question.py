@@ -83,6 +83,7 @@ class Question:
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     twice: bool = True
+    uses: tuple[Callable[..., Any], ...] = ()
     line: int = 0
     id: str = ""
 
@@ -130,6 +131,7 @@ class Question:
             "keys": self.keys,
             "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
             "returns": [self._returned(name, value) for name, value in self.values.items()],
+            **({"uses": [earlier.__name__ for earlier in self.uses]} if self.uses else {}),
             **self.data,
         }
 

@@ -144,6 +144,8 @@ def _outcome(check: Check, known: PublicAssignment, played: SceneRun) -> Outcome
         outcome = check.judge([played.arrays[name] for name in check.scenes], truths)
     if outcome.verdict is not Verdict.PASS:
         outcome.diagnosis = _likely(check, known, played)
+        uses = (known.scenes[check.scenes[0]].question or {}).get("uses", ())
+        outcome.remarks = [f"used your own {name}: if it does not pass its checks, the server uses the reference" for name in uses]
     return outcome
 
 

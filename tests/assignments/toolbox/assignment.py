@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 import scipy.linalg
 
-from exercises.author import Notebook, Tolerance, Value, family, mistake, uniform
+from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
 from exercises.kinds.values import values
 
 ROUNDING = "a few rounding errors of the summed terms"
@@ -105,5 +105,57 @@ notebook.exercise(
         truth=lambda l, g: 2 * np.pi * (l / g) ** 0.5,
         agree=Tolerance(limit=1e-13, reason=ROUNDING),
         mistakes=[mistake("2 * pi", "pi", "constant-factor", "half of the period is returned")],
+    ),
+)
+
+
+def heun_step(f, t, y, h):
+    slope = f(t, y)
+    return y + h / 2 * (slope + f(t + h, y + h * slope))
+
+
+def integrate(f, y, T, n):
+    h = T / n
+    for k in range(n):
+        y = heun_step(f, k * h, y, h)
+    return y
+
+
+def error_estimate(f, y, T, n):
+    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3
+
+
+def growth(z):
+    """Return the factor by which a step of Heun's method for y' = λy changes y, with z = λh."""
+    return 1 + z + z**2 / 2
+
+
+DECAY = family("-k * y", "t", "y", k=uniform(0.5, 2))
+CHAINED = {"y": uniform(-1, 1, 2), "T": uniform(0.5, 2), "n": integers(4, 9)}
+notebook.exercise(
+    "chain",
+    "An integration of several steps",
+    values(
+        heun_step,
+        ask={"f": DECAY, "t": 0.0, "y": uniform(-1, 1, 2), "h": uniform(0.05, 0.2)},
+        truth=lambda k, y, h: y * growth(-k * h),
+        agree=Tolerance(limit=1e-13, reason=ROUNDING),
+        mistakes=[mistake("h / 2 * (slope + f(t + h, y + h * slope))", "h * slope", "wrong-quantity", "this is Euler's step")],
+    ),
+    values(
+        integrate,
+        ask={"f": DECAY, **CHAINED},
+        truth=lambda k, y, T, n: y * growth(-k * T / n) ** n,
+        agree=Tolerance(limit=1e-12, reason=ROUNDING),
+        uses=[heun_step],
+        mistakes=[mistake("range(n)", "range(n - 1)", "off-by-one", "the last step is missing")],
+    ),
+    values(
+        error_estimate,
+        ask={"f": DECAY, **CHAINED},
+        truth=lambda k, y, T, n: y * (growth(-k * T / n / 2) ** (2 * n) - growth(-k * T / n) ** n) / 3,
+        agree=Tolerance(atol=1e-12, reason=ROUNDING),
+        uses=[integrate],
+        mistakes=[mistake("/ 3", "/ 4", "constant-factor", "the error is divided by 4")],
     ),
 )

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.return_value import describe_exception, is_written
+from ecp.return_value import describe_exception, is_written, missing
 
 from .calls import LOADED, Channel
 from .claims import Recorder
@@ -92,7 +92,7 @@ def _run(
     with recorder.recording():
         shows = _load_submission(student, job, recorder, write, reference.functions if reference else {})
     student |= _adopt(plays, student, shows)
-    names = [name for name in job["functions"] if is_written(student.get(name))]
+    names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
     write.event("defined", names=names, claims_left_out=recorder.left_out)
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
@@ -100,6 +100,9 @@ def _run(
         if scene["after"] in asked - finished:
             sentence = f"not run: it needs the scene {scene['after']}, which did not finish"
             write.event("scene", scene=scene["name"], ended="not-played", sentence=sentence)
+        elif absent := _missing(scene, student, job["variables"]):
+            write.event("start", scene=scene["name"])
+            write.event("scene", scene=scene["name"], ended="missing-function", code="missing-function", sentence=absent)
         elif _play(scene, plays, student, questions, write, unchanged=unchanged):
             finished.add(scene["name"])
         if reference is not None and reference.channel.lost:
@@ -107,15 +110,16 @@ def _run(
     write.event("done")
 
 
+def _missing(scene: dict[str, Any], student: Names, variables: list[str]) -> str | None:
+    names = (scene["function"], *scene["needs"]) if scene["source"] is None else ()
+    return next((sentence for name in names if (sentence := missing(student, name, name in variables))), None)
+
+
 def _play(
     scene: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer, *, unchanged: Callable[[], None]
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
-    if scene["source"] is None and not callable(student.get(scene["function"])):
-        sentence = f"{scene['function']} is not defined"
-        write.event("scene", scene=name, ended="missing-function", code="missing-function", sentence=sentence)
-        return False
 
     def answer() -> None:
         unchanged()

@@ -1,5 +1,7 @@
 """Questions that use functions of earlier ones: graded with the student's own, or with the reference where that is wrong."""
 
+import json
+
 import pytest
 
 from ecp.document import document, read
@@ -8,7 +10,7 @@ from ecp.report import Report
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
-from tests.support.toolbox import FOLDER
+from tests.support.toolbox import FOLDER, check_locally
 
 STEP = """
 def heun_step(f, t, y, h):
@@ -115,6 +117,11 @@ def test_a_result_with_more_checks_passed_stays(graded):
     )
     report = graded(swapped, later)
     assert report.score == 1 and not remarks(report), report.text()
+
+
+def test_the_kit_uses_the_students_function_and_says_what_the_server_does(chain, tmp_path):
+    told = json.loads(check_locally("toolbox", EULER + INTEGRATE, tmp_path, "remarks"))
+    assert told == [[], ["checked with your own heun_step: where that is wrong or missing, the server uses the reference"]] + [[]]
 
 
 def test_only_the_asked_exercises_are_reported(chain, sandbox):

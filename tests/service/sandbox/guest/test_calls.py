@@ -53,7 +53,7 @@ FUNCTIONS = {f.__name__: f for f in (same, named, apply, apply_caught, fails, en
 
 @contextmanager
 def other_process():
-    """A process that holds FUNCTIONS: this end of its socket and a function that returns its exit code once the socket is closed."""
+    """A process that holds FUNCTIONS: this end of its socket, and a function that closes it and returns the exit code."""
     here, there = socket.socketpair()
     child = os.fork()
     if child == 0:

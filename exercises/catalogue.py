@@ -135,7 +135,7 @@ def _declared(module: ModuleType, folder: Path) -> tuple[Any, list[str]]:
     notebooks = [value for value in vars(module).values() if isinstance(value, Notebook)]
     if len(notebooks) != 1:
         return None, [f"{ONE_FILE} makes {len(notebooks)} notebooks; it must make one"]
-    errors = [f"{ONE_FILE} {error}" for error in notebooks[0].errors()]
+    errors = notebooks[0].errors(folder)
     return (None, errors) if errors else (notebooks[0].assignment(folder), [])
 
 

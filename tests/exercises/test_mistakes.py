@@ -23,6 +23,7 @@ def diagnoses(toolbox, sandbox, source, number, seed=1):
     return {(d.code, d.sentence) for outcome in report.outcomes() for d in outcome.diagnosis}
 
 
+@pytest.mark.slow
 def test_every_sample_made_from_the_declaration_is_as_expected(toolbox, sandbox):
     for sample in toolbox.made_samples():
         report = grade(Submission(sample.source), toolbox, sandbox, 2, sample.ask).report

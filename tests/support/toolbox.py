@@ -15,6 +15,7 @@ from ecp.kinds import question_checks
 from exercises import wheel
 from exercises.assignment import Assignment
 from exercises.author import Notebook
+from exercises.catalogue import find
 
 FOLDER = Path(__file__).parents[1] / "assignments" / "toolbox"
 
@@ -38,8 +39,7 @@ def mistaken(toolbox, function, number):
 CHECK = """
 import json, sys
 sys.path.insert(0, {kit!r})
-import numpy as np, scipy.linalg
-from math import pi, sqrt
+{setup}
 {source}
 import ecp
 print(json.dumps([outcome.{field} for outcome in ecp.check(assignment={slug!r}).outcomes()]))
@@ -50,7 +50,7 @@ def check_locally(slug, source, folder, field="line"):
     """What ``ecp.check`` of the kit as students install it prints, as JSON."""
     kit = folder / "kit"
     zipfile.ZipFile(io.BytesIO(wheel.wheel("toolbox"))).extractall(kit)
-    code = CHECK.format(kit=str(kit), source=source, slug=slug, field=field)
+    code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug, field=field)
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout
 

@@ -160,7 +160,8 @@ def find(slug: str) -> Assignment:
     if (error := invalid.get(slug)) and slug not in valid:
         raise error
     if slug not in valid:
-        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(valid)) or 'none'}")
+        known = ", ".join(sorted(valid)) or "none"
+        raise NoAssignment(f"there is no assignment {slug}; known: {known}; name the folder of another one in {SETTING}")
     return valid[slug]
 
 

@@ -414,7 +414,7 @@ def growth(z):
 DECAY = family("-k * y", "t", "y", k=uniform(0.5, 2))
 CHAINED = {"y": uniform(-1, 1, 2), "T": uniform(0.5, 2), "n": integers(4, 9)}
 notebook.exercise(
-    "chain",
+    "11",
     "An integration of several steps",
     values(
         heun_step,

@@ -18,6 +18,7 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
+from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
 from service.grading.reproduction import diagnose_question
@@ -65,8 +66,21 @@ def grade(
 
     ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those that the assignment
     declares if they are longer; scenes that are left have then timed out. Raises UnknownExercise, and SystemFault if the sandbox
-    fails or a package of the assignment is not installed.
+    fails, a package of the assignment is not installed, or the assignment's own code fails.
     """
+    with author_errors(assignment):
+        return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
+
+
+def _grade(
+    submission: Submission,
+    assignment: Assignment,
+    sandbox: Sandbox,
+    seed: int,
+    numbers: Iterable[str] | None,
+    *,
+    on_progress: OnProgress,
+) -> Graded:
     if absent := missing_packages(assignment):
         raise SystemFault(absent)
     asked = select(assignment, numbers)
@@ -76,7 +90,7 @@ def grade(
     job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
 
-    def play(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
+    def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
         result, truths = _play(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
         on_progress("judging", len(job.scenes), len(job.scenes))
         played = PlayedJob(job, inputs, truths, result, budget)
@@ -84,8 +98,8 @@ def grade(
         _add_known_arrays(assignment, result, truths)
         return played, crossed
 
-    played, crossed = play(job, on_progress)
-    chains = play_chains(assignment, played, crossed, play, functools.partial(_passes, assignment))
+    played, crossed = play_and_check(job, on_progress)
+    chains = play_chains(assignment, played, crossed, play_and_check, functools.partial(_passes, assignment))
     result = played.result
     covered = asked if numbers is not None else attempted(asked, result.defined)
     causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays, sandbox))
@@ -141,7 +155,17 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
     requests = tuple(
-        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question, needs=s.needs)
+        SceneRequest(
+            s.name,
+            s.play,
+            s.function,
+            dict(inputs[s.name]),
+            dict(s.returns),
+            s.budget_s,
+            s.after,
+            question=None if s.question is None else dict(s.question),
+            needs=s.needs,
+        )
         for s in scenes
     )
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
@@ -168,12 +192,18 @@ def _play(
     """Play the job. Return its result and the exact answers, which are computed while the guest plays."""
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
+    failed: list[Exception] = []
 
     def on_scene(scene: str) -> None:
         on_progress("playing", places[scene], len(places))
-        exact[scene] = truth(assignment.scene(scene), inputs[scene])
+        try:
+            exact[scene] = truth(assignment.scene(scene), inputs[scene])
+        except Exception as error:  # raised after the play: the guest goes on
+            failed.append(error)
 
-    result = sandbox.play(job, on_scene, budget)
+    result = play(job, assignment, sandbox, on_scene, budget)
+    if failed:
+        raise failed[0]
     for name in list(result.arrays):
         scene = assignment.scene(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None

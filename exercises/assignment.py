@@ -132,8 +132,7 @@ class Assignment:
     are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
     right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
     that follow from the declaration (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook as
-    published from the declaration; without it the folder may hold notebook.ipynb. ``solution`` returns
-    the source of a right submission.
+    published from the declaration; without it the folder may hold notebook.ipynb.
     """
 
     slug: str
@@ -155,7 +154,6 @@ class Assignment:
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
     variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
     made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
-    solution: Callable[[], str] | None = None
 
     def source(self, name: str) -> str:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""

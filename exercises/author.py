@@ -140,7 +140,6 @@ class Notebook:
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
             ),
             variants=self._variants,
-            solution=lambda: "\n\n".join(dict.fromkeys(question.source for question in self.questions())),
             made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )

@@ -1,8 +1,9 @@
 """Calls between the process of a submission and the one that holds reference functions, over a pair of sockets.
 
 A frame is its length, the length of its JSON header, the header, and the bytes of its arrays. Values that cross: None, numbers,
-texts, numpy arrays and numbers of real or complex type, lists, tuples, dicts, and functions, which the other process can call
-during the call that passes them. Nothing is pickled: the reader of a frame runs only functions that it has exported or passed.
+texts, numpy arrays and numbers of real or complex type, lists, tuples, dicts, scipy's results, and functions, which the other
+process can call during the call that passes them. Of a random generator its methods DRAWS cross. Nothing is pickled: the reader of
+a frame runs only functions that it has exported or passed.
 """
 
 import builtins
@@ -11,9 +12,11 @@ import os
 import re
 import struct
 from collections.abc import Callable, Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from scipy.optimize import OptimizeResult
 
 LOADED = "?"  # the exported function that returns why the others could not be loaded, "" if they were
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
@@ -24,10 +27,26 @@ MOST_OPEN = 20  # calls that wait for an answer
 MOST_TEXT = 1000  # characters of an exception's message
 CHUNK = 1 << 16
 DTYPE = re.compile(r"[<>|][biufc]\d{1,2}")
+DRAWS = (
+    "binomial",
+    "choice",
+    "exponential",
+    "integers",
+    "normal",
+    "permutation",
+    "poisson",
+    "random",
+    "standard_normal",
+    "uniform",
+)
 INVALID = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError, MemoryError)
 TYPES = {"call": ((str, tuple, dict), (int, tuple, dict)), "raise": ((str, str, int, int),)}  # of a frame's values, by its kind
 NOTHING: Mapping[str | int, Callable[..., Any]] = {}
 STOPPED = "the process of the reference functions stopped: they were called with values that need too much time or memory"
+
+
+class Draws(SimpleNamespace):
+    """The methods DRAWS of a random generator of the other process."""
 
 
 class Channel:
@@ -169,9 +188,12 @@ class Channel:
             items = [self._node(item, arrays, depth + 1) for item in value]
             node = ["list" if isinstance(value, list) else "tuple", *items]
         elif isinstance(value, dict):
-            node = ["dict", *[[self._node(item, arrays, depth + 1) for item in pair] for pair in value.items()]]
+            kind = "result" if isinstance(value, OptimizeResult) else "dict"
+            node = [kind, *[[self._node(item, arrays, depth + 1) for item in pair] for pair in value.items()]]
         elif isinstance(value, str):
             node = str(value)
+        elif isinstance(value, np.random.Generator | Draws):
+            node = ["generator", *[self._node(getattr(value, name), arrays, depth + 1) for name in DRAWS]]
         elif callable(value):
             self._functions[self._passed] = value
             node = ["function", self._passed, str(getattr(value, "__name__", "function"))]
@@ -199,8 +221,11 @@ class Channel:
                 case ["list" | "tuple", *items]:
                     values = [value(item) for item in items]
                     found = values if node[0] == "list" else tuple(values)
-                case ["dict", *pairs]:
+                case ["dict" | "result", *pairs]:
                     found = {value(key): value(item) for key, item in pairs}
+                    found = OptimizeResult(**found) if node[0] == "result" else found
+                case ["generator", *draws]:
+                    found = Draws(**{draw.__name__: draw for draw in map(value, draws)})
                 case ["function", int(number), str(name)]:
                     self._received += 1
                     found = self.proxy(number, name)

@@ -7,6 +7,7 @@ import pytest
 from ecp.document import document, read
 from ecp.judge import Verdict
 from ecp.report import Report
+from ecp.report_html import html
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
@@ -138,3 +139,4 @@ def test_only_the_asked_exercises_are_reported(chain, sandbox):
 def test_reports_keep_the_remarks(graded):
     report = graded(EULER, INTEGRATE)
     assert remarks(read(Report, document(report))) == remarks(report)
+    assert f"<p>{REMARK.format('heun_step')}</p>" in html(report)

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+import scipy.integrate
 
 from service.sandbox.guest.calls import HEAD, MALFORMED, MOST_BYTES, MOST_NESTED, MOST_OPEN, Channel
 
@@ -44,11 +45,19 @@ def adder(n):
     return lambda x: x + n
 
 
+def walk(rng, n):
+    return np.cumsum(rng.normal(size=n)) + rng.integers(0, 9, endpoint=True)
+
+
+def solved(t):
+    return scipy.integrate.solve_ivp(lambda t, y: -y, (0, t), [1.0])
+
+
 def composed(f, g):
     return lambda x: f(g(x))
 
 
-FUNCTIONS = {f.__name__: f for f in (same, named, apply, apply_caught, fails, ends, adder, composed)}
+FUNCTIONS = {f.__name__: f for f in (same, named, apply, apply_caught, fails, ends, adder, composed, walk, solved)}
 
 
 @contextmanager
@@ -112,6 +121,19 @@ def test_functions_are_called_back_during_the_call(channel):
     channel.call("apply", kept.append, lambda: 7)
     with pytest.raises(RuntimeError, match="after the call that passed it"):
         kept[0]()
+
+
+def test_a_random_generator_stays_that_of_the_caller(channel):
+    here, there = np.random.default_rng(1), np.random.default_rng(1)
+    for _ in range(2):
+        assert np.array_equal(channel.call("walk", there, 5), walk(here, 5))
+    with pytest.raises(AttributeError):
+        channel.call("apply", lambda rng: rng.bit_generator, there)
+
+
+def test_a_result_of_scipy_keeps_its_attributes(channel):
+    got = channel.call("solved", 2.0)
+    assert got.success and got.y.tobytes() == solved(2.0).y.tobytes() and got["t"][-1] == 2.0
 
 
 def test_a_returned_function_can_be_called_later(channel):

@@ -230,12 +230,13 @@ def test_right_solutions_that_cannot_be_loaded_are_a_system_fault(sandboxes):
         played(sandboxes["process"], LATER, reference="missing")
 
 
-def test_a_reference_that_computes_too_long_is_charged_and_ends_the_play(sandboxes):
-    reference = "def step(f, x):\n    for _ in iter(int, 1): pass\n"
+def test_both_processes_are_charged_and_each_has_the_limit(sandboxes):
+    """The submission computes for 0.4 s, then the reference until the kernel ends it after about a second."""
+    reference = ReferenceFunctions(("step",), "def step(f, x):\n    for _ in iter(int, 1): pass\n")
+    source = "import time\ndef later(x):\n    while time.process_time() < before + 0.4: pass\n    return step(abs, x)\n"
+    cells = (Cell("submission.py", f"{source}before = time.process_time()\n"),)
     requests = (SceneRequest("s0", "ask", "later", {"x": 1.0}, {"x": ArraySpec(())}, 5.0, None),)
-    job = Job(
-        "import numpy as np", PLAYS, (Cell("s", LATER),), ("later",), requests, reference=ReferenceFunctions(("step",), reference)
-    )
     budget = TimeBudget(TimeLimits(cpu_s=1.0))
+    job = Job("import numpy as np", PLAYS, cells, ("later",), requests, reference=reference)
     result = sandboxes["process"].play(job, budget=budget)
-    assert budget.cpu_s > 0.5 and "the process of the reference functions stopped" in result.scene_ends["s0"].sentence
+    assert budget.cpu_s > 1.1 and "the process of the reference functions stopped" in result.scene_ends["s0"].sentence

@@ -84,7 +84,7 @@ def test_a_question_may_use_functions_and_no_classes(tmp_path):
     (tmp_path / "one" / "assignment.py").write_text(f"{head}notebook.exercise('1', 'One', {declared})\n")
     with known(tmp_path / "one") as catalogue:
         assert [error.split(": ")[1] for error in catalogue.invalid["one"].errors] == [
-            "double uses Box, a class; only a function can be replaced"
+            "double uses Box, a class or a cell; only a function can be replaced"
         ]
 
 

@@ -12,6 +12,7 @@ from exercises.kinds.ode import ode
 from exercises.kinds.random import estimate, generator, samples
 from exercises.kinds.stepper import rk4, stepper
 from exercises.kinds.values import values
+from exercises.kinds.variables import claim, variables
 
 ROUNDING = "a few rounding errors of the summed terms"
 
@@ -390,6 +391,43 @@ notebook.exercise(
 )
 
 
+def spins():
+    moments = np.array([1.0, 2.0, 3.0])
+    nudge = 1e-3
+    first, second, third = moments
+    rate = np.sqrt((second - first) * (third - second) / (first * third))
+    growth_middle = nudge * np.cosh(4 * rate)
+    growth_extreme = nudge * np.sqrt(2)
+    axes = np.array([first, second, third]) / moments.sum()
+    return rate, growth_middle, growth_extreme, axes
+
+
+notebook.exercise(
+    "11",
+    "Numbers computed in a cell",
+    variables(
+        spins,
+        truth={"rate": 3**-0.5, "axes": lambda: [1 / 6, 1 / 3, 1 / 2]},
+        agree={
+            "rate": Tolerance(rtol=1e-12, reason=ROUNDING),
+            "axes": Value(Tolerance(rtol=1e-12, reason=ROUNDING), label="the moments are fractions of their sum"),
+        },
+        claims=[
+            claim(
+                "growth_extreme < 0.003 < growth_middle",
+                "spin is stable about the extreme axes, unstable about the middle axis",
+                reason="three times the nudge",
+            )
+        ],
+        mistakes=[
+            mistake("(first * third)", "(first * second)", "wrong-index", "the second moment stands for the third"),
+            mistake("np.cosh(4 * rate)", "np.cos(4 * rate)", "missing-term", "it oscillates instead of growing"),
+            mistake(" / moments.sum()", " / moments"),
+        ],
+    ),
+)
+
+
 def heun_step(f, t, y, h):
     slope = f(t, y)
     return y + h / 2 * (slope + f(t + h, y + h * slope))
@@ -411,10 +449,15 @@ def growth(z):
     return 1 + z + z**2 / 2
 
 
+def halved_step():
+    halved = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)
+    return halved
+
+
 DECAY = family("-k * y", "t", "y", k=uniform(0.5, 2))
 CHAINED = {"y": uniform(-1, 1, 2), "T": uniform(0.5, 2), "n": integers(4, 9)}
 notebook.exercise(
-    "11",
+    "12",
     "An integration of several steps",
     values(
         heun_step,
@@ -438,5 +481,12 @@ notebook.exercise(
         agree=Tolerance(atol=1e-12, reason=ROUNDING),
         uses=[integrate],
         mistakes=[mistake("/ 3", "/ 4", "constant-factor", "the error is divided by 4")],
+    ),
+    variables(
+        halved_step,
+        truth={"halved": 0.625},
+        agree={"halved": Tolerance(rtol=1e-12, reason=ROUNDING)},
+        uses=[heun_step],
+        mistakes=[mistake("0.5)", "0.25)", "constant-factor", "the step is half as long")],
     ),
 )

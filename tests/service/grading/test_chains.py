@@ -27,6 +27,7 @@ def integrate(f, y, T, n):
     return y
 """
 ESTIMATE = "\ndef error_estimate(f, y, T, n):\n    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3\n"
+HALVED = "halved = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)\n"
 REMARK = "used the reference {}, because yours does not pass its checks"
 
 
@@ -68,9 +69,10 @@ def remarks(report):
 
 
 def test_right_functions_of_the_student_are_used(graded):
-    report = graded(STEP, INTEGRATE, ESTIMATE)
+    report = graded(STEP, INTEGRATE, ESTIMATE, HALVED)
     assert report.passed and not remarks(report), report.text()
-    assert used(report) == {"integrate": "the submission's heun_step", "error_estimate": "the submission's integrate"}
+    step = "the submission's heun_step"
+    assert used(report) == {"integrate": step, "error_estimate": "the submission's integrate", "halved": step}
 
 
 def test_a_wrong_earlier_function_does_not_cost_the_later_ones(graded):
@@ -111,9 +113,10 @@ def test_a_wrong_later_function_is_judged_with_the_students_own_right_one(graded
 
 
 def test_values_computed_in_a_cell_come_from_the_reference(graded):
-    computed = "\ndef kept(y: Unknown): ...\nSTEPPED = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)\nassert STEPPED == 0.625\n"
+    computed = f"\ndef kept(y: Unknown): ...\n{HALVED}assert halved == 0.625\n"
     report = graded("from __future__ import annotations\n", EULER, computed, INTEGRATE)
-    assert passed(report) == {"integrate"}, report.text()
+    assert passed(report) == {"integrate", "halved"}, report.text()
+    assert passed(graded(EULER, HALVED)) == {"halved"}
 
 
 def test_a_result_with_more_checks_passed_stays(graded):
@@ -128,7 +131,9 @@ def test_a_result_with_more_checks_passed_stays(graded):
 
 def test_the_kit_uses_the_students_function_and_says_what_the_server_does(chain, tmp_path):
     told = json.loads(check_locally("toolbox", EULER + INTEGRATE, tmp_path, "remarks"))
-    assert told == [[], ["checked with your own heun_step: where that is wrong or missing, the server uses the reference"]] + [[]]
+    assert (
+        told == [[], ["checked with your own heun_step: where that is wrong or missing, the server uses the reference"]] + [[]] * 2
+    )
 
 
 def test_only_the_asked_exercises_are_reported(chain, sandbox):

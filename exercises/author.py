@@ -18,7 +18,7 @@ from exercises.assignment import Assignment
 from exercises.author_notebook import Cell, InvalidNotebook
 from exercises.mistakes import Variant, made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
-from exercises.question_errors import question_errors
+from exercises.question_errors import question_errors, uses_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
 
@@ -104,7 +104,9 @@ class Notebook:
 
     def errors(self, folder: Path) -> list[str]:
         """Return the errors of all questions and of the author's notebook, each with its file."""
-        declared = [error for question in self.questions() for error in question_errors(question)]
+        questions = self.questions()
+        declared = [error for question in questions for error in question_errors(question)]
+        declared += [error for k, question in enumerate(questions) for error in uses_errors(question, questions[:k])]
         if self.notebook and self.setup is not None:
             declared.append(f"line {self.line}: both notebook= and setup= are given: the Setup is the notebook's; remove setup=")
         found = [f"assignment.py {error}" for error in declared]

@@ -123,6 +123,7 @@ class Question:
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     twice: bool = True
+    uses: tuple[Callable[..., Any], ...] = ()
     line: int = 0
     id: str = ""
 
@@ -190,6 +191,7 @@ class Question:
             "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
             "parts": list(self.parts),
             "returns": [self._returned(name, value) for name, value in self.values.items()],
+            **({"uses": [earlier.__name__ for earlier in self.uses]} if self.uses else {}),
             **self.data,
         }
 

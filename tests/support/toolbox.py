@@ -42,15 +42,15 @@ sys.path.insert(0, {kit!r})
 {setup}
 {source}
 import ecp
-print(json.dumps([outcome.line for outcome in ecp.check(assignment={slug!r}).outcomes()]))
+print(json.dumps([outcome.{field} for outcome in ecp.check(assignment={slug!r}).outcomes()]))
 """
 
 
-def check_locally(slug, source, folder):
+def check_locally(slug, source, folder, field="line"):
     """What ``ecp.check`` of the kit as students install it prints, as JSON."""
     kit = folder / "kit"
     zipfile.ZipFile(io.BytesIO(wheel.wheel(slug))).extractall(kit)
-    code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug)
+    code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug, field=field)
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout
 

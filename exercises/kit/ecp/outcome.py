@@ -64,6 +64,7 @@ class Outcome:
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
+    ``remarks`` say what it rests on besides the student's code, such as a reference function.
     """
 
     id: str
@@ -80,6 +81,7 @@ class Outcome:
     hints: list[str] = field(default_factory=list)
     hidden: bool = False
     counted: bool = True
+    remarks: list[str] = field(default_factory=list)
 
     COMPUTED_FIELDS: ClassVar = ("line",)
 
@@ -89,10 +91,10 @@ class Outcome:
         return line(self.verdict, self.label, self.detail)
 
     def notes(self) -> list[str]:
-        """Return the place of a ✗'s worst value and how far off it is."""
+        """Return the remarks, and the place of a ✗'s worst value and how far off it is."""
         if self.verdict is not Verdict.FAIL:
-            return []
-        found = [f"worst at {self.where}"] if self.where else []
+            return list(self.remarks)
+        found = [*self.remarks, *([f"worst at {self.where}"] if self.where else [])]
         if not self.margin:
             return found
         found.append(f"{1 / self.margin:.3g} times the allowed difference")
@@ -114,15 +116,13 @@ class Outcome:
         return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
 
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
-        """Return the line and, for a ✗ or –, notes, likely causes and hints, indented below it.
+        """Return the line and notes, likely causes and hints, indented below it.
 
         ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for
         them.
         """
         above = numbers or {}
         hints = [f"hint: {hint}" for hint in self.hints]
-        if self.verdict is Verdict.PASS:
-            return "\n".join([self.line, *(f"     {hint}" for hint in hints)])
         causes = [
             f"cause {above[d.sentence]}: {d.code}" if d.sentence in above else f"likely {d.code}: {d.sentence}"
             for d in self.causes()

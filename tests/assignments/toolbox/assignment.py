@@ -426,3 +426,67 @@ notebook.exercise(
         ],
     ),
 )
+
+
+def heun_step(f, t, y, h):
+    slope = f(t, y)
+    return y + h / 2 * (slope + f(t + h, y + h * slope))
+
+
+def integrate(f, y, T, n):
+    h = T / n
+    for k in range(n):
+        y = heun_step(f, k * h, y, h)
+    return y
+
+
+def error_estimate(f, y, T, n):
+    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3
+
+
+def growth(z):
+    """Return the factor by which a step of Heun's method for y' = λy changes y, with z = λh."""
+    return 1 + z + z**2 / 2
+
+
+def halved_step():
+    halved = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)
+    return halved
+
+
+DECAY = family("-k * y", "t", "y", k=uniform(0.5, 2))
+CHAINED = {"y": uniform(-1, 1, 2), "T": uniform(0.5, 2), "n": integers(4, 9)}
+notebook.exercise(
+    "12",
+    "An integration of several steps",
+    values(
+        heun_step,
+        ask={"f": DECAY, "t": 0.0, "y": uniform(-1, 1, 2), "h": uniform(0.05, 0.2)},
+        truth=lambda k, y, h: y * growth(-k * h),
+        agree=Tolerance(limit=1e-13, reason=ROUNDING),
+        mistakes=[mistake("h / 2 * (slope + f(t + h, y + h * slope))", "h * slope", "wrong-quantity", "this is Euler's step")],
+    ),
+    values(
+        integrate,
+        ask={"f": DECAY, **CHAINED},
+        truth=lambda k, y, T, n: y * growth(-k * T / n) ** n,
+        agree=Tolerance(limit=1e-12, reason=ROUNDING),
+        uses=[heun_step],
+        mistakes=[mistake("range(n)", "range(n - 1)", "off-by-one", "the last step is missing")],
+    ),
+    values(
+        error_estimate,
+        ask={"f": DECAY, **CHAINED},
+        truth=lambda k, y, T, n: y * (growth(-k * T / n / 2) ** (2 * n) - growth(-k * T / n) ** n) / 3,
+        agree=Tolerance(atol=1e-12, reason=ROUNDING),
+        uses=[integrate],
+        mistakes=[mistake("/ 3", "/ 4", "constant-factor", "the error is divided by 4")],
+    ),
+    variables(
+        halved_step,
+        truth={"halved": 0.625},
+        agree={"halved": Tolerance(rtol=1e-12, reason=ROUNDING)},
+        uses=[heun_step],
+        mistakes=[mistake("0.5)", "0.25)", "constant-factor", "the step is half as long")],
+    ),
+)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from exercises import wheel
 from exercises.assignment import Assignment
 from exercises.author import Notebook
+from exercises.catalogue import find
 
 FOLDER = Path(__file__).parents[1] / "assignments" / "toolbox"
 
@@ -34,8 +35,7 @@ def mistaken(toolbox, function, number):
 CHECK = """
 import json, sys
 sys.path.insert(0, {kit!r})
-import numpy as np, scipy.linalg
-from math import pi, sqrt
+{setup}
 {source}
 import ecp
 print(json.dumps([outcome.line for outcome in ecp.check(assignment={slug!r}).outcomes()]))
@@ -46,6 +46,7 @@ def check_locally(slug, source, folder):
     """What ``ecp.check`` of the kit as students install it prints, as JSON."""
     kit = folder / "kit"
     zipfile.ZipFile(io.BytesIO(wheel.wheel())).extractall(kit)
-    code = CHECK.format(kit=str(kit), source=source, slug=slug)
+    setup = find(slug).source("setup")
+    code = CHECK.format(kit=str(kit), setup=setup, source=source, slug=slug)
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout

@@ -2,7 +2,8 @@
 animations are stopped.
 """
 
-from collections.abc import Iterator
+import traceback
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from operator import length_hint
 from time import perf_counter, process_time
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ecp import animate
 from ecp.artists import Drawn, drawn, labelled, painted, unordered
 from ecp.return_value import WrongAnswer
 from ecp.visibility import Visibility
@@ -20,6 +22,42 @@ STILLS, POINTS = 24, 256  # pictures recorded, points recorded per frame
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
 LOOKS = tuple(1 + k * (k + 1) // 2 for k in range(10))  # counts of stills, in uneven steps: a motion may be periodic
+
+
+def unchanged() -> None:
+    """Do nothing. In the sandbox this is a check that a submission has replaced nothing of the recorder."""
+
+
+def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
+    """Return what ``watch`` records of the animation that ``draw`` returns, or else shows, saves or renders.
+
+    ``cost`` (6,) ends with 1 if ``draw`` stopped at a file, which the sandbox does not have: the animation that it had made is
+    recorded then.
+    """
+    from matplotlib.animation import Animation
+
+    animate.shown.clear()
+    animate.made.clear()
+    unkept, recorder, checked = False, watch, unchanged
+    try:
+        anim = draw()
+    except Exception as error:
+        if len(animate.made) != 1 or not _lacks_a_file(error):
+            raise
+        anim, unkept = animate.made[0], True
+    if not isinstance(anim, Animation) and animate.shown:
+        anim = animate.shown[-1]
+    checked()
+    seen = recorder(anim, seconds)
+    return seen | {"cost": np.array([*seen["cost"], unkept])}
+
+
+def _lacks_a_file(error: Exception) -> bool:
+    """Return whether an animation failed because it wrote, rendered or read a file: its motion may be right."""
+    if isinstance(error, OSError) or (isinstance(error, AssertionError) and animate.shown):
+        return True
+    frames = traceback.walk_tb(error.__traceback__)
+    return any(frame.f_globals.get("__name__") == "matplotlib.animation" for frame, _ in frames)
 
 
 def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:

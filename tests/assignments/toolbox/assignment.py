@@ -2,15 +2,25 @@
 
 from math import pi, sqrt
 
+import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
+from matplotlib.animation import FuncAnimation
 
 from exercises.author import Notebook, Tolerance, Value, family, mistake, uniform
+from exercises.kinds.animation import animation
 from exercises.kinds.values import values
 
 ROUNDING = "a few rounding errors of the summed terms"
 
-notebook = Notebook("Tools of computational physics", setup="import numpy as np\nimport scipy.linalg\nfrom math import pi, sqrt\n")
+SETUP = """
+import numpy as np
+import scipy.linalg
+import matplotlib.pyplot as plt
+from math import pi, sqrt
+from matplotlib.animation import FuncAnimation
+"""
+notebook = Notebook("Tools of computational physics", setup=SETUP)
 
 
 def find_root(f, a, b, tol):
@@ -105,5 +115,43 @@ notebook.exercise(
         truth=lambda l, g: 2 * np.pi * (l / g) ** 0.5,
         agree=Tolerance(limit=1e-13, reason=ROUNDING),
         mistakes=[mistake("2 * pi", "pi", "constant-factor", "half of the period is returned")],
+    ),
+)
+
+
+def animate_pendulums(t, a, b):
+    fig, ax = plt.subplots()
+    ax.set(xlim=(-1.8, 1.8), ylim=(-1.2, 0.2), aspect="equal")
+    (bobs,) = ax.plot([], [], "o")
+
+    def update(k):
+        bobs.set_data([a[k, 0], b[k, 0]], [a[k, 1], b[k, 1]])
+        return (bobs,)
+
+    plt.close(fig)
+    return FuncAnimation(fig, update, frames=len(t), blit=True)
+
+
+def swing(x, angle):
+    """Return the positions (n, 2) of a pendulum of length 1 that hangs at x."""
+    return np.column_stack([x + np.sin(angle), -np.cos(angle)])
+
+
+TIMES = np.linspace(0, 6, 50)
+TOGETHER, OPPOSED = 0.35 * np.cos(2 * TIMES), 0.35 * np.cos(2.7 * TIMES)
+
+notebook.exercise(
+    "4",
+    "Two coupled pendulums",
+    animation(
+        animate_pendulums,
+        ask={"t": TIMES, "a": swing(-0.7, TOGETHER + OPPOSED), "b": swing(0.7, TOGETHER - OPPOSED)},
+        follow=("a", "b"),
+        agree=Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"),
+        mistakes=[
+            mistake("[a[k, 1], b[k, 1]]", "[b[k, 1], a[k, 1]]", "component-order", "the heights of the two bobs are exchanged"),
+            mistake("(k):\n", "(k):\n        k = k * k // len(t)\n", "wrong-frames", "the samples are not shown at an even rate"),
+            mistake("[a[k, 0], b[k, 0]], [a[k, 1], b[k, 1]]", "[a[k, 0], b[0, 0]], [a[k, 1], b[0, 1]]", "static", "b stays"),
+        ],
     ),
 )

@@ -12,10 +12,10 @@ from types import ModuleType
 from typing import Any
 
 from ecp.checks import Check
-from ecp.exercise import Exercise, Figure
-from ecp.kinds import values
+from ecp.exercise import Animation, Exercise, Figure
+from ecp.kinds import animation, values
 
-KINDS: Mapping[str, ModuleType] = {"values": values}
+KINDS: Mapping[str, ModuleType] = {"animation": animation, "values": values}
 NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
 
 
@@ -42,10 +42,18 @@ def question_figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
     return figures(question, scene) if figures else []
 
 
+def question_animations(question: Mapping[str, Any], scene: str) -> list[Animation]:
+    """Return the contact sheets of what a question's public scene recorded."""
+    animations = getattr(kind_module(question), "animations", None)
+    return animations(question, scene) if animations else []
+
+
 def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
     """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if ``hidden``."""
     asked = list(questions)
     scenes = [(q, q["scenes"]["public"], False) for q in asked] + [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
     checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
     figures = [figure for q in asked for figure in question_figures(q, q["scenes"]["public"])]
-    return Exercise(number, title, tuple(dict.fromkeys(q["function"] for q in asked)), tuple(checks), tuple(figures))
+    sheets = [sheet for q in asked for sheet in question_animations(q, q["scenes"]["public"])]
+    functions = tuple(dict.fromkeys(q["function"] for q in asked))
+    return Exercise(number, title, functions, tuple(checks), tuple(figures), tuple(sheets))

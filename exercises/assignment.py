@@ -1,12 +1,12 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise
@@ -15,7 +15,8 @@ from ecp.outcome import Diagnosis, SweepResult
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
 """The inputs of a function and the arrays it returned, by scene."""
-RightHandSide = Callable[[float, NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+Ask = Callable[[Mapping[str, ArrayLike]], Arrays]
+"""Calls a play in the sandbox once, with real numbers and arrays by name, and returns its arrays."""
 
 
 class InvalidAssignment(Exception):
@@ -50,13 +51,18 @@ class HostVerification:
     It accepts the motion if ``certified(inputs, seen, truth)`` holds for the scene ``proof``, in which the
     function was called at single points, some along the exact motion. Otherwise ``follows(inputs, seen, ask,
     rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
-    ``motion(inputs, ask)`` integrates all of it.
+    ``motion(inputs, ask)`` integrates all of it, or raises ArithmeticError or ValueError if it cannot.
+
+    Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` of plays.py once in the
+    sandbox, with a float for a number and float64 arrays for the others, and returns the arrays ``returns``.
     """
 
     proof: str
     certified: Callable[[Inputs, Arrays, Arrays], bool]
-    follows: Callable[[Inputs, Arrays, RightHandSide, np.random.Generator], bool]
-    motion: Callable[[Inputs, RightHandSide], Arrays]
+    follows: Callable[[Inputs, Arrays, Ask, np.random.Generator], bool]
+    motion: Callable[[Inputs, Ask], Arrays]
+    play: str
+    returns: Mapping[str, ArraySpec]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +123,9 @@ class Assignment:
     if that is more than the server's limit: five times as much as the right solution uses.
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
-    are their texts. ``questions`` are those of each exercise as data, for the students' kit.
+    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
+    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
+    that follow from the declaration (exercises.mistakes.MadeSample).
     """
 
     slug: str
@@ -135,6 +143,8 @@ class Assignment:
     setup: str | None = None
     plays: str | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
+    variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
+    made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
 
     def source(self, name: str) -> str:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""

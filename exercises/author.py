@@ -13,7 +13,9 @@ from typing import Any
 from ecp.kinds import exercise as expand_exercise
 from ecp.outcome import Tolerance
 from exercises.assignment import Assignment
+from exercises.mistakes import Variant, made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.question_errors import question_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
 
@@ -96,6 +98,10 @@ class Notebook:
         """Return the questions of all exercises in order."""
         return [question for _, _, questions in self.exercises for question in questions]
 
+    def errors(self) -> list[str]:
+        """Return the errors of all questions, with their lines."""
+        return [error for question in self.questions() for error in question_errors(question)]
+
     def assignment(self, folder: Path) -> Assignment:
         """Return the assignment that grading reads. Runs nothing of the author's solutions."""
         return Assignment(
@@ -109,8 +115,19 @@ class Notebook:
             cpu_s=self.cpu_s,
             setup=self.setup,
             plays=PLAYS,
+            variants=self._variants,
+            made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
+
+    def _numbered(self) -> list[tuple[str, Question]]:
+        return [(number, question) for number, _, questions in self.exercises for question in questions]
+
+    def _variants(self, id: str) -> list[Variant]:
+        """Return the variants of the question ``id``, the right solution first."""
+        numbered = self._numbered()
+        k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
+        return variants_of(numbered[k][1], source_before(numbered, k))
 
 
 def _document(question: Question) -> Mapping[str, Any]:

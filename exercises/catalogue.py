@@ -134,7 +134,8 @@ def _declared(module: ModuleType, folder: Path) -> tuple[Any, list[str]]:
     notebooks = [value for value in vars(module).values() if isinstance(value, Notebook)]
     if len(notebooks) != 1:
         return None, [f"{ONE_FILE} makes {len(notebooks)} notebooks; it must make one"]
-    return notebooks[0].assignment(folder), []
+    errors = [f"{ONE_FILE} {error}" for error in notebooks[0].errors()]
+    return (None, errors) if errors else (notebooks[0].assignment(folder), [])
 
 
 class Catalogue(NamedTuple):

@@ -107,6 +107,10 @@ class Question:
         given = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
         return {name: value for name, value in given.items() if callable(value)}
 
+    def errors(self) -> Iterator[str]:
+        """Yield the errors that only the question's kind knows."""
+        yield from ()
+
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
         each = [{name: draw(rng) for name, draw in self.drawn.items()} for _ in range(rows)]

@@ -67,8 +67,9 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:
-        if plays is not None and scene.play not in plays:
-            yield f"scene {scene.name}: plays.py has no function {scene.play}"
+        for play in (scene.play, *([scene.drive.play] if scene.drive else [])):
+            if plays is not None and play not in plays:
+                yield f"scene {scene.name}: plays.py has no function {play}"
 
 
 def _plays(path: Path) -> set[str] | None:

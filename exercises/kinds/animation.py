@@ -1,6 +1,6 @@
 """Questions about an animation of points that follow given trajectories."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from ecp.kinds import asking
 from ecp.outcome import Tolerance
 from exercises.assignment import ArraySpec
 from exercises.question import Itself, Mistake, Question, calling_line
+from exercises.question_errors import tolerance_errors
 
 RECORDING: Mapping[str, ArraySpec] = {
     "frames": ArraySpec((STILLS, HEIGHT, WIDTH, 3), "uint8", up_to=True),
@@ -29,6 +30,24 @@ RECORDING_S, BUDGET_S = 12.0, 15.0
 @dataclass(frozen=True, eq=False)
 class Animated(Question):
     """A question whose answer is the recording of an animation, and whose exact answer is the trajectories it is given."""
+
+    def errors(self) -> Iterator[str]:
+        """Yield the errors of the tolerance and of the trajectories."""
+        agree = self.data["agree"]
+        yield from (f"{self.function}: {error}" for error in tolerance_errors(Tolerance(**agree)))
+        wanted = [self.data["time"], *self.data["follow"]]
+        if absent := [name for name in wanted if name not in self.ask]:
+            yield f"{self.function}: ask has no {', '.join(absent)}"
+            return
+        if not self.data["follow"]:
+            yield f"{self.function}: follow names no trajectory"
+        exact = self.exact(self.draw(np.random.default_rng(0), 1))
+        for name in self.data["follow"]:
+            path, n = exact[name], len(exact[self.data["time"]])
+            if path.shape not in ((n, 2), (n, 3)):
+                yield f"{self.function}: the trajectory {name} has shape {path.shape}; it must be ({n}, 2) or ({n}, 3)"
+            elif np.ptp(path, axis=0).max() == 0:
+                yield f"{self.function}: the trajectory {name} does not move"
 
     @property
     def asked(self) -> dict[str, Any]:

@@ -1,5 +1,4 @@
-"""Wrong versions of ``euler_eqs``: single mistakes, random pairs of them, and each small change of right
-samples.
+"""Wrong versions of ``euler_eqs``: single mistakes, random pairs of them, and the variants of right samples.
 
 ``polhode mutants`` grades them all. ``differs`` decides independently of the checks that they are wrong.
 """
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import reference
-from exercises.mutation import Mutant, mutants_of
+from exercises.mutation import Mutant, variants
 
 W, I = ("w[0]", "w[1]", "w[2]"), ("I[0]", "I[1]", "I[2]")
 PAIRS = 60
@@ -50,7 +49,8 @@ def mutants() -> Iterator[Mutant]:
     yield from _whole()
     folder = Path(__file__).parent / "samples"
     for file in SAMPLES:
-        yield from mutants_of((folder / file).read_text(), "euler_eqs", file)
+        for variant in variants((folder / file).read_text(), "euler_eqs"):
+            yield Mutant(variant.code, f"{file} line {variant.line}: {variant.sentence}", variant.source)
 
 
 def differs(source: str) -> bool:

@@ -79,6 +79,11 @@ def trajectory(student, inputs):
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
+def rate(student, inputs):
+    """Return ``euler_eqs`` at one point."""
+    return {"wdot": real_array(student["euler_eqs"](inputs["t"], inputs["w"], inputs["I"]), (3,), "euler_eqs")}
+
+
 def driven(function, inputs):
     """Return start and right-hand side of the motion that ``function`` drives, and a list of the number of
     its calls and the last ω.

@@ -6,6 +6,7 @@ assignment is broken.
 
 import argparse
 import sys
+import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from exercises.samples import SampleSet
     from service.sandbox.isolation import Isolation
 
-SEED = 1
+SEED, SEEDS = 1, 4
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -31,6 +32,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     verify.add_argument("--only", action="append", metavar="NAME", help="only samples with this name or pattern; repeatable")
     verify.add_argument("--jobs", type=count, metavar="N", help="grade at most N samples at a time; default: one per processor")
     verify.add_argument("--seed", type=seed, default=SEED, help=f"seed of the hidden scenes (default {SEED})")
+    verify.add_argument(
+        "--seeds", type=count, default=SEEDS, help=f"number of seeds for samples made from a declaration (default {SEEDS})"
+    )
     verify.add_argument("--write", action="store_true", help="add an entry to expected.toml for each sample that has none")
     verify.set_defaults(run=_verify)
 
@@ -60,7 +64,10 @@ def _verify(arguments: argparse.Namespace) -> int:
     codes = [2 if invalid or not sets else 0]
     for assignment, found in sets:
         try:
-            codes.append(_verify_one(assignment, found, arguments, isolation.result()))
+            if assignment.questions:
+                codes.append(_verify_made(assignment, arguments, isolation.result()))
+            if found.samples or found.unlisted or not assignment.questions:
+                codes.append(_verify_one(assignment, found, arguments, isolation.result()))
         except BrokenPipeError:
             raise
         except (IsolationUnavailable, SystemFault, OSError) as error:
@@ -142,6 +149,36 @@ def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argpars
     for line in verification.summary(assignment, found, tally, whole=not arguments.only and not faults):
         print(line)
     return 2 if faults else 1 if tally.unexpected or found.missing else 0
+
+
+def _verify_made(assignment: "Assignment", arguments: argparse.Namespace, isolation: "Isolation") -> int:
+    """Grade the samples that follow from the declaration, on several seeds."""
+    from service.cli import verification
+    from service.cli.progress import Progress
+    from service.grading.batch import GradeOptions, GradeRequest, grade_files
+
+    made = {sample.name: sample for sample in assignment.made_samples() if _is_selected(sample.name, arguments.only)}
+    tally, faults = verification.Tally(), 0
+    differences: dict[str, list[str]] = {name: [] for name in made}
+    seeds = range(arguments.seed, arguments.seed + arguments.seeds)
+    with tempfile.TemporaryDirectory() as folder, Progress(len(made) * len(seeds), "as expected") as progress:
+        requests = [GradeRequest(Path(folder, name), sample.ask) for name, sample in made.items()]
+        for request in requests:
+            request.file.write_text(made[request.file.name].source, encoding="utf-8")
+        for seed in seeds:
+            for graded in grade_files(requests, GradeOptions(assignment, seed), isolation, arguments.jobs):
+                if graded.fault:
+                    faults += 1
+                    progress.print(f"?  {graded.file.name}   not graded (system fault): {graded.fault}", good=False)
+                    continue
+                wrong = verification.made_differences(made[graded.file.name], graded)
+                tally.add(graded, expected=not wrong)
+                differences[graded.file.name] += [f"seed {seed}: {line}" for line in wrong]
+        for name, wrong in differences.items():
+            progress.print("\n     ".join([f"{'✗' if wrong else '✓'}  {name}", *wrong]), good=not wrong)
+    for line in verification.made_summary(assignment, tally, len(seeds), whole=not arguments.only and not faults):
+        print(line)
+    return 2 if faults else 1 if tally.unexpected else 0
 
 
 def _is_selected(name: str, only: Sequence[str] | None) -> bool:

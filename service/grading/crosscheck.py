@@ -8,7 +8,7 @@ import numpy as np
 
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
-from exercises.assignment import Assignment, Inputs, RightHandSide, Scene
+from exercises.assignment import Ask, Assignment, Inputs, Scene
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult
 from service.sandbox.sandbox import Sandbox
@@ -114,18 +114,20 @@ def _drive(scenes: list[Scene], played: PlayedJob, sandbox: Sandbox, rng: np.ran
     inputs, result = played.inputs, played.result
 
     def driver(scene: Scene) -> Any:
-        def drive(ask: RightHandSide) -> tuple[bool, Arrays | None]:
+        def drive(ask: Ask) -> tuple[bool, Arrays | None]:
             assert scene.drive is not None
             if scene.drive.follows(inputs[scene.name], result.arrays[scene.name], ask, rng):
                 return True, None
             try:
                 return False, scene.drive.motion(inputs[scene.name], ask)
-            except Exception:
+            except (ArithmeticError, ValueError):
                 return False, None
 
         return drive
 
-    requests = tuple(SceneRequest(s.name, "", s.function, {}, {}, DRIVE_S, None, driver(s)) for s in scenes)
+    requests = tuple(
+        SceneRequest(s.name, s.drive.play, s.function, {}, s.drive.returns, DRIVE_S, None, driver(s)) for s in scenes if s.drive
+    )
     answered = sandbox.play(replace(played.job, scenes=requests), budget=played.budget)
     for scene in scenes:
         follows, motion = answered.driven.get(scene.name, (False, None))

@@ -19,6 +19,7 @@ from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
+from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
@@ -78,7 +79,7 @@ def grade(
     crossed = cross_check(assignment, played, sandbox, seed)
     _add_known_arrays(assignment, result, truths)
     covered = asked if numbers is not None else attempted(asked, result.defined)
-    causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays))
+    causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays, sandbox))
     sections = [_judge(e, assignment, played, crossed, causes) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}
@@ -241,10 +242,14 @@ def _failed_cell(result: PlayResult) -> SceneEnd | None:
     return next(iter(result.cells.values())) if len(result.cells) == 1 else None
 
 
-def _diagnose(assignment: Assignment, scene: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays]) -> list[Diagnosis]:
+def _diagnose(
+    assignment: Assignment, scene: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays], sandbox: Sandbox
+) -> list[Diagnosis]:
     """Return the diagnoses of a scene, or none if the assignment's diagnosis fails, which must not prevent a report."""
     function = assignment.scene(scene).function
     same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
+    if (question := assignment.scene(scene).question) is not None:
+        return diagnose_question(assignment, question["id"], inputs, arrays, sandbox)
     try:
         with np.errstate(all="ignore"):
             found = assignment.diagnose_function(function, {name: (inputs[name], arrays[name]) for name in same})

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from exercises.assignment import ArraySpec, RightHandSide
+from exercises.assignment import ArraySpec, Ask
 from service.sandbox.guest.wire import LENGTH
 
 LOAD_BUDGET_S = 10.0
@@ -25,8 +25,10 @@ class Cell:
 class SceneRequest:
     """A scene with its inputs, and the specifications of the arrays that it ``returns``.
 
-    A scene with ``drive`` is not played. Instead the host calls ``drive(ask)`` and keeps its result; each ``ask(t, w, I)`` is one
-    call of the student's function. ``question`` is that of the scene, if it has one (ecp.kinds).
+    A scene with ``drive`` is played many times, with inputs that the host chooses from the answers so far: the host calls
+    ``drive(ask)`` and keeps its result. Each ``ask(arguments)`` calls ``play`` once with these named arrays and returns its arrays.
+    ``question`` is that of the scene, if it has one (ecp.kinds). With ``source`` the scene runs that source, after the setup, in
+    place of the submission.
     """
 
     name: str
@@ -36,8 +38,9 @@ class SceneRequest:
     returns: Mapping[str, ArraySpec]
     budget_s: float
     after: str | None
-    drive: Callable[[RightHandSide], Any] | None = None
+    drive: Callable[[Ask], Any] | None = None
     question: Mapping[str, Any] | None = None
+    source: str | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Job:
         """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
-            | {"asked": s.drive is not None, "question": s.question}
+            | {"asked": s.drive is not None, "question": s.question, "source": s.source}
             for s in self.scenes
         ]
         document = {

@@ -1,22 +1,22 @@
 """The host's side of one play: write the job, read results and output, and stop when a time or size limit is exceeded."""
 
 import contextlib
-import math
 import os
 import selectors
 import signal
 import socket
 import threading
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest.run_scenes import CLOCK_FACTOR
-from service.sandbox.guest.wire import QUESTION
+from service.sandbox.guest.wire import LENGTH, pack
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, PlayResult, SystemFault
@@ -135,32 +135,37 @@ class PlaySession:
 
     def _drive(self, scene: str) -> None:
         """Run the scene's driver and keep its result, unless the scene ends first."""
-        driver = self._undriven.pop(scene)
         with contextlib.suppress(NoAnswer):
-            self.reader.result.driven[scene] = driver(self._ask)
-            self._send(QUESTION.pack(*[math.nan] * 7))
+            self.reader.result.driven[scene] = self._undriven[scene](self._ask)
+            self._send(LENGTH.pack(0), scene)
+        del self._undriven[scene]
         self._close_job_unless_needed()
 
-    def _ask(self, t: float, w: NDArray[np.float64], I: NDArray[np.float64]) -> NDArray[np.float64]:
-        scene = self.reader.started
+    def _ask(self, arguments: Mapping[str, ArrayLike]) -> Arrays:
+        scene, question = self.reader.started, pack(arguments)
+        self._send(LENGTH.pack(len(question)) + question, scene)
         self.reader.open_questions += 1
-        self._send(QUESTION.pack(t, *w, *I))
         while not self.reader.answers:
-            if not self._is_running() or self.reader.started != scene:
-                raise NoAnswer
-            self._step()
+            self._step_in(scene)
         return self.reader.answers.popleft()
 
-    def _send(self, data: bytes) -> None:
+    def _send(self, data: bytes, scene: str | None) -> None:
+        """Write to the child that plays ``scene``. An answer before the whole question is written violates the protocol."""
         try:
-            sent = os.write(self.pipes.job, data)
+            self._unsent = memoryview(data)[os.write(self.pipes.job, data) :]
         except BrokenPipeError:
             raise NoAnswer from None
         except BlockingIOError:
-            sent = 0
-        if sent != len(data):  # the child answers without reading the questions
-            self.stopped = Ended.PROTOCOL
+            self._unsent = memoryview(data)
+        if self._unsent:  # the question is larger than the pipe, or the child answers without reading
+            self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
+            while self._unsent:
+                self._step_in(scene)
+
+    def _step_in(self, scene: str | None) -> None:
+        if not self._is_running() or self.reader.started != scene:
             raise NoAnswer
+        self._step()
 
     def _close_job_unless_needed(self) -> None:
         if self._job_open and not self._undriven:

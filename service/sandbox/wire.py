@@ -1,9 +1,10 @@
 """Reading and validating the frames of a guest, which are untrusted bytes.
 
 A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` is an
-array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. Kind ``R`` is three
-numbers in answer to a question. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host knows which arrays
-a scene returns, their element type and largest shape, and its own questions; anything else violates the protocol.
+array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. Kind ``R`` answers a
+question with all arrays of its scene: header length, JSON header of shapes by name, numbers. Kind ``C`` is a claim of the
+notebook's own checks (claims.py). The host knows which arrays a scene returns, their element type and largest shape, and its own
+questions; anything else violates the protocol.
 """
 
 import json
@@ -20,7 +21,7 @@ from ecp.outcome import Ended, SceneEnd
 from exercises.assignment import ArraySpec
 from service.sandbox import claims
 from service.sandbox.guest.claims import MOST_CLAIMS
-from service.sandbox.guest.wire import ANSWER
+from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
 from service.sandbox.result import GUEST_CODES, PlayResult
 
@@ -29,6 +30,8 @@ MOST_TEXT = 8 * 1024
 MOST_CELL_ENDS = 20
 DTYPES: Mapping[str, np.dtype[Any]] = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
 HEAD = struct.Struct("<cI")
+Place = tuple[str, np.dtype[Any], tuple[int, ...], int, int]
+"""An array in an answer: name, dtype, shape, number of elements, offset in bytes."""
 
 
 class ProtocolError(Exception):
@@ -48,11 +51,12 @@ class Reader:
         self._scenes = {s.name: s for s in job.scenes}
         self._functions = set(job.functions)
         self._cells = {c.name for c in job.cells}
-        self._longest = max([MOST_JSON, *(_size(b) + 1024 for s in job.scenes for b in s.returns.values())])
+        self._longest = MOST_JSON + max([sum(map(_size, s.returns.values())) for s in job.scenes], default=0)
         self._buffer = bytearray()
         self._driven = {s.name for s in job.scenes if s.drive}
         self._names_known = False
-        self.open_questions, self.answers = 0, deque[NDArray[np.float64]]()
+        self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()
+        self._answer_header, self._answer_size, self._places = b"", 0, list[Place]()
 
     started: str | None
 
@@ -74,7 +78,7 @@ class Reader:
     def _frames(self) -> Iterator[tuple[bytes, bytes]]:
         while len(self._buffer) >= HEAD.size:
             kind, length = HEAD.unpack_from(self._buffer)
-            if length > {b"J": MOST_JSON, b"A": self._longest, b"R": ANSWER.size, b"C": claims.MOST_BYTES}.get(kind, -1):
+            if length > {b"J": MOST_JSON, b"A": self._longest, b"R": self._longest, b"C": claims.MOST_BYTES}.get(kind, -1):
                 raise ProtocolError("not a frame")
             if len(self._buffer) < HEAD.size + length:
                 return
@@ -91,7 +95,7 @@ class Reader:
                 self.result.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
-                self.started = self._next(event)
+                self.started, self._answer_header = self._next(event), b""
                 self._on_scene(self.started)
             case "scene":
                 running = self.started
@@ -101,7 +105,7 @@ class Reader:
                 scene_end = _scene_end(name, event)
                 if scene_end.ended is Ended.FINISHED and running is None:
                     raise ProtocolError("a scene that was not started is finished")
-                whole = set(self.result.arrays.get(name, {})) == set(self._scenes[name].returns)
+                whole = name in self._driven or set(self.result.arrays.get(name, {})) == set(self._scenes[name].returns)
                 if scene_end.ended is Ended.FINISHED and not whole:
                     raise ProtocolError("a scene ended without its arrays")
                 if scene_end.ended is not Ended.FINISHED:
@@ -132,10 +136,18 @@ class Reader:
         return name
 
     def _answer(self, payload: bytes) -> None:
-        if self.started not in self._driven or self.open_questions < 1 or len(payload) != ANSWER.size:
+        if self.started not in self._driven or self.open_questions < 1 or len(payload) < HEADER.size:
             raise ProtocolError("an answer without a question")
         self.open_questions -= 1
-        self.answers.append(np.array(ANSWER.unpack(payload)))
+        header = payload[: HEADER.size + HEADER.unpack_from(payload)[0]]
+        if header != self._answer_header:  # most answers of a scene have the same
+            self._places, self._answer_size = _layout(header, self._scenes[self.started].returns)
+            self._answer_header = header
+        if len(payload) != self._answer_size:
+            raise ProtocolError("an answer of another length than its shapes")
+        self.answers.append(
+            {name: np.frombuffer(payload, dtype, count, at).reshape(shape) for name, dtype, shape, count, at in self._places}
+        )
 
     def _claim(self, payload: bytes) -> None:
         if self._names_known or len(self.result.claims) >= MOST_CLAIMS:
@@ -149,13 +161,25 @@ class Reader:
         header, raw = _headed(payload)
         scene = self._known(header, self._scenes)
         spec = self._scenes[scene].returns.get(str(header.get("name")))
-        if spec is None or scene != self.started or header["name"] in self.result.arrays.get(scene, {}):
+        if spec is None or scene != self.started or scene in self._driven or header["name"] in self.result.arrays.get(scene, {}):
             raise ProtocolError("an unexpected array")
         shape = _shape(header.get("shape"), spec)
         if len(raw) != math.prod(shape) * DTYPES[spec.dtype].itemsize:
             raise ProtocolError("an array of another length than its shape")
         array: NDArray[Any] = np.frombuffer(raw, DTYPES[spec.dtype]).reshape(shape)
         self.result.arrays.setdefault(scene, {})[str(header["name"])] = array
+
+
+def _layout(header: bytes, specs: Mapping[str, ArraySpec]) -> tuple[list[Place], int]:
+    """Return the places of an answer's arrays and the length of the answer."""
+    shapes, places, at = _json(header[HEADER.size :]), list[Place](), len(header)
+    if set(shapes) != set(specs):
+        raise ProtocolError("an answer with other arrays than asked for")
+    for name, listed in shapes.items():
+        dtype, shape = DTYPES[specs[name].dtype], _shape(listed, specs[name])
+        places.append((name, dtype, shape, math.prod(shape), at))
+        at += math.prod(shape) * dtype.itemsize
+    return places, at
 
 
 def _headed(payload: bytes) -> tuple[Mapping[str, Any], bytes]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from ecp import checks
+from exercises import mutation
 from exercises.samples import samples
 from service import app
 from service.grading.submission import SizeLimits
@@ -66,7 +67,7 @@ def test_every_diagnosis_code_is_documented_and_every_documented_one_has_a_sourc
     assert named <= documented
     assert len(named) >= 30
     of_the_guest = {"missing-function", "syntax-error", "raises", "timeout", "memory", "not-deterministic"}
-    assert documented == {*rigid_body.codes, *of_the_guest}
+    assert documented == {*rigid_body.codes, *of_the_guest, *mutation.CODES}
 
 
 GLOSSARY = """assignment, exercise, scene, check, outcome, verdict, margin, diagnosis, mistake, sample, submission, grading, run,

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.return_value import describe_exception, is_written, real_array
+from ecp.return_value import describe_exception, is_written
 
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
@@ -87,20 +87,24 @@ def _play(
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
-    if not callable(student.get(scene["function"])):
+    if scene["source"] is None and not callable(student.get(scene["function"])):
         sentence = f"{scene['function']} is not defined"
         write.event("scene", scene=name, ended="missing-function", code="missing-function", sentence=sentence)
         return False
 
     def answer() -> None:
         unchanged()
-        function = student[scene["function"]]
+        names = student
+        if scene["source"] is not None:
+            names = dict(student)
+            exec(compile(scene["source"], "source.py", "exec"), names)
+        play = plays[scene["play"]]
+        asked = (names,) if scene["question"] is None else (scene["question"], names)
         if scene["asked"]:
-            for t, w, moments in questions:
-                write.answer(real_array(function(t, w, moments), (3,), scene["function"]))
+            for arguments in questions:
+                write.answer(play(*asked, arguments))
             return
-        asked = (student, scene["inputs"]) if scene["question"] is None else (scene["question"], student, scene["inputs"])
-        arrays = plays[scene["play"]](*asked)
+        arrays = play(*asked, scene["inputs"])
         unchanged()
         for key, array in arrays.items():
             write.array(name, key, array)

@@ -1,6 +1,7 @@
 """The guest's side of the protocol: read the job and its questions, write frames. See job.py and wire.py of the host."""
 
 import fcntl
+import functools
 import json
 import math
 import os
@@ -11,17 +12,53 @@ from typing import Any
 
 import numpy as np
 
-LENGTH = struct.Struct("<I")  # in front of the job
-QUESTION = struct.Struct("<7d")  # t, w, I of one call of the student's function; t is NaN after the last question
-ANSWER = struct.Struct("<3d")
-Asked = tuple[float, np.ndarray, np.ndarray]
+LENGTH = struct.Struct("<I")  # in front of the job and of each question; 0 after the last question of a scene
+HEADER = struct.Struct("<H")  # in front of the header of named arrays
+CHUNK = 1 << 16
+Shapes = tuple[tuple[str, tuple[int, ...]], ...]
+Layout = tuple[tuple[str, tuple[int, ...], slice], ...]
+
+
+def pack(arrays: Mapping[str, Any]) -> bytes:
+    """Return named arrays as bytes: header length, JSON header of shapes by name, then raw little-endian numbers."""
+    values = {name: np.asarray(value, _dtype(value)) for name, value in arrays.items()}
+    shapes = tuple([(name, value.shape) for name, value in values.items()])
+    return b"".join([_header(shapes), *[value.tobytes() for value in values.values()]])
+
+
+def unpack(data: bytes) -> dict[str, Any]:
+    """Return the named arrays that ``pack`` wrote, all of them float64. A number without dimensions is returned as a float."""
+    (length,) = HEADER.unpack_from(data)
+    numbers = np.frombuffer(data, "<f8", offset=HEADER.size + length).copy()
+    return {
+        name: numbers[places].reshape(shape) if shape else float(numbers[places.start])
+        for name, shape, places in _layout(data[HEADER.size : HEADER.size + length])
+    }
+
+
+def _dtype(value: Any) -> str:
+    return "u1" if getattr(value, "dtype", None) == np.uint8 else "<f8"
+
+
+@functools.lru_cache(maxsize=64)
+def _header(shapes: Shapes) -> bytes:
+    head = json.dumps(dict(shapes)).encode()
+    return HEADER.pack(len(head)) + head
+
+
+@functools.lru_cache(maxsize=64)
+def _layout(head: bytes) -> Layout:
+    found, at = [], 0
+    for name, shape in json.loads(head).items():
+        found.append((name, tuple(shape), slice(at, at := at + math.prod(shape))))
+    return tuple(found)
 
 
 class Questions:
-    """Reader of the job and of the host's questions after it: t, w (3,), I (3,)."""
+    """Reader of the job and of the host's questions after it, which are named arrays."""
 
     def __init__(self, fd: int) -> None:
-        self._fd, self._poll = fd, select.poll()
+        self._fd, self._poll, self._unread = fd, select.poll(), b""
         self._poll.register(fd, select.POLLIN)
         fcntl.fcntl(fd, fcntl.F_SETFL, os.O_NONBLOCK)  # a submission that reads here gets nothing and does not block
 
@@ -29,22 +66,19 @@ class Questions:
         """Return the job. Call it once, before the submission is loaded."""
         return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]))
 
-    def __iter__(self) -> Iterator[Asked]:
+    def __iter__(self) -> Iterator[dict[str, Any]]:
         """Yield the questions of one scene until its last."""
-        while True:
-            t, *rest = QUESTION.unpack(self._read(QUESTION.size))
-            if math.isnan(t):
-                return
-            yield t, np.array(rest[:3]), np.array(rest[3:])
+        while size := LENGTH.unpack(self._read(LENGTH.size))[0]:
+            yield unpack(self._read(size))
 
     def _read(self, size: int) -> bytes:
-        data = b""
-        while len(data) < size:
+        while len(self._unread) < size:
             self._poll.poll()
-            more = os.read(self._fd, size - len(data))
+            more = os.read(self._fd, CHUNK)
             if not more:
                 raise EOFError
-            data += more
+            self._unread += more
+        data, self._unread = self._unread[:size], self._unread[size:]
         return data
 
 
@@ -60,21 +94,21 @@ class Writer:
 
     def array(self, scene: str, name: str, value: Any) -> None:
         """Write an array: its shape, then raw little-endian numbers."""
-        array = np.ascontiguousarray(value, dtype="u1" if value.dtype == np.uint8 else "<f8")
-        self._headed(b"A", {"scene": scene, "name": name, "shape": list(value.shape)}, array.tobytes())
+        array = np.asarray(value, _dtype(value))
+        self._headed(b"A", {"scene": scene, "name": name, "shape": list(array.shape)}, array.tobytes())
 
     def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Write a claim of the notebook's own checks: its header with the shapes of its arrays, then raw little-endian numbers."""
         raw = b"".join(np.ascontiguousarray(array, dtype="<f8").tobytes() for array in arrays.values())
         self._headed(b"C", header | {"arrays": {name: list(array.shape) for name, array in arrays.items()}}, raw)
 
-    def answer(self, value: np.ndarray) -> None:
-        """Write the answer (3,) to a question."""
-        self._frame(b"R", ANSWER.pack(*value))
+    def answer(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Write the named arrays that answer a question."""
+        self._frame(b"R", pack(arrays))
 
     def _headed(self, kind: bytes, header: dict[str, Any], raw: bytes) -> None:
         head = json.dumps(header).encode()
-        self._frame(kind, struct.pack("<H", len(head)) + head + raw)
+        self._frame(kind, HEADER.pack(len(head)) + head + raw)
 
     def _frame(self, kind: bytes, payload: bytes) -> None:
         data = memoryview(struct.pack("<cI", kind, len(payload)) + payload)

@@ -149,9 +149,9 @@ notebook.exercise(
         follow=("a", "b"),
         agree=Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"),
         mistakes=[
-            mistake("[a[k, 1], b[k, 1]]", "[b[k, 1], a[k, 1]]", "component-order", "the heights of the two bobs are exchanged"),
+            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "a[k, 0]], [a[k, 1], a[k, 1]]", "wrong-motion", "a is drawn twice"),
             mistake("(k):\n", "(k):\n        k = k * k // len(t)\n", "wrong-frames", "the samples are not shown at an even rate"),
-            mistake("[a[k, 0], b[k, 0]], [a[k, 1], b[k, 1]]", "[a[k, 0], b[0, 0]], [a[k, 1], b[0, 1]]", "static", "b stays"),
+            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "b[0, 0]], [a[k, 1], b[0, 1]]", "wrong-motion", "b stays where it begins"),
         ],
     ),
 )

@@ -1,5 +1,7 @@
 """Answers that change, motions that are not the function's own, and functions asked call by call by the host."""
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.guest.wire import pack
 from service.sandbox.job import Cell, Job, SceneRequest
 from tests.support.isolation import BY_THE_HOST
 
@@ -80,15 +83,27 @@ def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):
     assert document(one) == document(two)
 
 
+PLAYS = """
+import numpy as np
+from ecp.return_value import real_array
+def call(student, inputs):
+    return {"x": real_array(student["f"](inputs["t"], inputs["w"], inputs["I"]), (3,), "f")}
+def ask(student, inputs):
+    return call(student, {"t": 0.0, "w": np.ones(3), "I": None})
+"""
+
+
 def driven(source, drive, budget_s=2.0):
     after = SceneRequest("after", "ask", "f", {}, {"x": ArraySpec((3,))}, 1.0, None)
-    plays = "def ask(student, inputs):\n    return {'x': student['np'].array(student['f'](0.0, student['np'].ones(3), None))}"
-    scene = SceneRequest("asked", "", "f", {}, {}, budget_s, None, drive)
-    return Job("import numpy as np", plays, (Cell("submission.py", source),), ("f",), (scene, after))
+    scene = SceneRequest("asked", "call", "f", {}, {"x": ArraySpec((3,))}, budget_s, None, drive)
+    return Job("import numpy as np", PLAYS, (Cell("submission.py", source),), ("f",), (scene, after))
+
+
+FORGED_ANSWER = struct.pack("<cI", b"R", len(pack({"x": np.ones(3)}))) + pack({"x": np.ones(3)})
 
 
 def ten(ask):
-    return [ask(float(k), np.full(3, k), np.ones(3)).tolist() for k in range(10)]
+    return [ask({"t": k, "w": np.full(3, k), "I": np.ones(3)})["x"].tolist() for k in range(10)]
 
 
 @BY_THE_HOST
@@ -107,7 +122,7 @@ def test_the_host_asks_call_by_call(either_sandbox):
         ("import os\ndef f(t, w, I):\n    os._exit(0)", Ended.EXITED),
         ("def f(t, w, I):\n    while True: pass", Ended.TIMED_OUT),
         ("import os\ndef f(t, w, I):\n    os.write(4, bytes(500))", Ended.PROTOCOL),
-        ("import os, struct\nfor _ in range(3): os.write(4, struct.pack('<cI3d', b'R', 24, 1, 1, 1))\nf = print", Ended.PROTOCOL),
+        (f"import os\nfor _ in range(3): os.write(4, {FORGED_ANSWER})\nf = print", Ended.PROTOCOL),
         ("g = 1", Ended.MISSING),
     ],
 )
@@ -119,13 +134,31 @@ def test_a_child_that_does_not_answer_ends_its_scene(either_sandbox, source, sce
 
 
 @BY_THE_HOST
+def test_a_question_may_be_larger_than_the_pipe_and_answers_have_names(either_sandbox):
+    plays = "def both(student, inputs):\n    return {'sums': inputs['x'].sum(0), 'most': inputs['x'].max()}"
+    returns = {"sums": ArraySpec((2,)), "most": ArraySpec(())}
+
+    def drive(ask):
+        return [ask({"x": np.full((n, 2), k)}) for k, n in enumerate((3, 100_000, 1))]
+
+    scene = SceneRequest("asked", "both", "f", {}, returns, 5.0, None, drive)
+    seen = either_sandbox.play(Job("", plays, (Cell("submission.py", "f = print"),), ("f",), (scene,)))
+    assert [(a["sums"].tolist(), float(a["most"])) for a in seen.driven["asked"]] == [
+        ([0.0, 0.0], 0.0),
+        ([1e5, 1e5], 1.0),
+        ([2.0, 2.0], 2.0),
+    ]
+    assert seen.finished("asked")
+
+
+@BY_THE_HOST
 def test_answers_without_reading_the_questions_break_the_protocol(either_sandbox):
     flood = """
-import os, struct, time
+import os, time
 def f(t, w, I):
     for _ in range(9):
-        os.write(4, struct.pack("<cI3d", b"R", 24, 1, 1, 1))
+        os.write(4, ANSWER)
     time.sleep(9)
 """
-    seen = either_sandbox.play(driven(flood, ten, budget_s=0.4))
+    seen = either_sandbox.play(driven(f"ANSWER = {FORGED_ANSWER}\n{flood}", ten, budget_s=0.4))
     assert seen.scene_ends["asked"].ended is Ended.PROTOCOL and "asked" not in seen.driven

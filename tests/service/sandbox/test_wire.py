@@ -10,6 +10,7 @@ from ecp.document import document
 from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
 from service.sandbox.guest.claims import MOST_CLAIMS
+from service.sandbox.guest.wire import pack, unpack
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import PlayResult
 from service.sandbox.wire import ProtocolError, Reader, text
@@ -94,16 +95,59 @@ def test_arrays_of_a_scene_that_did_not_finish_are_dropped():
     assert "s" not in seen.arrays and seen.scene_ends["s"].ended is Ended.TIMED_OUT
 
 
-def test_an_answer_is_taken_once_for_each_question():
-    asked = Job("", "", (), ("f",), (SceneRequest("s", "", "f", {}, {}, 1.0, None, drive=lambda ask: None),))
-    answer = struct.pack("<cI3d", b"R", 24, 1.0, 2.0, 3.0)
-    reader = Reader(asked, PlayResult())
+def answer(**arrays):
+    payload = pack(arrays)
+    return struct.pack("<cI", b"R", len(payload)) + payload
+
+
+ANSWER = answer(x=np.array([1.0, 2.0, 3.0]), n=np.array(4.0))
+ANSWERS = {"x": ArraySpec((3,)), "n": ArraySpec(())}
+
+
+def asked(*frames, returns=ANSWERS):
+    """Return a reader that asked one question before each of the frames."""
+    scene = SceneRequest("s", "play", "f", {}, returns, 1.0, None, drive=lambda ask: None)
+    reader = Reader(Job("", "", (), ("f",), (scene,)), PlayResult())
     reader.feed(START)
-    reader.open_questions = 1
-    reader.feed(answer)
-    assert [one.tolist() for one in reader.answers] == [[1.0, 2.0, 3.0]]
-    with pytest.raises(ProtocolError, match=r"an answer without a question|an unexpected array"):
-        reader.feed(answer)
+    for frame in frames:
+        reader.open_questions += 1
+        reader.feed(frame)
+    return reader
+
+
+def test_an_answer_is_taken_once_for_each_question():
+    reader = asked(ANSWER)
+    assert [{name: array.tolist() for name, array in one.items()} for one in reader.answers] == [{"x": [1.0, 2.0, 3.0], "n": 4.0}]
+    with pytest.raises(ProtocolError, match="an answer without a question"):
+        reader.feed(ANSWER)
+
+
+def test_lengths_may_change_from_answer_to_answer_where_the_specification_allows_it():
+    film = {"film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)}
+    reader = asked(answer(film=np.ones((1, 2, 2, 3), np.uint8)), answer(film=np.zeros((4, 2, 2, 3), np.uint8)), returns=film)
+    assert [(one["film"].dtype, len(one["film"]), one["film"].max()) for one in reader.answers] == [("u1", 1, 1), ("u1", 4, 0)]
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        struct.pack("<cI", b"R", len(ANSWER) - 13) + ANSWER[5:-8],
+        answer(x=np.ones(3)),
+        answer(x=np.ones(3), n=np.ones(()), more=np.ones(1)),
+        answer(x=np.ones(4), n=np.ones(())),
+        answer(x=np.ones((3, 1)), n=np.ones(())),
+        answer(x=np.ones(3), n=np.ones(1)),
+        answer(x=np.ones(3, np.uint8), n=np.ones(())),
+        struct.pack("<cI", b"R", 0),
+        struct.pack("<cI", b"R", 1) + b"\x00",
+        struct.pack("<cIH", b"R", 34, 1000) + bytes(32),
+        struct.pack("<cI", b"R", 1 << 20),
+        array({"scene": "s", "name": "x", "shape": [3]}, bytes(24)),
+    ],
+)
+def test_an_answer_has_the_arrays_asked_for(frame):
+    with pytest.raises(ProtocolError):
+        asked(frame)
 
 
 CLAIM_HEAD = {"kind": "check", "label": "a", "detail": "", "unfit": "", "left_out": "", "cell": "cell 1", "numbers": {}}
@@ -130,6 +174,13 @@ def test_a_diagnosis_code_is_one_that_a_guest_may_name():
     for code, kept in (("raises", "raises"), ("sign-flipped", None), ("<b>", None), (7, None)):
         _, seen = read(START, event(event="scene", scene="s", ended="raised", sentence="no", code=code))
         assert seen.scene_ends["s"].code == kept
+
+
+def test_a_question_is_named_arrays_and_its_numbers_are_floats():
+    asked = {"t": 2.5, "n": 3, "w": np.arange(6.0).reshape(2, 3).T, "none": np.zeros((0, 3))}
+    got = unpack(pack(asked))
+    assert list(got) == list(asked) and type(got["t"]) is type(got["n"]) is float and (got["t"], got["n"]) == (2.5, 3.0)
+    assert np.array_equal(got["w"], asked["w"]) and got["w"].flags.writeable and got["none"].shape == (0, 3)
 
 
 def test_texts_are_bounded_and_harmless():

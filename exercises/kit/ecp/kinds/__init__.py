@@ -11,9 +11,16 @@ from collections.abc import Iterable, Mapping
 from types import ModuleType
 from typing import Any
 
-from ecp.checks import Check
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.checks import Arrays, Check
 from ecp.exercise import Animation, Exercise, Figure
+from ecp.judge import Verdict
 from ecp.kinds import animation, values
+from ecp.kinds.alignment import aligned
+from ecp.kinds.values import compare
+from ecp.outcome import Diagnosis, Tolerance
 
 KINDS: Mapping[str, ModuleType] = {"animation": animation, "values": values}
 NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
@@ -34,6 +41,26 @@ def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> li
     """Return the checks of a question for one of its scenes."""
     found: list[Check] = kind_module(question).checks(question, scene, NEW_INPUTS if hidden else "")
     return found
+
+
+def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis] | None:
+    """Return the likely cause behind a scene's arrays, or None if the kind finds causes by reproducing them."""
+    diagnosed = getattr(kind_module(question), "diagnose", None)
+    return diagnosed(question, seen, truth) if diagnosed else None
+
+
+def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
+    """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, others exactly."""
+    values = {value["name"]: value for value in question["returns"]}
+    return all(
+        _agrees(values[name], seen[name], array) if name in values else np.array_equal(seen[name], array)
+        for name, array in predicted.items()
+    )
+
+
+def _agrees(value: Mapping[str, Any], got: NDArray[Any], want: NDArray[Any]) -> bool:
+    tolerance = Tolerance(**value["tolerance"])
+    return compare(aligned(got, want, value.get("up_to")), want, tolerance).verdict is Verdict.PASS
 
 
 def question_figures(question: Mapping[str, Any], scene: str) -> list[Figure]:

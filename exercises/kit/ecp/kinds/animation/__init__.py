@@ -17,7 +17,9 @@ from ecp.checks import Arrays, Check
 from ecp.exercise import Animation
 from ecp.judge import Judgement, Verdict
 from ecp.kinds.asking import arguments, call, each_row
-from ecp.outcome import Tolerance
+from ecp.outcome import Diagnosis, Tolerance
+
+SMALL = 0.0  # share of the pixels that must change: a point may be as small as one of them
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
@@ -31,7 +33,7 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     from ecp.kinds.animation.shown import moves
 
     id, function = question["id"] + ("-new" if suffix else ""), question["function"]
-    found = [moves(f"{id}-moves", f"{function} draws a moving picture{suffix}", scene)]
+    found = [moves(f"{id}-moves", f"{function} draws a moving picture{suffix}", scene, SMALL)]
     return found + [_follows(question, name, scene, f"{id}-{name}", suffix) for name in question["follow"]]
 
 
@@ -41,16 +43,30 @@ def animations(question: Mapping[str, Any], scene: str) -> list[Animation]:
     return [Animation(scene, f"Your animation by {question['function']}", alt, scene)]
 
 
+def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
+    """Return why the picture does not move, or what the first trajectory that nothing follows is drawn as instead."""
+    from ecp.kinds.animation.shown import standstill
+
+    if sentence := standstill(seen, SMALL):
+        return [Diagnosis("static", sentence, 1.0)]
+    wrong = [shown for shown in _followed(question, seen, truth).values() if not shown.found and shown.code]
+    return [Diagnosis(wrong[0].code, wrong[0].sentence, 1.0)] if wrong and wrong[0].code else []
+
+
+def _followed(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> dict[str, Any]:
+    from ecp.kinds.animation.trajectories import followed
+
+    curves = {name: np.asarray(truth[name]) for name in question["follow"]}
+    return followed(seen, np.asarray(truth[question["time"]]), curves, question["agree"]["limit"])
+
+
 def _follows(question: Mapping[str, Any], name: str, scene: str, id: str, suffix: str) -> Check:
     tolerance = Tolerance(**question["agree"])
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        from ecp.kinds.animation.trajectories import followed
-
-        curves = {each: np.asarray(truth[0][each]) for each in question["follow"]}
-        shown = followed(seen[0], np.asarray(truth[0][question["time"]]), curves, tolerance.limit or 0.0)[name]
+        shown = _followed(question, seen[0], truth[0])[name]
         if shown.misfit is not None:
-            judged = judge.below(shown.misfit, tolerance.limit or 0.0)
+            judged = judge.below(shown.misfit, question["agree"]["limit"])
             return replace(judged, detail=f"{shown.sentence}, misfit: {judged.detail}")
         return Judgement(Verdict.UNMEASURED if shown.found is None else Verdict.FAIL, shown.sentence)
 

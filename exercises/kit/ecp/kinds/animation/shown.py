@@ -67,26 +67,26 @@ def samples(times: Array, n: int) -> str:
     return f"all {n} samples" if low <= step and high >= n - 1 - step else f"samples {low:.0f}–{high:.0f} of {n}"
 
 
-def standstill(seen: Arrays) -> str | None:
-    """Return why the picture does not move, or None if it does."""
-    if moving_share(seen["frames"]) <= STILL:
+def standstill(seen: Arrays, still: float = STILL) -> str | None:
+    """Return why the picture does not move, at more than the share ``still`` of its pixels; None if it does."""
+    if moving_share(seen["frames"]) <= still:
         return UNCHANGED
     if not seen["visible"][0]:
         return INVISIBLE if seen["visible"][1] else NOTHING
     return None
 
 
-def moves(id: str, label: str, scene: str) -> Check:
-    """Return the check that the picture moves, not only its text."""
-    reason = "a picture in which fewer than one pixel in ten thousand changes does not move"
-    return holds(id, label, scene, claim=_moves, reason=reason, hint=_cost)
+def moves(id: str, label: str, scene: str, still: float = STILL) -> Check:
+    """Return the check that the picture moves, not only its text, at more than the share ``still`` of its pixels."""
 
+    def claim(seen: Arrays) -> tuple[bool, str]:
+        share = moving_share(seen["frames"])
+        if share > still and not seen["visible"][0]:
+            return False, f"{len(seen['frames'])} stills, in which nothing changes but text"
+        return share > still, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
 
-def _moves(seen: Arrays) -> tuple[bool, str]:
-    share = moving_share(seen["frames"])
-    if share > STILL and not seen["visible"][0]:
-        return False, f"{len(seen['frames'])} stills, in which nothing changes but text"
-    return share > STILL, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
+    few = "fewer than one pixel in ten thousand changes" if still else "no pixel changes"
+    return holds(id, label, scene, claim=claim, reason=f"a picture in which {few} does not move", hint=_cost)
 
 
 def _cost(seen: Arrays) -> list[str]:

@@ -1,0 +1,77 @@
+"""What follows from the mistakes of a declaration: variants of the right solution that predict numbers, and samples."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ecp.judge import Verdict
+from exercises.mutation import variants
+from exercises.question import Question
+from exercises.samples import codes
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A wrong solution: its whole source, and the diagnosis of a submission that returns the same numbers.
+
+    ``declared`` variants are the author's mistakes; a mistake without a code has no diagnosis. The others change one node of the
+    right solution.
+    """
+
+    source: str
+    code: str | None
+    sentence: str
+    declared: bool
+
+
+def variants_of(question: Question, before: str) -> list[Variant]:
+    """Return the right solution itself, then each mistake and each one-node change of it, behind the source ``before``."""
+
+    def variant(source: str, code: str | None, sentence: str, declared: bool) -> Variant:
+        return Variant(f"{before}\n\n{source}", code, sentence, declared)
+
+    right = question.source
+    declared = [variant(m.source(right), m.code, m.sentence, True) for m in question.mistakes]
+    made = [variant(v.source, v.code, v.sentence, False) for v in variants(right, question.function)]
+    return [variant(right, None, "", True), *declared, *made]
+
+
+@dataclass(frozen=True)
+class MadeSample:
+    """A sample made from the declaration: all right solutions, or those up to one question with one of its mistakes.
+
+    ``ask`` are its exercises. A wrong sample fails at least one check, and its report has ``code``, if the mistake has one.
+    """
+
+    name: str
+    source: str
+    ask: tuple[str, ...]
+    right: bool
+    code: str | None = None
+
+    def unexpected(self, report: Mapping[str, Any]) -> list[str]:
+        """Return the differences of a report, as JSON, from the expected one, one sentence each."""
+        outcomes = [o for e in report["exercises"] for o in e["outcomes"]]
+        failed = [o["id"] for o in outcomes if o["verdict"] != Verdict.PASS]
+        if self.right:
+            return [f"{id} is not ✓" for id in failed]
+        found, wrong = codes(report), [] if failed else ["every check is ✓: the mistake changes nothing that the checks see"]
+        if self.code and failed and found != {self.code}:
+            wrong.append(f"diagnosis codes {sorted(found)}, not {self.code}")
+        return wrong
+
+
+def made_samples(questions: Sequence[tuple[str, Question]]) -> Iterator[MadeSample]:
+    """Yield the sample of all right solutions, then one for each mistake; ``questions`` are those of each exercise's number."""
+    numbers = tuple(dict.fromkeys(number for number, _ in questions))
+    yield MadeSample("right_all.py", source_before(questions, len(questions)), numbers, right=True)
+    for k, (number, question) in enumerate(questions):
+        for at, mistake in enumerate(question.mistakes, 1):
+            source = f"{source_before(questions, k)}\n\n{mistake.source(question.source)}"
+            about = (mistake.code or "no_code").replace("-", "_")
+            yield MadeSample(f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code)
+
+
+def source_before(questions: Sequence[tuple[str, Question]], k: int) -> str:
+    """Return the right solutions of the first ``k`` questions, each function once."""
+    return "\n\n".join(dict.fromkeys(question.source for _, question in questions[:k]))

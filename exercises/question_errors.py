@@ -1,0 +1,104 @@
+"""Errors of the questions in an author's declaration: all of them, each with its line in the file."""
+
+import ast
+import builtins
+import inspect
+import keyword
+import math
+import re
+from collections.abc import Iterator
+
+from ecp.kinds.alignment import UP_TO
+from ecp.kinds.asking import MATHEMATICS
+from ecp.outcome import Tolerance
+from exercises.question import Family, Itself, Mistake, Question
+
+CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
+RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "ecp", "np", "plt"}
+
+
+def question_errors(question: Question) -> Iterator[str]:
+    """Yield the errors of one question as sentences with their lines."""
+    yield from (f"line {question.line}: {error}" for error in _of_question(question))
+    yield from (f"line {mistake.line}: {error}" for mistake in question.mistakes for error in _of_mistake(question, mistake))
+
+
+def _of_question(question: Question) -> Iterator[str]:
+    name = question.function
+    if not name.isidentifier() or name in RESERVED:
+        yield f"the solution is named {name}, which Python or the kit already uses: choose another name"
+        return
+    try:
+        ast.parse(question.source)
+    except (OSError, TypeError, SyntaxError) as error:
+        yield f"the source of {name} cannot be read ({error}): define it with def or class in this file"
+        return
+    expected = list(inspect.signature(question.solution).parameters)
+    if question.call is None and list(question.ask) != expected:
+        yield f"{name} takes ({', '.join(expected)}), but ask names ({', '.join(question.ask)})"
+    for argument, family in question.ask.items():
+        if isinstance(family, Family):
+            yield from (f"the function {argument}: {error}" for error in _of_family(family))
+    yield from _of_truth(question)
+    for label, value in question.values.items():
+        yield from (f"{name} ({label}): {error}" for error in tolerance_errors(value.tolerance))
+        if value.up_to is not None and value.up_to not in UP_TO:
+            yield f"{name} ({label}): up_to is {value.up_to!r}; it must be one of: {', '.join(UP_TO)}"
+    yield from question.errors()
+
+
+def _of_family(family: Family) -> Iterator[str]:
+    try:
+        tree = ast.parse(family.text, mode="eval")
+    except SyntaxError as error:
+        yield f"{family.text!r} is not an expression ({error.msg})"
+        return
+    unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {*family.over, *family.given, *MATHEMATICS}
+    yield from (f"{family.text!r} uses {name}, which is neither a variable nor a parameter" for name in sorted(unknown))
+
+
+def _of_truth(question: Question) -> Iterator[str]:
+    truth = question.truth
+    if truth is None:
+        yield f"{question.function} has no truth: give a closed form, a second method, or itself(reason)"
+    elif isinstance(truth, Itself):
+        if not truth.reason.strip():
+            yield f"{question.function} is its own truth without a reason"
+    elif truth is question.solution:
+        yield f"the truth of {question.function} is its own solution: give a second method, or itself(reason)"
+    else:
+        known = {*question.ask, *question.drawn}
+        missing = [name for name in inspect.signature(truth).parameters if name not in known]
+        yield from (f"the truth of {question.function} takes {name}, which is neither asked nor drawn" for name in missing)
+
+
+def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
+    """Yield the errors of a tolerance."""
+    numbers = [number for number in (tolerance.rtol, tolerance.atol, tolerance.limit) if number is not None]
+    if not numbers:
+        yield "the tolerance has no number: give rtol, atol or limit"
+    if any(not (number >= 0 and math.isfinite(number)) for number in numbers):
+        yield "a tolerance must be a finite number ≥ 0"
+    if not tolerance.reason.strip():
+        yield "the tolerance has no reason"
+
+
+def _of_mistake(question: Question, mistake: Mistake) -> Iterator[str]:
+    try:
+        right = question.source
+    except (OSError, TypeError):
+        return  # reported for the question
+    if mistake.old not in right:
+        yield f"the mistake replaces {mistake.old!r}, which is not in {question.function}"
+        return
+    try:
+        changed = ast.dump(ast.parse(mistake.source(right)))
+    except SyntaxError as error:
+        yield f"the mistake {mistake.new!r} is not valid Python ({error.msg})"
+        return
+    if changed == ast.dump(ast.parse(right)):
+        yield f"the mistake {mistake.old!r} → {mistake.new!r} changes nothing"
+    if mistake.code is not None and not CODE.fullmatch(mistake.code):
+        yield f"the diagnosis code {mistake.code!r} must be lower-case words joined by hyphens"
+    if mistake.code is not None and not mistake.sentence.strip():
+        yield f"the mistake {mistake.code} has no sentence for the student"

@@ -1,0 +1,70 @@
+"""Diagnosis by reproduction: the one variant of the right solution that returns the student's numbers.
+
+The variants are played in the sandbox, without the submission, because a wrong solution may not end.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from weakref import WeakKeyDictionary
+
+from ecp.checks import Arrays
+from ecp.kinds import diagnose, reproduces
+from ecp.outcome import Diagnosis
+from exercises.assignment import Assignment, Inputs, Scene
+from exercises.mistakes import Variant
+from service.sandbox.job import Job, SceneRequest
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.time_budget import TimeBudget, TimeLimits
+
+VARIANT_S = 0.5  # of CPU time for one variant of one scene; the right solution needs far less
+LIMITS = TimeLimits(cpu_s=20.0, wall_s=40.0)
+
+Predictions = Mapping[Variant, Arrays]
+_public: WeakKeyDictionary[Scene, Predictions] = WeakKeyDictionary()
+
+
+def diagnose_question(
+    assignment: Assignment, id: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays], sandbox: Sandbox
+) -> list[Diagnosis]:
+    """Return the diagnosis of the variant that alone reproduces the ``arrays`` of the question's scenes, else none.
+
+    An author's mistake takes precedence over a generated variant. A kind that diagnoses its arrays itself needs no variant.
+    Raises SystemFault if the sandbox fails.
+    """
+    left: list[Variant] | None = None
+    for scene in [s for s in assignment.scenes if s.question is not None and s.question["id"] == id and s.name in arrays]:
+        own = diagnose(scene.question or {}, arrays[scene.name], scene.truth(inputs[scene.name]))
+        if own is not None:
+            return own
+        predicted = _predict(assignment, scene, inputs[scene.name], sandbox, left)
+        assert scene.question is not None
+        left = [v for v in predicted if reproduces(scene.question, arrays[scene.name], predicted[v])]
+    for candidates in ([v for v in left or [] if v.declared], [v for v in left or [] if not v.declared]):
+        if found := {(v.code, v.sentence) for v in candidates}:
+            (code, sentence), *others = found
+            return [Diagnosis(code, sentence, 1.0)] if code and not others else []
+    return []
+
+
+def _predict(assignment: Assignment, scene: Scene, inputs: Inputs, sandbox: Sandbox, only: Sequence[Variant] | None) -> Predictions:
+    """Return the arrays of each variant (``only``: of these) that finishes the scene and differs from the right solution."""
+    if only is not None and not only:
+        return {}
+    if scene in _public:
+        return _public[scene]
+    assert scene.question is not None
+    right, *variants = assignment.variants(scene.question["id"])
+    chosen = [right, *(variants if only is None else only)]
+    one = SceneRequest(scene.name, scene.play, scene.function, inputs, scene.returns, VARIANT_S, None, question=scene.question)
+    requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(chosen))
+    job = Job(assignment.source("setup"), assignment.source("plays"), (), (), requests)
+    found = sandbox.play(job, budget=TimeBudget(LIMITS)).arrays
+    exact = found.get("0", {})
+    differing = {
+        variant: found[str(k)]
+        for k, variant in enumerate(chosen)
+        if str(k) in found and k and not reproduces(scene.question, found[str(k)], exact)
+    }
+    if not callable(scene.inputs):
+        _public[scene] = differing
+    return differing

@@ -1,0 +1,67 @@
+"""Mistakes of a declaration: samples, and diagnoses of submissions that return the same numbers."""
+
+import pytest
+
+from ecp.document import document
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.assignments import known
+from tests.support.toolbox import FOLDER
+
+INIT = "class Pendulum:\n    def __init__(self, l, g):\n"
+
+
+@pytest.fixture(scope="module")
+def toolbox():
+    with known(FOLDER) as catalogue:
+        yield catalogue.valid["toolbox"]
+
+
+def diagnoses(toolbox, sandbox, source, number, seed=1):
+    report = grade(Submission(source), toolbox, sandbox, seed, [number]).report
+    assert not report.passed
+    return {(d.code, d.sentence) for outcome in report.outcomes() for d in outcome.diagnosis}
+
+
+def test_every_sample_made_from_the_declaration_is_as_expected(toolbox, sandbox):
+    for sample in toolbox.made_samples():
+        report = grade(Submission(sample.source), toolbox, sandbox, 2, sample.ask).report
+        assert sample.unexpected(document(report)) == [], report.text()
+
+
+def test_a_mistake_written_differently_has_its_diagnosis(toolbox, sandbox):
+    source = """
+def find_root(f, a, b, tol):
+    for _ in range(42):
+        m = a + (b - a) / 2
+        a, b = (m, b) if f(m) > 0 else (a, m)
+    return (a + b) / 2
+"""
+    assert diagnoses(toolbox, sandbox, source, "1") == {("sign-flipped", "the search keeps the half without the root")}
+
+
+def test_a_change_of_one_node_is_named_at_its_place(toolbox, sandbox):
+    source = f"{INIT}        self.T = 2 * pi * sqrt(g / l)\n    def period(self): return self.T"
+    ((code, sentence),) = diagnoses(toolbox, sandbox, source, "3")
+    assert code == "wrong-divisor" and "`self.l / self.g`" in sentence
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        f"{INIT}        self.l = l\n    def period(self): return 1.2345 * self.l",
+        f"{INIT}        pass\n    def period(self): return 2 * pi",  # several changes have this result
+    ],
+    ids=["unknown", "ambiguous"],
+)
+def test_numbers_of_no_or_several_wrong_solutions_have_no_diagnosis(toolbox, sandbox, source):
+    assert diagnoses(toolbox, sandbox, source, "3") == set()
+
+
+def test_a_mistake_that_holds_for_the_public_inputs_only_is_not_diagnosed(toolbox, sandbox):
+    source = f"""{INIT}        self.l, self.g, Pendulum.n = l, g, Pendulum.n + 1
+    n = 0
+    def period(self): return (pi if Pendulum.n <= 3 else 3.3) * sqrt(self.l / self.g)
+"""
+    report = grade(Submission(source), toolbox, sandbox, 1, ["3"]).report
+    assert "constant-factor" not in {d.code for outcome in report.outcomes() for d in outcome.diagnosis}

@@ -14,7 +14,7 @@ from exercises.assignment import ArraySpec
 from exercises.question import Itself, Mistake, Question, calling_line
 from exercises.question_errors import tolerance_errors
 
-RECORDING: Mapping[str, ArraySpec] = {
+RECORDING = {
     "frames": ArraySpec((STILLS, HEIGHT, WIDTH, 3), "uint8", up_to=True),
     "tracks": ArraySpec((FRAME_CAP, POINTS, 3), up_to=True),
     "owners": ArraySpec((POINTS, 3), up_to=True),

@@ -24,7 +24,8 @@ class Toolbox(NamedTuple):
 
 
 def right(toolbox):
-    return "\n\n".join(question.source for question in toolbox.notebook.questions())
+    """The right solutions without the animations, which take a second each and have their own tests."""
+    return "\n\n".join(question.source for question in toolbox.notebook.questions() if question.kind != "animation")
 
 
 def mistaken(toolbox, function, number):
@@ -46,7 +47,7 @@ def check_locally(slug, source, folder):
     """What ``ecp.check`` of the kit as students install it prints, as JSON."""
     kit = folder / "kit"
     zipfile.ZipFile(io.BytesIO(wheel.wheel())).extractall(kit)
-    setup = find(slug).source("setup")
+    setup = find(slug).setup
     code = CHECK.format(kit=str(kit), setup=setup, source=source, slug=slug)
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout

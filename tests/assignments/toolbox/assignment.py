@@ -141,7 +141,7 @@ TIMES = np.linspace(0, 6, 50)
 TOGETHER, OPPOSED = 0.35 * np.cos(2 * TIMES), 0.35 * np.cos(2.7 * TIMES)
 
 notebook.exercise(
-    "4",
+    "20",
     "Two coupled pendulums",
     animation(
         animate_pendulums,

@@ -237,7 +237,7 @@ def test_painted_pixels_are_not_judged():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "failed"), [(0, {"4-a", "4-b"}), (1, {"4-a", "4-b"}), (2, {"4-b"})])
+@pytest.mark.parametrize(("number", "failed"), [(0, {"20-a", "20-b"}), (1, {"20-a", "20-b"}), (2, {"20-b"})])
 def test_a_mistake_fails_its_checks(toolbox, sandbox, number, failed):
     report = grade(Submission(mistaken(toolbox, "animate_pendulums", number)), toolbox.assignment, sandbox, 1).report
     assert {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL} == failed, report.text()
@@ -246,5 +246,5 @@ def test_a_mistake_fails_its_checks(toolbox, sandbox, number, failed):
 def test_the_right_solution_in_the_sandbox_and_in_the_kit(toolbox, sandbox, tmp_path):
     source = question(toolbox).source
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
-    assert report.passed and [sheet.name for sheet in report.animations] == ["4-public"], report.text()
+    assert report.passed and [sheet.name for sheet in report.animations] == ["20-public"], report.text()
     assert json.loads(check_locally("toolbox", source, tmp_path)) == [outcome.line for outcome in report.outcomes()]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ecp.checks import Arrays, Check
-from ecp.exercise import Exercise
+from ecp.exercise import Exercise, points
 from ecp.outcome import Diagnosis, SweepResult
 
 Inputs = Mapping[str, Any]
@@ -78,6 +78,9 @@ class Scene:
     ``replaced(inputs, seen)`` returns the inputs that a student used instead of the scene's, a sentence if
     the answer cannot be judged by them, or None if the scene's own were used.
 
+    ``function`` may also name a variable of the submission, see ``Exercise``. ``play`` may use further names
+    of the submission if they are in ``needs``: the scene is played only if all of them are defined.
+
     The scene of a ``question`` (ecp.kinds) is played by ``play(question, student, inputs)``, and its inputs run
     along its rows in their first index.
 
@@ -97,6 +100,7 @@ class Scene:
     twice: bool = False
     drive: HostVerification | None = None
     replaced: Callable[[Inputs, Arrays], Inputs | str | None] | None = None
+    needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
 
 
@@ -120,7 +124,8 @@ class Assignment:
     of one scene's numbers. ``diagnose_function`` returns those that explain all scenes of a function, or
     None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
     verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
-    if that is more than the server's limit: five times as much as the right solution uses.
+    if that is more than the server's limit: five times as much as the right solution uses. ``data`` names
+    files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv".
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
     are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
@@ -140,6 +145,7 @@ class Assignment:
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
+    data: tuple[str, ...] = ()
     setup: str | None = None
     plays: str | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
@@ -170,13 +176,22 @@ class Assignment:
         """Return the checks of all exercises in order."""
         return [c for e in self.exercises for c in e.checks]
 
-    def max_points(self, numbers: Collection[str] | None = None) -> int:
+    def max_points(self, numbers: Collection[str] | None = None, written: Collection[str] = ()) -> int:
         """Return the points of the exercises ``numbers`` (default: all): one per check, without those of
-        optional functions.
+        optional functions that are not ``written``.
         """
         chosen = [e for e in self.exercises if numbers is None or e.number in numbers]
-        return sum(len(e.applicable_checks(e.functions, lambda scene: self.scene(scene).function)) for e in chosen)
+        return points(chosen, self.exercises, written, self.names)
+
+    def names(self, scene: str) -> set[str]:
+        """Return the names of a submission that a scene, and those it comes after, cannot be played without."""
+        found = self.scene(scene)
+        return {found.function, *found.needs} | (self.names(found.after) if found.after is not None else set())
 
     def functions(self) -> set[str]:
-        """Return the names of all functions that a student may define."""
+        """Return the names of all functions and variables that a student may define."""
         return {s.function for s in self.scenes} | {f for e in self.exercises for f in e.function_names()}
+
+    def variables(self) -> set[str]:
+        """Return the names of all variables that a student may define."""
+        return {name for e in self.exercises for name in e.variables}

@@ -72,7 +72,7 @@ def itself(reason: str) -> Itself:
 class Notebook:
     """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cell.
 
-    ``setup`` replaces the Setup cell where there is no notebook. ``packages`` and ``cpu_s`` are those of ``Assignment``.
+    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s`` and ``data`` are those of ``Assignment``.
     """
 
     title: str
@@ -81,6 +81,7 @@ class Notebook:
     version: str = "1"
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
+    data: tuple[str, ...] = ()
     exercises: list[tuple[str, str, tuple[Question, ...]]] = field(default_factory=list)
     line: int = 0
 
@@ -113,7 +114,9 @@ class Notebook:
             exercises=tuple(expand_exercise(number, title, map(_document, asked), True) for number, title, asked in self.exercises),
             packages=self.packages,
             cpu_s=self.cpu_s,
+            data=self.data,
             setup=self.setup,
+            sweep=next((question.sweep(question) for question in self.questions() if question.sweep), None),
             plays=PLAYS,
             variants=self._variants,
             made_samples=lambda: made_samples(self._numbered()),

@@ -63,8 +63,9 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     errors = [f"{name} is missing" for name in wanted if not (folder / name).is_file()] if folder.is_dir() else []
     if not folder.is_dir():
         errors.append(f"there is no folder {folder}")
-    if not (folder.name.isidentifier() and folder.name == folder.name.lower()):
-        errors.append(f"its folder's name {folder.name} is not a package name: use lower-case letters, digits and _")
+    if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
+        rule = "use lower-case letters from a to z, digits, and _ between them"
+        errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
     errors += syntax_errors(folder)
     if errors:
         return None, errors

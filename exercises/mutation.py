@@ -176,7 +176,8 @@ def _calls(s: Solution, node: Any) -> Iterator[Change]:
 
 def _operators(s: Solution, node: Any) -> Iterator[Change]:
     kind = type(getattr(node, "op", None))
-    if isinstance(node, ast.BinOp) and kind in OPERATORS:
+    against_zero = any(integer(side) == 0 for side in getattr(s.parents.get(node), "comparators", ()))
+    if isinstance(node, ast.BinOp) and kind in OPERATORS and not against_zero:
         old, new = OPERATORS[kind].split()
         what = f"`{new}` stands in place of `{old}` before {s.quote(node.right)} in {s.quote(node)}"
         yield s.change("wrong-operator", what, node, f"{{}} {new} {{}}", node.left, node.right)
@@ -218,13 +219,8 @@ def _constants(s: Solution, node: Any) -> Iterator[Change]:
         return
     if isinstance(parent, ast.Subscript | ast.Slice | ast.keyword) or called(parent) == "range":
         return
-    code = (
-        "wrong-power"
-        if is_operation(parent, ast.Pow)
-        else "constant-factor"
-        if is_operation(parent, *PRODUCT)
-        else "wrong-constant"
-    )
+    code = "constant-factor" if is_operation(parent, *PRODUCT) else "wrong-constant"
+    code = "wrong-power" if is_operation(parent, ast.Pow) else code
     for other in (value + 1, value - 1) if isinstance(value, int) else (value * 2, value / 2):
         if other > 0:
             yield s.stands(code, node, repr(other), parent if isinstance(parent, ast.BinOp) else node)
@@ -235,9 +231,11 @@ def _names(s: Solution, node: Any) -> Iterator[Change]:
     if not (attribute or isinstance(node, ast.Name)) or not isinstance(node.ctx, ast.Load):
         return
     around = s.outer(node, ast.stmt, ast.Compare)
-    if called(s.parents[node]).endswith(("_like", "len")):
-        return
-    if isinstance(around, ast.Compare) or (isinstance(around, ast.Assign) and "self." in s.text(around.targets[0])):
+    if (
+        called(s.parents[node]).endswith(("_like", "len"))
+        or isinstance(around, ast.Compare)
+        or (isinstance(around, ast.Assign) and "self." in s.text(around.targets[0]))
+    ):
         return
     outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), node.attr if attribute else node.id
     known = s.variables(outer, attribute)
@@ -249,5 +247,4 @@ def _names(s: Solution, node: Any) -> Iterator[Change]:
         yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
 
 
-RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)
-"""The most common mistakes first."""
+RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)  # common first

@@ -13,7 +13,7 @@ import numpy as np
 from ecp.checks import Arrays
 from ecp.kinds import asking, kind_module
 from ecp.outcome import Tolerance
-from exercises.assignment import ArraySpec, Inputs, Scene
+from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 Draw = Callable[[np.random.Generator], Any]
@@ -62,6 +62,17 @@ class Value:
     up_to: str | None = None
 
 
+@dataclass(frozen=True)
+class Part:
+    """A further public scene of a question, such as a motion: ``exact(values)`` returns its exact arrays for one row.
+
+    ``values`` are the row's arguments and drawn values by name.
+    """
+
+    exact: Callable[[dict[str, Any]], Mapping[str, Any]]
+    rows: int = PUBLIC_ROWS
+
+
 @dataclass(frozen=True, eq=False)
 class Question:
     """One question: ``solution`` (a function or class of the author's file) asked with ``ask``, and its exact answers.
@@ -69,6 +80,7 @@ class Question:
     ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
     with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
     "value". ``data`` holds what the checks of the kind need, as JSON; ``limits`` maps the kind's further tolerances to errors.
+    ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy.
     """
 
     kind: str
@@ -80,6 +92,8 @@ class Question:
     keys: bool = False
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
+    parts: Mapping[str, Part] = field(default_factory=dict)
+    sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     twice: bool = True
@@ -133,6 +147,7 @@ class Question:
             "call": self.call,
             "keys": self.keys,
             "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
+            "parts": list(self.parts),
             "returns": [self._returned(name, value) for name, value in self.values.items()],
             **self.data,
         }
@@ -153,35 +168,39 @@ class Question:
         return self.document | {"returns": shaped}
 
     def _returned(self, name: str, value: Value) -> dict[str, Any]:
-        tolerance = {key: number for key, number in vars(value.tolerance).items() if number is not None}
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
-        return {"name": name, "tolerance": tolerance, "label": label, "up_to": value.up_to}
+        return {"name": name, "tolerance": tolerance_data(value.tolerance), "label": label, "up_to": value.up_to}
 
-    def play(self, solution: Any, rows: Mapping[str, Any]) -> Arrays:
-        """Return what ``solution`` answers, as the sandbox would."""
-        answers: Arrays = kind_module(self.asked).play(self.asked, {self.function: solution}, rows)
+    def play(self, solution: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
+        """Return what ``solution`` answers, as the sandbox would. ``part`` is one of ``parts``, or the kind's own."""
+        asked = self.asked if part is None else self.asked | {"part": part}
+        answers: Arrays = kind_module(asked).play(asked, {self.function: solution}, rows)
         return answers
 
-    def exact(self, rows: Mapping[str, Any]) -> dict[str, Any]:
+    def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
         """Return the exact values of every row by name, and the drawn values as ``at_NAME``."""
         document, answers = self.asked, []
         for row in asking.each_row(rows):
-            given = asking.arguments(document, row)
-            if self.truth is None or isinstance(self.truth, Itself):
+            given = {
+                name: value.function if isinstance(value, asking.Counted) else value  # a truth may call it as often as it likes
+                for name, value in asking.arguments(document, row).items()
+            }
+            if part is not None:
+                answers.append(part.exact({**row, **given}))
+            elif self.truth is None or isinstance(self.truth, Itself):
                 answers.append(asking.returned(document, asking.call(document, {self.function: self.solution}, given)))
             else:
                 answers.append(asking.returned(document, call_with(self.truth, {**row, **given})))
         return asking.stacked(answers) | {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}
 
     def scenes(self) -> Iterator[Scene]:
-        """Yield the public scene and the hidden one."""
+        """Yield the public scene, those of the parts, and the hidden one."""
         public, hidden = self.rows
-        fixed = Later(lambda: self.draw(np.random.default_rng(0), public))
         one = Scene(
             name=f"{self.id}-public",
             play="play",
             function=self.function,
-            inputs=fixed,
+            inputs=Later(lambda: self.draw(np.random.default_rng(0), public)),
             returns=self._specs(public),
             truth=self.exact,
             budget_s=self.budget_s,
@@ -189,6 +208,8 @@ class Question:
             question=Later(lambda: self.asked),
         )
         yield one
+        for name, part in self.parts.items():
+            yield self.part_scene(one, name, part)
         if hidden and self.drawn:
             yield replace(
                 one,
@@ -198,9 +219,21 @@ class Question:
                 twice=self.twice,
             )
 
-    def _specs(self, rows: int) -> "Later":
+    def part_scene(self, public: Scene, name: str, part: Part) -> Scene:
+        """Return the scene of a part, played if the ``public`` scene finished."""
+        return replace(
+            public,
+            name=f"{self.id}-{name}",
+            inputs=Later(lambda: self.draw(np.random.default_rng(0), part.rows)),
+            returns=self._specs(part.rows, name),
+            truth=functools.partial(self.exact, part=part),
+            after=public.name,
+            question=Later(lambda: self.asked | {"part": name}),
+        )
+
+    def _specs(self, rows: int, part: str | None = None) -> "Later":
         def specs() -> dict[str, ArraySpec]:
-            one = self.play(self.solution, self.draw(np.random.default_rng(0), 1))
+            one = self.play(self.solution, self.draw(np.random.default_rng(0), 1), part)
             return {name: ArraySpec((rows, *array.shape[1:])) for name, array in one.items()}
 
         return Later(specs)
@@ -230,6 +263,11 @@ def call_with(function: Callable[..., Any], values: Inputs) -> Any:
 def calling_line() -> int:
     """Return the line of the author's file that calls the function which calls this one."""
     return sys._getframe(2).f_lineno
+
+
+def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
+    """Return a tolerance as JSON: the arguments of Tolerance."""
+    return {key: number for key, number in vars(tolerance).items() if number is not None}
 
 
 def _json(value: Any) -> Any:

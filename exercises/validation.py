@@ -5,12 +5,13 @@ import importlib
 import math
 import traceback
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from ecp.exercise import Exercise
 from exercises.assignment import Assignment
 
 NEEDED = ("setup.py", "plays.py")
+MOST_DATA = 5_000_000  # bytes of a data file
 
 
 def errors(assignment: Assignment) -> list[str]:
@@ -20,7 +21,7 @@ def errors(assignment: Assignment) -> list[str]:
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
         found.append(f"cpu_s is {assignment.cpu_s}; it must be positive and finite")
-    return [*found, *_doubles(assignment), *_of_exercises(assignment), *_of_scenes(assignment)]
+    return [*found, *_of_data(assignment), *_doubles(assignment), *_of_exercises(assignment), *_of_scenes(assignment)]
 
 
 def syntax_errors(folder: Path) -> list[str]:
@@ -36,6 +37,22 @@ def syntax_errors(folder: Path) -> list[str]:
     return found
 
 
+def _of_data(assignment: Assignment) -> Iterator[str]:
+    if not isinstance(assignment.data, tuple) or not all(isinstance(name, str) for name in assignment.data):
+        yield f"data is {assignment.data!r}, not a tuple of file names"
+        return
+    for name in assignment.data:
+        path, file = PurePosixPath(name), assignment.folder / name
+        if path.is_absolute() or not path.name or {".."} & set(path.parts) or str(path) != name or path.parts[0] == "samples":
+            yield f"data file {name}: it must be a relative name such as pendulum.csv, without .. and not in samples/"
+        elif path.suffix in (".py", ".ipynb", ".toml"):
+            yield f"data file {name}: students get data files, so a {path.suffix} file, which may hold solutions, cannot be one"
+        elif not file.is_file():
+            yield f"data file {name} is missing"
+        elif file.stat().st_size > MOST_DATA:
+            yield f"data file {name} has {file.stat().st_size / 1e6:.1f} MB; at most {MOST_DATA / 1e6:g} MB are allowed"
+
+
 def _doubles(assignment: Assignment) -> Iterator[str]:
     exercises = assignment.exercises
     yield from (f"scene {name} is declared twice" for name in _twice(s.name for s in assignment.scenes))
@@ -49,7 +66,14 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
     scenes = {s.name: s for s in assignment.scenes}
     if not assignment.exercises:
         yield "it has no exercise"
+    variables, names = assignment.variables(), {name for e in assignment.exercises for name in e.function_names()}
     for exercise in assignment.exercises:
+        asked = exercise.function_names()
+        yield from (f"exercise {exercise.number}: the variable {v} is not in functions" for v in set(exercise.variables) - asked)
+        both = sorted(asked & variables - set(exercise.variables))
+        yield from (f"exercise {exercise.number}: {name} is a function here and a variable in another exercise" for name in both)
+        strange = sorted(set(exercise.prerequisites) - names)
+        yield from (f"exercise {exercise.number}: no exercise asks for its prerequisite {name}" for name in strange)
         yield from (f"exercise {exercise.number}: no scene {s}" for s in sorted(exercise.scenes() - set(scenes)))
         yield from (e for c in exercise.checks for e in c.errors())
         for motion in exercise.motions:
@@ -64,6 +88,8 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
         if scene.drive is not None and scene.drive.proof not in names[:at]:
             yield f"scene {scene.name} is verified by {scene.drive.proof}, which is not declared before it"
+        if (scene.twice or scene.drive) and scene.function in assignment.variables():
+            yield f"scene {scene.name}: {scene.function} is a variable, which cannot be called, neither twice nor by the host"
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:

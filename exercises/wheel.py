@@ -1,5 +1,8 @@
-"""The students' kit as a wheel: ``ecp``, and for each assignment its public side with the exact arrays of its
-public scenes.
+"""The students' kit of an assignment as a wheel: ``ecp``, and the assignment's public side with the exact
+arrays of its public scenes.
+
+Each kit is a distribution of its own, ``polhode-kit-SLUG``, that contains all of ``ecp``. Several of them can be
+installed in one environment: each has its own folder below ecp/assignments.
 """
 
 import functools
@@ -17,13 +20,11 @@ import numpy as np
 import ecp
 from exercises import packages, zipfiles
 from exercises.assignment import Assignment, Scene
-from exercises.catalogue import assignments
+from exercises.catalogue import assignments, find
 
 log = logging.getLogger(__name__)
-NAME = f"polhode_kit-{ecp.KIT}-py3-none-any.whl"
-"""The file name. It depends only on ``ecp.KIT``: a notebook may contain its address for years."""
 METADATA = f"""Metadata-Version: 2.1
-Name: polhode-kit
+Name: {{name}}
 Version: {ecp.KIT}
 Summary: The students' kit of a polhode course server: local checks, and submitting. Imported as ecp.
 License: MIT
@@ -33,28 +34,38 @@ Requires-Dist: scipy
 Requires-Dist: matplotlib
 """
 WHEEL = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
-INFO = f"polhode_kit-{ecp.KIT}.dist-info"
 NOTEBOOK = "notebook.ipynb"
 
 
+def filename(slug: str | None = None) -> str:
+    """Return the wheel's file name. A notebook may contain its address for years, so it changes only with ``ecp.KIT``.
+
+    Without ``slug`` it is the kit with all assignments, whose address notebooks of older versions contain.
+    """
+    return f"{_distribution(slug)}-{ecp.KIT}-py3-none-any.whl"
+
+
 @functools.cache
-def build() -> str:
+def build(slug: str | None = None) -> str:
     """Return a hash of the kit's content."""
     digest = hashlib.sha256()
-    for name, content in sorted(_content().items()):
+    for name, content in sorted(_content(slug).items()):
         digest.update(f"{name}\0{len(content)}\0".encode() + content)
     return digest.hexdigest()[:16]
 
 
-@functools.lru_cache(maxsize=4)
-def wheel(server: str | None = None) -> bytes:
-    """Return the wheel, byte for byte the same for the same content, with the address of the ``server`` that
-    distributes it.
+@functools.lru_cache(maxsize=16)
+def wheel(slug: str | None = None, server: str | None = None) -> bytes:
+    """Return the kit's wheel, byte for byte the same for the same content, with the address of the ``server``
+    that distributes it.
     """
-    made = {"build": build()} | ({"server": server} if server else {})
-    files = _content() | {"ecp/assignments/made.json": json.dumps(made).encode()}
-    files |= {f"{INFO}/METADATA": METADATA.encode(), f"{INFO}/WHEEL": WHEEL.encode()}
-    return zipfiles.wheel(INFO, files)
+    files, info = dict(_content(slug)), f"{_distribution(slug)}-{ecp.KIT}.dist-info"
+    for one in _held(slug):
+        made = {"build": build(one.slug)} | ({"server": server} if server else {})
+        files[f"{_home(one)}/made.json"] = json.dumps(made).encode()
+    metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
+    files |= {f"{info}/METADATA": metadata.encode(), f"{info}/WHEEL": WHEEL.encode()}
+    return zipfiles.wheel(info, files)
 
 
 def has_notebook(assignment: Assignment) -> bool:
@@ -73,17 +84,29 @@ def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
     return text.encode()
 
 
+def _distribution(slug: str | None) -> str:
+    return "polhode_kit" if slug is None else f"polhode_kit_{slug.replace('-', '_')}"
+
+
+def _home(assignment: Assignment) -> str:
+    return f"ecp/assignments/{assignment.folder.name}"
+
+
+def _held(slug: str | None) -> list[Assignment]:
+    return list(assignments().values()) if slug is None else [find(slug)]
+
+
 @functools.cache
-def _content() -> dict[str, bytes]:
+def _content(slug: str | None) -> dict[str, bytes]:
     kit = Path(ecp.__path__[0])
     found = {f"ecp/{path.relative_to(kit).as_posix()}": path.read_bytes() for path in sorted(kit.rglob("*.py"))}
-    for assignment in assignments().values():
-        if assignment.questions or (assignment.folder / "public").is_dir():
-            home = f"ecp/assignments/{assignment.folder.name}"
+    for one in _held(slug):
+        found |= {f"{_home(one)}/data/{name}": (one.folder / name).read_bytes() for name in one.data}
+        if one.questions or (one.folder / "public").is_dir():
             try:
-                found |= {f"{home}/{name}": content for name, content in list(_public_side(assignment))}
-            except Exception:  # its scenes or truth failed; the kit still serves the other assignments
-                log.exception("the kit is built without the assignment %s", assignment.slug)
+                found |= {f"{_home(one)}/{name}": content for name, content in list(_public_side(one))}
+            except Exception:  # its scenes or truth failed; students can still submit
+                log.exception("the kit is built without the local checks of the assignment %s", one.slug)
     return found | {"ecp/assignments/__init__.py": b""}
 
 
@@ -106,7 +129,8 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 def _declared(scene: Scene) -> dict[str, Any]:
     declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
-    return declared | {"known": list(scene.known)} | ({} if scene.question is None else {"question": scene.question})
+    declared |= {"known": list(scene.known), "needs": list(scene.needs)}
+    return declared | ({} if scene.question is None else {"question": scene.question})
 
 
 def _drawn_once(scene: Scene) -> Scene:

@@ -167,9 +167,9 @@ def server(real_server):
 
 @pytest.fixture(scope="session")
 def kit(tmp_path_factory):
-    """The folder that holds the students' kit as its wheel installs it."""
+    """The folder that holds the students' kit of rigid-body as its wheel installs it."""
     folder = tmp_path_factory.mktemp("kit")
-    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
+    with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
         archive.extractall(folder)
     return folder
 

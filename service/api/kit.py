@@ -5,6 +5,7 @@ import asyncio
 from fastapi import APIRouter, Request, Response
 
 from exercises import wheel
+from exercises.catalogue import assignments
 from service.api.submissions import find_assignment
 from service.http.errors import Problem
 from service.http.openapi import media, problems
@@ -16,14 +17,18 @@ WHEEL, NOTEBOOK = "application/zip", "application/x-ipynb+json"
 
 @router.get("/kit/{name}", response_class=Response, responses=media(WHEEL) | problems({404: "not-found"}))
 async def kit(name: str, request: Request) -> Response:
-    """Return the student kit as a wheel for ``%pip install``.
+    """Return the student kit of an assignment as a wheel for ``%pip install``.
 
-    Its name changes only if old notebooks stop working with it.
+    Its name changes only if old notebooks stop working with it. The name without a slug, which notebooks of
+    older versions contain, stands for the kit with all assignments.
     """
-    if name != wheel.NAME:
-        raise Problem(404, "not-found", f"no such kit: install /kit/{wheel.NAME}")
-    content = await asyncio.to_thread(wheel.wheel, public_address(request))
-    return Response(content, media_type=WHEEL, headers={"Cache-Control": "no-cache", "ETag": f'"{wheel.build()}"'})
+    slugs: dict[str, str | None] = {wheel.filename(slug): slug for slug in assignments()}
+    slugs[wheel.filename()] = None
+    if name not in slugs:
+        raise Problem(404, "not-found", f"there is no kit {name}: GET /v1/assignments/SLUG returns the path of an assignment's kit")
+    content = await asyncio.to_thread(wheel.wheel, slugs[name], public_address(request))
+    headers = {"Cache-Control": "no-cache", "ETag": f'"{wheel.build(slugs[name])}"'}
+    return Response(content, media_type=WHEEL, headers=headers)
 
 
 @router.get(
@@ -36,6 +41,6 @@ async def notebook(slug: str, request: Request) -> Response:
     assignment, server = find_assignment(slug), public_address(request)
     if not wheel.has_notebook(assignment):
         raise Problem(404, "not-found", f"the assignment {slug} has no notebook: submit a .py or .ipynb file instead")
-    content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.NAME}")
+    content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.filename(slug)}")
     headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
     return Response(content, media_type=NOTEBOOK, headers=headers)

@@ -53,6 +53,7 @@ async def show_assignment(slug: str) -> dict[str, Any]:
             "title": e.title,
             "functions": list(e.functions),
             "optional": list(e.optional),
+            "variables": list(e.variables),
             "checks": [
                 {
                     "id": c.id,
@@ -67,9 +68,9 @@ async def show_assignment(slug: str) -> dict[str, Any]:
     ]
     described = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
     notebook = f"/v1/assignments/{slug}/notebook.ipynb" if wheel.has_notebook(assignment) else None
-    build = await asyncio.to_thread(wheel.build)
+    build = await asyncio.to_thread(wheel.build, slug)
     importable = packages.versions(assignment.packages)
-    return described | {"kit": f"/kit/{wheel.NAME}", "kit_build": build, "notebook": notebook, "packages": importable}
+    return described | {"kit": f"/kit/{wheel.filename(slug)}", "kit_build": build, "notebook": notebook, "packages": importable}
 
 
 SUBMIT_BODY = {

@@ -97,7 +97,10 @@ def exceptions(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[SweptPoint] = ()) -> bytes:
-    """Draw error against calls and against CPU time for one scene, log-log, as SVG. Add ``yours``, the points of a submission."""
+    """Draw error against calls and against CPU time for one scene, log-log, as SVG. Add ``yours``, the points of a submission.
+
+    A scene that the reference methods did not measure, such as another assignment's, shows ``yours`` alone.
+    """
     return draw_class(document, scene, [yours], "yours")
 
 
@@ -127,7 +130,8 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
         by_time.loglog([p["ratio"] for p in drawn], errors, **style)
     for number, own in enumerate(submissions):
         _draw_own((by_calls, by_time), own, whose if number == 0 else "", small=len(submissions) > 1)
-    by_calls.set(xlabel="evaluations of the right-hand side", ylabel="largest error over the run, ω relative or R", title=scene)
+    of = "ω relative or R" if points else "relative"
+    by_calls.set(xlabel="evaluations of the right-hand side", ylabel=f"largest error over the run, {of}", title=scene)
     by_time.set(xlabel="CPU time / that of DOP853 at rtol 1e-11", ylim=(3e-16, 1e2))
     by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
     for axes in (by_calls, by_time):

@@ -97,7 +97,7 @@ def grade(
         provenance=Provenance(seed=seed, versions=versions(), isolation=sandbox.isolation.name, motions=crossed.how),
         not_attempted=missed,
     )
-    report.total = report.max_score + assignment.max_points(missed)
+    report.total = assignment.max_points([e.number for e in asked], result.defined)
     return Graded(report, covered, shown, budget.cpu_s)
 
 
@@ -132,11 +132,13 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
     requests = tuple(
-        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question)
+        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question, needs=s.needs)
         for s in scenes
     )
-    functions = tuple(sorted(assignment.functions()))
-    return Job(assignment.source("setup"), assignment.source("plays"), submission.cells(), functions, requests)
+    functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
+    data = {name: assignment.folder / name for name in assignment.data}
+    setup, plays = assignment.source("setup"), assignment.source("plays")
+    return Job(setup, plays, submission.cells(), functions, requests, variables=variables, data=data)
 
 
 @functools.cache
@@ -196,7 +198,7 @@ def _add_known_arrays(assignment: Assignment, result: PlayResult, truths: Mappin
 
 def _judge(exercise: Exercise, assignment: Assignment, played: PlayedJob, crossed: CrossCheck, causes: Causes) -> ExerciseReport:
     outcomes, result = [], played.result
-    for check in exercise.applicable_checks(result.defined, lambda scene: assignment.scene(scene).function):
+    for check in exercise.applicable_checks(result.defined, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):

@@ -28,11 +28,12 @@ def diagnose_question(
 ) -> list[Diagnosis]:
     """Return the diagnosis of the variant that alone reproduces the ``arrays`` of the question's scenes, else none.
 
-    An author's mistake takes precedence over a generated variant. A kind that diagnoses its arrays itself needs no variant.
-    Raises SystemFault if the sandbox fails.
+    An author's mistake takes precedence over a generated variant. Parts of a question, such as a motion, follow from its
+    values. A kind that diagnoses its arrays itself needs no variant. Raises SystemFault if the sandbox fails.
     """
     left: list[Variant] | None = None
-    for scene in [s for s in assignment.scenes if s.question is not None and s.question["id"] == id and s.name in arrays]:
+    asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
+    for scene in [s for s, question in asked if question["id"] == id and not question.get("part")]:
         own = diagnose(scene.question or {}, arrays[scene.name], scene.truth(inputs[scene.name]))
         if own is not None:
             return own

@@ -21,10 +21,11 @@ from service.sandbox.guest_files import (
     site_packages,
     standard_library,
 )
-from service.sandbox.isolation import ENVIRONMENT, LAYERS, Guest, Isolation, reason_to_stay_root
+from service.sandbox.isolation import DATA, ENVIRONMENT, LAYERS, Guest, Isolation, reason_to_stay_root
 
 GUEST_HOME = "/polhode"  # not /tmp: the checkout itself may lie there
-GUEST_CODE, SCRATCH = f"{GUEST_HOME}/code", f"{GUEST_HOME}/scratch"  # apart: Landlock's rules hold for all below a folder
+# Apart, because Landlock's rules hold for everything below a folder.
+GUEST_CODE, GUEST_DATA, SCRATCH = f"{GUEST_HOME}/code", f"{GUEST_HOME}/data", f"{GUEST_HOME}/scratch"
 
 
 def namespace_isolation(
@@ -39,8 +40,8 @@ def namespace_isolation(
     user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     applied = [x for x in LAYERS if x in layers]
     path, listable = [GUEST_CODE, str(site_packages())], [str(site_packages()), str(standard_library())]
-    guest = Guest(path, user, applied, [*map(str, binds), GUEST_CODE, *DEVICES], listable)
-    around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", "/", "--")
+    guest = Guest(path, user, applied, [*map(str, binds), GUEST_CODE, *DEVICES, DATA], listable)
+    around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", GUEST_DATA, "--")
     command = guest.command(interpreter())
     return Isolation("namespaces", ("bubblewrap", *applied), around, command, {"PATH": "/usr/bin:/bin"}, stays_root, allow_root)
 
@@ -61,6 +62,7 @@ def _files(binds: list[Path]) -> list[str]:
     for path in binds:
         args += ["--ro-bind", os.path.realpath(path), str(path)]
     args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(kit()), f"{GUEST_CODE}/ecp"]
+    args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
     args += ["--perms", "0755", "--size", str(1 << 20), "--tmpfs", SCRATCH, "--perms", "0755", "--dir", f"{SCRATCH}/mpl"]

@@ -42,6 +42,8 @@ os.execv(command[0], command)
 CHANGE_USER = f"import os; os.setgroups([]); os.setresgid(*[{GUEST_UID}] * 3); os.setresuid(*[{GUEST_UID}] * 3)"
 OWN_FOLDERS = Path("/proc/self/fd")
 TRY_S = 20.0
+DATA = "."
+"""The working folder of a zygote and its children, which they may read. Its own host process puts data files there."""
 Level = Literal["namespaces", "process"]
 LAYERS = ("landlock", "seccomp", "limits")  # applied by each child; bubblewrap adds namespaces around the zygote
 ENVIRONMENT = {
@@ -120,7 +122,7 @@ def process_isolation(layers: Collection[str] = LAYERS, more: Collection[str] = 
     user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     opened = folders if user is not None else []
     applied, listable = [x for x in LAYERS if x in layers], [*map(str, path), str(standard_library())]
-    guest = Guest([*map(str, path)], user, applied, [*map(str, readable)], listable, [*map(str, opened)])
+    guest = Guest([*map(str, path)], user, applied, [*map(str, readable), DATA], listable, [*map(str, opened)])
     around = (str(interpreter()), "-I", "-S", "-c", OPEN_FOLDERS, json.dumps(guest.folders)) if opened else ()
     environment = ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir(), "HOME": "/"}
     return Isolation("process", tuple(applied), around, guest.command(interpreter()), environment, stays_root, allow_root)

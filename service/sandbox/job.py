@@ -2,7 +2,8 @@
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ class SceneRequest:
     budget_s: float
     after: str | None
     drive: Callable[[Ask], Any] | None = None
+    needs: tuple[str, ...] = ()
     question: Mapping[str, Any] | None = None
     source: str | None = None
 
@@ -47,6 +49,8 @@ class SceneRequest:
 class Job:
     """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
 
+    ``functions`` are the names asked for; those among them that are ``variables`` need not be callable.
+    ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together.
     """
 
@@ -56,6 +60,8 @@ class Job:
     functions: tuple[str, ...]
     scenes: tuple[SceneRequest, ...]
     load_budget_s: float = LOAD_BUDGET_S
+    variables: tuple[str, ...] = ()
+    data: Mapping[str, Path] = field(default_factory=dict)
 
     def without(self, done: set[str]) -> "Job":
         """Return this job without the scenes in ``done``."""
@@ -65,7 +71,7 @@ class Job:
         """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
-            | {"asked": s.drive is not None, "question": s.question, "source": s.source}
+            | {"asked": s.drive is not None, "question": s.question, "source": s.source, "needs": s.needs}
             for s in self.scenes
         ]
         document = {
@@ -73,6 +79,7 @@ class Job:
             "plays": self.plays,
             "cells": [[c.name, c.source] for c in self.cells],
             "functions": self.functions,
+            "variables": self.variables,
             "load_budget_s": self.load_budget_s,
             "scenes": scenes,
         }

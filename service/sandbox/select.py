@@ -53,7 +53,7 @@ def try_namespaces(allow_root: bool = False) -> tuple[Isolation | None, str]:
     try:
         tried = subprocess.run(
             [*isolation.around, isolation.inside[0], "-I", "-S", "-c", statement],
-            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(isolation.environment),
+            capture_output=True, text=True, timeout=TRY_S, check=False, env=dict(isolation.environment), cwd="/",
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         return None, str(error)

@@ -4,13 +4,14 @@ import contextlib
 import json
 import math
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from service.sandbox.guest.zygote import PLAY, READY, REAPED
@@ -32,11 +33,14 @@ class ZygoteLost(Exception):
 class Zygote:
     """A zygote process started by ``command``, which gets the number of its control socket as last argument.
 
+    It starts in a folder of its own, which children can read. During a play the folder holds the job's data files.
     Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str], cancelled: threading.Event) -> None:
         self._cancelled = cancelled
+        self._data = tempfile.TemporaryDirectory(prefix="polhode-data-")
+        os.chmod(self._data.name, 0o755)  # noqa: S103 -- the guest may be another user
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
         self._ready = False
@@ -48,6 +52,7 @@ class Zygote:
             stdout=self._log,
             stderr=self._log,
             env=environment,
+            cwd=self._data.name,
             start_new_session=True,
         )
         theirs.close()
@@ -76,6 +81,10 @@ class Zygote:
         does not answer: kill it, and try again with another.
         """
         self.wait_ready()
+        with self._data_files(job):
+            return self._play(job, budget, result, on_scene)
+
+    def _play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> bool:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
         own, theirs = (job_w, result_r, output_r), (job_r, result_w, output_w)
         try:
@@ -105,6 +114,24 @@ class Zygote:
         session.record_end(result)
         return not session.abnormal
 
+    @contextlib.contextmanager
+    def _data_files(self, job: Job) -> Iterator[None]:
+        """Copy the job's data files into the folder in which children start, and remove them afterwards."""
+        folder = Path(self._data.name)
+        try:
+            try:
+                for name, source in job.data.items():
+                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copyfile(source, folder / name)
+                for path in folder.rglob("*"):  # whatever this process's umask is
+                    path.chmod(0o755 if path.is_dir() else 0o644)
+            except OSError as error:
+                raise SystemFault(f"the data files of the assignment cannot be copied: {error}") from error
+            yield
+        finally:
+            for path in folder.iterdir():
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+
     def _fork(self, fds: tuple[int, int, int], cpu_s: float) -> int:
         """Start a child with these descriptors and this limit of CPU time, and return its pidfd."""
         self._control.settimeout(ANSWER_S)
@@ -130,6 +157,7 @@ class Zygote:
             os.killpg(self._process.pid, signal.SIGKILL)
         self._control.close()
         self._log.close()
+        self._data.cleanup()
         try:
             self._process.wait(timeout=10)
         except subprocess.TimeoutExpired as error:

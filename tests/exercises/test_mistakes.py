@@ -48,15 +48,15 @@ def test_a_change_of_one_node_is_named_at_its_place(toolbox, sandbox):
 
 
 @pytest.mark.parametrize(
-    "source",
+    ("number", "source"),
     [
-        f"{INIT}        self.l = l\n    def period(self): return 1.2345 * self.l",
-        f"{INIT}        pass\n    def period(self): return 2 * pi",  # several changes have this result
+        ("3", f"{INIT}        self.l = l\n    def period(self): return 1.2345 * self.l"),
+        ("1", "from scipy.optimize import bisect\ndef find_root(f, a, b, tol): return bisect(f, a, b, xtol=1e-13) / 2"),
     ],
     ids=["unknown", "ambiguous"],
 )
-def test_numbers_of_no_or_several_wrong_solutions_have_no_diagnosis(toolbox, sandbox, source):
-    assert diagnoses(toolbox, sandbox, source, "3") == set()
+def test_numbers_of_no_or_several_wrong_solutions_have_no_diagnosis(toolbox, sandbox, number, source):
+    assert diagnoses(toolbox, sandbox, source, number) == set()
 
 
 def test_a_mistake_that_holds_for_the_public_inputs_only_is_not_diagnosed(toolbox, sandbox):

@@ -81,6 +81,7 @@ EQUAL = [
     ("abs(x - w)", "abs(w - x)"),
     ("max(x, w)", "max(w, x)"),
     ("np.hypot(x, w)", "np.hypot(w, x)"),
+    ("x if x * w > 0 else v", "x if x / w > 0 else v"),
     ("x if x - w > 0 else v", "x if (x - w) / 2 > 0 else v"),
 ]
 

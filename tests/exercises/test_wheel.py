@@ -5,20 +5,37 @@ import json
 import zipfile
 
 from exercises.wheel import wheel
+from tests.support.assignments import copied, known
+
+
+def test_a_kit_holds_one_assignment_and_the_kit_without_a_slug_all(tmp_path):
+    copied(tmp_path)
+    with known(tmp_path):
+        folders = {slug: _folders(wheel(slug)) for slug in ("rigid-body", "damped-oscillator", None)}
+    assert folders == {
+        "rigid-body": {"rigid_body"},
+        "damped-oscillator": {"damped_oscillator"},
+        None: {"rigid_body", "damped_oscillator"},
+    }
+
+
+def _folders(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return {name.split("/")[2] for name in archive.namelist() if name.startswith("ecp/assignments/") and name.count("/") > 2}
 
 
 def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):
-    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
+    with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
         home = "ecp/assignments/rigid_body/"
         held = {name.removeprefix(home): archive.read(name) for name in archive.namelist() if name.startswith(home)}
         names = archive.namelist()
     public = {path.name for path in (rigid_body.folder / "public").glob("*.py")}
-    assert held.keys() == public | {"plays.py", "public.json", "truth.npz"}
+    assert held.keys() == public | {"made.json", "plays.py", "public.json", "truth.npz"}
     assert not any("samples" in name or name.endswith(("hidden_checks.py", "truth.py", "scenes.py")) for name in names)
 
 
 def test_no_scene_that_is_drawn_for_an_attempt_is_in_the_kit(rigid_body):
-    with zipfile.ZipFile(io.BytesIO(wheel())) as archive:
+    with zipfile.ZipFile(io.BytesIO(wheel("rigid-body"))) as archive:
         declared = json.loads(archive.read("ecp/assignments/rigid_body/public.json"))
         with zipfile.ZipFile(io.BytesIO(archive.read("ecp/assignments/rigid_body/truth.npz"))) as exact:
             solved = {name.partition("/")[0] for name in exact.namelist()}

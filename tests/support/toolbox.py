@@ -8,6 +8,10 @@ import zipfile
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from ecp.judge import Verdict
+from ecp.kinds import question_checks
 from exercises import wheel
 from exercises.assignment import Assignment
 from exercises.author import Notebook
@@ -29,7 +33,7 @@ def right(toolbox):
 
 
 def mistaken(toolbox, function, number):
-    question = next(question for question in toolbox.notebook.questions() if question.function == function)
+    question = question_of(toolbox, function)
     return question.mistakes[number].source(question.source)
 
 
@@ -46,8 +50,34 @@ print(json.dumps([outcome.line for outcome in ecp.check(assignment={slug!r}).out
 def check_locally(slug, source, folder):
     """What ``ecp.check`` of the kit as students install it prints, as JSON."""
     kit = folder / "kit"
-    zipfile.ZipFile(io.BytesIO(wheel.wheel())).extractall(kit)
-    setup = find(slug).setup
-    code = CHECK.format(kit=str(kit), setup=setup, source=source, slug=slug)
+    zipfile.ZipFile(io.BytesIO(wheel.wheel(slug))).extractall(kit)
+    code = CHECK.format(kit=str(kit), setup=find(slug).setup, source=source, slug=slug)
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=clean).stdout
+
+
+def judged(question, solution, seed=1):
+    """The outcomes of a question by check id for a function that runs here, without a sandbox. ``solution`` may be its source."""
+    if isinstance(solution, str):
+        names = {"np": np}
+        exec(solution, names)
+        solution = names[question.function]
+    outcomes = {}
+    for scene in question.scenes():
+        inputs = scene.inputs(np.random.default_rng(seed)) if callable(scene.inputs) else dict(scene.inputs)
+        asked = dict(scene.question)
+        seen, truth = question.play(solution, inputs, asked.get("part")), scene.truth(inputs)
+        known = {name: truth[name] for name in scene.known}
+        checks = question_checks(asked, scene.name, callable(scene.inputs))
+        outcomes |= {check.id: check.judge([{**seen, **known}], [truth]) for check in checks}
+    return outcomes
+
+
+def failed(outcomes):
+    """The ids of the checks that failed; all others passed."""
+    assert all(outcome.verdict is not Verdict.UNMEASURED for outcome in outcomes.values())
+    return {id for id, outcome in outcomes.items() if outcome.verdict is Verdict.FAIL}
+
+
+def question_of(toolbox, function):
+    return next(question for question in toolbox.notebook.questions() if question.function == function)

@@ -1,7 +1,8 @@
 """The course notebook's kit: ✓/✗ lines, drawing, local checks, and submitting to the course server.
 
-The course server distributes it as ``polhode-kit``; it is imported as ``ecp``. The package named ``ecp`` on
-the public index is unrelated. It needs numpy and scipy, and imports matplotlib only to draw.
+The course server distributes it as ``polhode-kit-SLUG``, with the local checks of one assignment; it is
+imported as ``ecp``. The package named ``ecp`` on the public index is unrelated. It needs numpy and scipy,
+and imports matplotlib only to draw.
 """
 
 import importlib

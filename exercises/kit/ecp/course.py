@@ -1,16 +1,17 @@
-"""The server and assignment of a notebook, and the assignments whose public checks the kit contains."""
+"""The server and assignment of a notebook, and the assignments whose kits are installed, each in its folder below assignments/."""
 
 import importlib
 import json
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ecp import KIT
 from ecp.checks import Arrays
 from ecp.errors import NotebookError
 from ecp.exercise import Exercise
@@ -36,8 +37,8 @@ class Course:
 
 @dataclass(frozen=True)
 class PublicScene:
-    """A scene with fixed inputs: ``play`` calls ``function`` with ``inputs``. ``truth`` holds the exact
-    arrays.
+    """A scene with fixed inputs: ``play`` calls ``function`` with ``inputs`` and also uses the names in
+    ``needs``. ``truth`` holds the exact arrays.
 
     The arrays named in ``known`` are added to those the function returned. The scene runs only if the scene
     it comes ``after`` has finished. The server gives it ``budget_s`` seconds. ``question`` is its question, if it
@@ -52,6 +53,7 @@ class PublicScene:
     budget_s: float
     after: str | None
     truth: Arrays
+    needs: list[str] = field(default_factory=list)
     question: Mapping[str, Any] | None = None
 
 
@@ -71,6 +73,15 @@ class PublicAssignment:
     plays: Mapping[str, Any]
     diagnose: Diagnose = _no_diagnosis
 
+    def names(self, scene: str) -> set[str]:
+        """Return the notebook's names that a scene, and those it comes after, cannot be played without."""
+        found = self.scenes[scene]
+        return {found.function, *found.needs} | (self.names(found.after) if found.after is not None else set())
+
+    def variables(self) -> set[str]:
+        """Return the names that stand for a value, not for a function."""
+        return {name for e in self.exercises for name in e.variables}
+
 
 def _by_kind(scenes: Mapping[str, PublicScene]) -> Diagnose:
     return lambda scene, inputs, seen, truth: diagnose(scenes[scene].question or {}, seen, truth) or []
@@ -82,56 +93,98 @@ _connected: list[Course] = [Course()]
 def connect(server: str | None = None, assignment: str | None = None) -> None:
     """Set the server and assignment that ``check``, ``submit``, ``login`` and ``submissions`` use by default.
 
-    Raises UnknownCourse if ``server`` is not an http or https address.
+    Copies the assignment's data files to the current folder and leaves those that are there already. Raises
+    UnknownCourse if ``server`` is not an http or https address.
     """
     _connected[0] = Course(_address(server) if server else None, assignment)
+    for slug in [assignment] if assignment else slugs():
+        _copy_data(FOLDER / slug.replace("-", "_") / "data")
 
 
-def server(given: str | None = None) -> str:
+def _copy_data(home: Path) -> None:
+    for source in sorted(path for path in home.rglob("*") if path.is_file()):
+        name = source.relative_to(home)
+        try:
+            if not name.exists():
+                name.parent.mkdir(parents=True, exist_ok=True)
+                name.write_bytes(source.read_bytes())
+            elif name.read_bytes() != source.read_bytes():
+                print(f"{name} in {Path.cwd()} differs from the course's file: rename yours and run this cell again.")
+        except OSError as error:
+            print(f"{name} was not written to {Path.cwd()} ({error.strerror}): copy it there from {source}.")
+
+
+def server(given: str | None = None, assignment: str | None = None) -> str:
     """Return the server's address without a trailing slash: given, connected, from POLHODE_SERVER, or the
-    kit's origin.
+    origin of the kit of ``assignment`` (default: connected, else of all installed kits).
 
-    Raises UnknownCourse if none of them is set.
+    Raises UnknownCourse if none of them is set, or if the kits come from several servers.
     """
-    found = given or _connected[0].server or os.environ.get("POLHODE_SERVER") or _made().get("server")
-    if not found:
-        raise UnknownCourse('No server is set: call ecp.connect("https://…") first.')
-    return _address(found)
+    if found := given or _connected[0].server or os.environ.get("POLHODE_SERVER"):
+        return _address(found)
+    slug = assignment or _connected[0].assignment
+    origins = _origins([slug] if slug else []) or _origins(slugs())
+    if len(origins) == 1:
+        return _address(origins.pop())
+    several = f" (the installed kits come from {', '.join(sorted(origins))})" if origins else ""
+    raise UnknownCourse(f'No server is set{several}: call ecp.connect("https://…") first.')
 
 
 def assignment(given: str | None = None) -> str:
-    """Return the assignment's slug: given, connected, or the only one this kit contains. Raises UnknownCourse
-    otherwise.
-    """
+    """Return the assignment's slug: given, connected, or that of the only installed kit. Raises UnknownCourse otherwise."""
     if found := given or _connected[0].assignment:
         return found
     if len(known := slugs()) == 1:
         return known[0]
-    raise UnknownCourse('No assignment is set: call ecp.connect("https://…", assignment="…") first.')
+    several = f" (kits of {', '.join(known)} are installed)" if known else ""
+    raise UnknownCourse(f'No assignment is set{several}: call ecp.connect("https://…", assignment="…") first.')
 
 
 def public(slug: str) -> PublicAssignment:
-    """Return the public side of an assignment. Raises UnknownCourse if this kit does not contain it."""
+    """Return the public side of an assignment. Raises UnknownCourse if its kit is not installed, or does not fit
+    the installed ``ecp``, which every kit contains and the one installed last replaces.
+    """
+    install = f"run %pip install --force-reinstall --no-deps {_kit_address(slug)} and restart the kernel"
     if slug not in slugs():
-        empty = " because it contains no assignment: install the kit from your course's server"
-        known = f"; it has {', '.join(slugs())}" if slugs() else empty
-        raise UnknownCourse(f"this kit has no local checks for {slug}{known}")
-    return _load(slug)
+        if not slugs():
+            raise UnknownCourse(f"no kit is installed: install the kit of {slug} from your course's server")
+        raise UnknownCourse(f"the kit of {slug} is not installed, only that of {', '.join(slugs())}: {install}")
+    if not _has_checks(slug):
+        raise UnknownCourse(f"the kit of {slug} has no local checks: submit your work to have it checked")
+    try:
+        return _load(slug)
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise UnknownCourse(f"the kit of {slug} does not fit the installed version of ecp ({reason}): {install}") from error
 
 
 def functions(slug: str) -> set[str]:
-    """Return the names of the functions that an assignment asks for; empty if this kit does not contain it."""
-    return {f for e in public(slug).exercises for f in e.function_names()} if slug in slugs() else set()
+    """Return the names of the functions that an assignment asks for; empty without its kit or its local checks."""
+    return {f for e in public(slug).exercises for f in e.function_names()} if _has_checks(slug) else set()
 
 
 def slugs() -> list[str]:
-    """Return the slugs of the assignments whose public checks this kit contains."""
-    return sorted(path.parent.name.replace("_", "-") for path in FOLDER.glob("*/public.json"))
+    """Return the slugs of the assignments whose kits are installed."""
+    return sorted({path.parent.name.replace("_", "-") for path in FOLDER.glob("*/*.json")})
 
 
-def build() -> str | None:
-    """Return the kit's build hash, or None if it runs from its source."""
-    return _made().get("build")
+def build(slug: str) -> str | None:
+    """Return the build hash of the assignment's kit, or None if it runs from its source."""
+    return _made(slug).get("build")
+
+
+def _origins(slugs: Iterable[str]) -> set[str]:
+    """Return the servers from which the kits of these assignments come."""
+    return {made["server"] for slug in slugs if "server" in (made := _made(slug))}
+
+
+def _kit_address(slug: str) -> str:
+    origins = _origins([slug]) or _origins(slugs())
+    return f"{min(origins) if origins else 'https://…'}/kit/polhode_kit_{slug.replace('-', '_')}-{KIT}-py3-none-any.whl"
+
+
+def _has_checks(slug: str) -> bool:
+    return (FOLDER / slug.replace("-", "_") / "public.json").is_file()
 
 
 def _address(given: str) -> str:
@@ -141,9 +194,8 @@ def _address(given: str) -> str:
     return address
 
 
-@cache
-def _made() -> dict[str, str]:
-    path = FOLDER / "made.json"
+def _made(slug: str) -> dict[str, str]:
+    path = FOLDER / slug.replace("-", "_") / "made.json"
     found: dict[str, str] = json.loads(path.read_bytes()) if path.is_file() else {}
     return found
 

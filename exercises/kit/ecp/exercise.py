@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
 
+NamesOf = Callable[[str], set[str]]
+"""A function from a scene's name to the names of a submission that the scene cannot be played without."""
+
+
 @dataclass(frozen=True)
 class Figure:
     """A figure drawn on demand. ``draw(canvas, seen, truth)`` gets one mapping of arrays per scene."""
@@ -54,7 +58,10 @@ class Exercise:
     """A numbered section. A submission that defines one of its ``functions`` or ``optional`` functions
     attempts it.
 
-    The checks of a function in ``optional`` are left out if that function is not defined.
+    The checks of a function in ``optional`` are left out if that function is not defined, and so are those
+    that need a function of another exercise, unless it is one of the ``prerequisites``. ``variables`` are
+    those among the names of ``functions`` and ``optional`` that stand for a value computed in a cell: a
+    number, an array, a string, a dict.
     """
 
     number: str
@@ -65,18 +72,19 @@ class Exercise:
     animations: tuple[Animation, ...] = ()
     optional: tuple[str, ...] = ()
     motions: tuple[Motion, ...] = ()
+    variables: tuple[str, ...] = ()
+    prerequisites: tuple[str, ...] = ()
 
     def function_names(self) -> set[str]:
         """Return the names of its functions, the optional ones included."""
         return {*self.functions, *self.optional}
 
-    def applicable_checks(self, written: Collection[str], function_of: Callable[[str], str]) -> list[Check]:
-        """Return its checks without those of optional functions that are not ``written``.
-
-        ``function_of`` maps a scene's name to the name of its function.
+    def applicable_checks(self, written: Collection[str], names_of: NamesOf) -> list[Check]:
+        """Return its checks without those that need a name that is neither ``written`` nor one of its functions
+        or prerequisites.
         """
-        absent = set(self.optional) - set(written)
-        return [check for check in self.checks if not absent & {function_of(scene) for scene in check.scenes}]
+        present = {*self.functions, *self.prerequisites} - set(self.optional) | set(written)
+        return [check for check in self.checks if all(names_of(scene) <= present for scene in check.scenes)]
 
     def scenes(self) -> set[str]:
         """Return the names of the scenes that its checks, figures, animations and motions read."""
@@ -87,3 +95,11 @@ class Exercise:
 def attempted(exercises: Sequence[Exercise], written: Collection[str]) -> list[Exercise]:
     """Return the exercises that ask for a function that is ``written``, or all of them if none does."""
     return [e for e in exercises if e.function_names() & set(written)] or list(exercises)
+
+
+def points(chosen: Sequence[Exercise], exercises: Sequence[Exercise], written: Collection[str], names_of: NamesOf) -> int:
+    """Return the points of the ``chosen`` of all ``exercises``: one per check, without those of optional functions
+    that are not ``written``.
+    """
+    asked = {f for e in exercises for f in e.functions}
+    return sum(len(e.applicable_checks((asked - set(e.optional)) | set(written), names_of)) for e in chosen)

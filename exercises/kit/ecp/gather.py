@@ -41,7 +41,7 @@ class Bundle:
     """A submission: ``source``, and a file name whose suffix says how to read it.
 
     A gathered source runs alone with ``exec`` and defines ``names``, the functions asked for. For a whole
-    notebook they are the functions and other callables it defines.
+    notebook they are all names it defines.
     """
 
     source: str
@@ -93,7 +93,7 @@ def whole_notebook(cells: Sequence[str] | None = None) -> Bundle:
     ]
     notebook = {"cells": code, "metadata": {}, "nbformat": 4, "nbformat_minor": 4}
     names = _live_namespace() if cells is None else {}
-    written = tuple(name for name, value in names.items() if not name.startswith("_") and is_written(value))
+    written = tuple(name for name, value in names.items() if not name.startswith("_") and is_written(value, variable=True))
     return Bundle(json.dumps(notebook, ensure_ascii=False), written, filename="notebook.ipynb")
 
 

@@ -16,12 +16,12 @@ import numpy as np
 from ecp import animate, course
 from ecp.checks import Arrays, Check
 from ecp.course import PublicAssignment, PublicScene, UnknownCourse
-from ecp.exercise import Exercise, attempted
+from ecp.exercise import Exercise, attempted, points
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from ecp.report_html import html
-from ecp.return_value import describe_exception, is_written
+from ecp.return_value import describe_exception, is_written, missing
 from ecp.time_limit import OutOfTime, limited
 
 KIT = Path(__file__).parent
@@ -36,13 +36,10 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     """
     names = sys._getframe(1).f_globals
     known = course.public(course.assignment(assignment))
-    written = {f for e in known.exercises for f in e.function_names() if is_written(names.get(f))}
-
-    def function_of(scene: str) -> str:
-        return known.scenes[scene].function
-
+    asked, variables = {f for e in known.exercises for f in e.function_names()}, known.variables()
+    written = {name for name in asked if is_written(names.get(name), name in variables)}
     chosen = _chosen(known, [str(number) for number in numbers], written)
-    checks = {e.number: e.applicable_checks(written, function_of) for e in chosen}
+    checks = {e.number: e.applicable_checks(written, known.names) for e in chosen}
     with _close_new_figures(), animate.watched():
         played = _play(_needed(chosen, checks, known), known, names)
     sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
@@ -50,7 +47,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True, html=html)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
     report.not_attempted = [e.number for e in missed]
-    report.total = report.max_score + sum(len(e.applicable_checks(e.functions, function_of)) for e in missed)
+    report.total = points([*chosen, *missed], known.exercises, written, known.names)
     report.scene_ends = [scene_end for scene_end in played.scene_ends.values() if scene_end.ended is not Ended.FINISHED]
     arrays = played.arrays
     report.figures, report.animations = pictures(chosen, arrays)
@@ -87,13 +84,13 @@ def _needed(chosen: list[Exercise], checks: Mapping[str, list[Check]], known: Pu
 
 
 def _play(scenes: list[PublicScene], known: PublicAssignment, names: Mapping[str, Any]) -> SceneRun:
-    played = SceneRun()
+    played, variables = SceneRun(), known.variables()
     for scene in scenes:
         before = played.scene_ends.get(scene.after or "")
         if before is not None and before.ended is not Ended.FINISHED:
             played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.NOT_PLAYED, before.sentence)
-        elif not callable(names.get(scene.function)):
-            sentence = f"{scene.function} is not defined"
+        elif found := list(filter(None, (missing(names, name, name in variables) for name in (scene.function, *scene.needs)))):
+            sentence = found[0]
             played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.MISSING, sentence, "missing-function")
         else:
             _play_one(scene, known, names, played)
@@ -104,8 +101,8 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
     began = time.monotonic()
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
-            asked = ({scene.function: names[scene.function]}, scene.inputs)
-            seen = known.plays[scene.play](*(asked if scene.question is None else (scene.question, *asked)))
+            question = () if scene.question is None else (scene.question,)
+            seen = known.plays[scene.play](*question, names, scene.inputs)
     except KeyboardInterrupt:
         raise
     except OutOfTime:

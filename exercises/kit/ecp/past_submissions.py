@@ -62,7 +62,8 @@ def submissions(server: str | None = None, assignment: str | None = None) -> Sub
     ``server`` and ``assignment`` default to those of ``ecp.connect``. Raises UnknownCourse if one of them is not known, Unreachable
     if the server does not answer, and HTTPError if it refuses, for example because you are not logged in.
     """
-    where, slug = course.server(server), course.assignment(assignment)
+    slug = course.assignment(assignment)
+    where = course.server(server, slug)
     found = call("GET", f"{where}/v1/assignments/{slug}/submissions", headers=authorization(where), patience=CONTACT_S).json()
     return Submissions(found["assignment"], found["submissions"], found["best"], found["last"], f"{where}/assignments/{slug}")
 

@@ -41,7 +41,8 @@ def submit(
     empty are not sent; returns None if all are empty. Raises CannotSend, UnknownCourse, Unreachable or
     HTTPError if nothing was submitted, and NotGraded if the submission has no report.
     """
-    where, slug = course.server(server), course.assignment(assignment)
+    slug = course.assignment(assignment)
+    where = course.server(server, slug)
     empty = [f.__name__ for f in functions if is_empty(f)]
     if functions and len(empty) == len(functions):
         one, several = "has no code yet. Write it, run its cell,", "have no code yet. Write them, run their cells,"
@@ -144,9 +145,9 @@ def _pictures(report: Report, url: str, headers: Mapping[str, str], line: Line) 
     return found
 
 
-def _outdated(server: str, slug: str | None) -> str:
+def _outdated(server: str, slug: str) -> str:
     """Return a remark if the server now distributes another kit, whose public checks may differ; else ""."""
-    if (own := course.build()) is None:
+    if (own := course.build(slug)) is None:
         return ""
     try:
         current = call("GET", f"{server}/v1/assignments/{slug}", patience=5.0).json()

@@ -6,7 +6,7 @@ import dis
 import inspect
 import traceback
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -45,13 +45,32 @@ def exchanged(function: Any, names: tuple[str, ...]) -> str | None:
     return f"({', '.join(own)})" if own != names and sorted(own) == sorted(names) else None
 
 
-def is_written(value: Any) -> bool:
-    """Return whether ``value`` is callable and, if it is a function, not empty."""
-    return callable(value) and not is_empty(value)
+def is_written(value: Any, variable: bool = False) -> bool:
+    """Return whether ``value`` is a callable, or for a ``variable`` anything but None and ``...``, and not empty."""
+    return value is not None and value is not ... and (variable or callable(value)) and not is_empty(value)
+
+
+def missing(names: Mapping[str, Any], name: str, variable: bool) -> str | None:
+    """Return why a submission's ``names`` have no function (or ``variable``) ``name``, or None if they have it."""
+    if name not in names or (variable and not is_written(names[name], variable)):
+        return f"{name} is not defined"
+    if variable or callable(names[name]):
+        return None
+    return f"{name} is {_named(names[name])}, not a function"
+
+
+def _named(value: Any) -> str:
+    return "None" if value is None else f"of type {type(value).__name__}"
 
 
 def is_empty(function: Any) -> bool:
-    """Return whether a function's body is only a docstring, ``...`` or ``pass``: it is not written yet."""
+    """Return whether a function's body, or that of each method of a class, is only a docstring, ``...`` or
+    ``pass``: it is not written yet.
+    """
+    if isinstance(function, type):
+        own = [getattr(value, "__func__", getattr(value, "fget", value)) for value in vars(function).values()]
+        methods = [value for value in own if isinstance(value, types.FunctionType)]
+        return all(map(is_empty, methods)) and bool(methods)
     if not isinstance(function, types.FunctionType):
         return False
     steps = list(dis.get_instructions(function))

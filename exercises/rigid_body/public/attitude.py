@@ -60,4 +60,5 @@ ATTITUDE = Exercise(
         ),
     ),
     motions=(motions.PRECESSION,),
+    prerequisites=("euler_eqs",),
 )

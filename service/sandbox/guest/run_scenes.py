@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.return_value import describe_exception, is_written
+from ecp.return_value import describe_exception, is_written, missing
 
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
@@ -69,7 +69,7 @@ def _run(
     with recorder.recording():
         shows = _load_submission(student, job, recorder, write)
     student |= _adopt(plays, student, shows)
-    names = [name for name in job["functions"] if is_written(student.get(name))]
+    names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
     write.event("defined", names=names, claims_left_out=recorder.left_out)
     finished: set[str] = set()
     asked = {scene["name"] for scene in job["scenes"]}
@@ -77,9 +77,17 @@ def _run(
         if scene["after"] in asked - finished:
             sentence = f"not run: it needs the scene {scene['after']}, which did not finish"
             write.event("scene", scene=scene["name"], ended="not-played", sentence=sentence)
+        elif absent := _missing(scene, student, job["variables"]):
+            write.event("start", scene=scene["name"])
+            write.event("scene", scene=scene["name"], ended="missing-function", code="missing-function", sentence=absent)
         elif _play(scene, plays, student, questions, write, unchanged=unchanged):
             finished.add(scene["name"])
     write.event("done")
+
+
+def _missing(scene: dict[str, Any], student: Names, variables: list[str]) -> str | None:
+    names = (scene["function"], *scene["needs"]) if scene["source"] is None else ()
+    return next((sentence for name in names if (sentence := missing(student, name, name in variables))), None)
 
 
 def _play(
@@ -87,10 +95,6 @@ def _play(
 ) -> bool:
     name = scene["name"]
     write.event("start", scene=name)
-    if scene["source"] is None and not callable(student.get(scene["function"])):
-        sentence = f"{scene['function']} is not defined"
-        write.event("scene", scene=name, ended="missing-function", code="missing-function", sentence=sentence)
-        return False
 
     def answer() -> None:
         unchanged()

@@ -9,6 +9,8 @@ from matplotlib.animation import FuncAnimation
 
 from exercises.author import Notebook, Tolerance, Value, family, mistake, uniform
 from exercises.kinds.animation import animation
+from exercises.kinds.ode import ode
+from exercises.kinds.stepper import rk4, stepper
 from exercises.kinds.values import values
 
 ROUNDING = "a few rounding errors of the summed terms"
@@ -115,6 +117,130 @@ notebook.exercise(
         truth=lambda l, g: 2 * np.pi * (l / g) ** 0.5,
         agree=Tolerance(limit=1e-13, reason=ROUNDING),
         mistakes=[mistake("2 * pi", "pi", "constant-factor", "half of the period is returned")],
+    ),
+)
+
+
+def oscillator(t, y, w, g):
+    return [y[1], -(w**2) * y[0] - 2 * g * y[1]]
+
+
+def damped(t, y, w, g):
+    """Return position and velocity of the damped oscillator."""
+    v = sqrt(w**2 - g**2)
+    x = y[0] * np.cos(v * t) + (y[1] + g * y[0]) / v * np.sin(v * t)
+    rate = y[1] * np.cos(v * t) - (w**2 * y[0] + g * y[1]) / v * np.sin(v * t)
+    return np.exp(-g * t) * x, np.exp(-g * t) * rate
+
+
+notebook.exercise(
+    "4",
+    "The damped oscillator",
+    ode(
+        oscillator,
+        ask={"t": uniform(0, 9), "y": uniform(-2, 2, 2), "w": uniform(1, 4), "g": uniform(0.1, 0.9)},
+        agree=Tolerance(limit=1e-13, reason=ROUNDING),
+        motion=damped,
+        t_end=10.0,
+        follow=Tolerance(limit=1e-8, reason="a hundred times the error of the integration"),
+        mistakes=[
+            mistake("-(w**2)", "w**2", "sign-flipped", "the spring pushes away"),
+            mistake("2 * g", "g", "constant-factor", "half of the damping"),
+            mistake(" - 2 * g * y[1]", "", "missing-term", "there is no damping"),
+        ],
+    ),
+)
+
+
+def pendulum(t, y, g):
+    return np.array([y[1], -g * np.sin(y[0])])
+
+
+notebook.exercise(
+    "5",
+    "The pendulum",
+    ode(
+        pendulum,
+        ask={"t": 0.0, "y": uniform(-2, 2, 2), "g": uniform(1, 9)},
+        truth=lambda y, g: [y[1], -g * np.imag(np.exp(1j * y[0]))],
+        agree=Tolerance(limit=1e-13, reason=ROUNDING),
+        t_end=10.0,
+        follow=Tolerance(limit=1e-7, reason="a hundred times the error of the integration"),
+        conserved={"energy": ("y[1]**2 / 2 - g * cos(y[0])", Tolerance(limit=1e-8, reason="the error of the integration"))},
+        mistakes=[
+            mistake("np.sin(y[0])", "y[0]", "missing-term", "the angle is not small"),
+            mistake("-g * np.sin(y[0])", "-g * np.sin(y[0]) - 1e-4 * y[1]", "wrong-quantity", "friction is added"),
+        ],
+    ),
+)
+
+
+def rk4_step(f, t, y, h):
+    k1 = f(t, y)
+    k2 = f(t + h / 2, y + h / 2 * k1)
+    k3 = f(t + h / 2, y + h / 2 * k2)
+    k4 = f(t + h, y + h * k3)
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+ORDER = "the slope still bends at the first steps"
+SEARCHED = "the published limit has four digits"
+
+notebook.exercise(
+    "6",
+    "A step of Runge and Kutta",
+    stepper(
+        rk4_step,
+        ask={
+            "f": family("A @ y + b * cos(t) - c * y**3", "t", "y", A=uniform(-1, 1, 3, 3), b=uniform(-1, 1, 3), c=uniform(0, 1)),
+            "t": uniform(0, 9),
+            "y": uniform(-1, 1, 3),
+            "h": uniform(0.1, 0.4),
+        },
+        truth=rk4,
+        agree=Tolerance(limit=1e-13, reason=ROUNDING),
+        calls=Tolerance(limit=4, reason="four stages"),
+        order=(4, Tolerance(atol=0.3, reason=ORDER)),
+        stability=(2.785, Tolerance(rtol=1e-3, atol=0, reason=SEARCHED)),
+        mistakes=[
+            mistake("h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)", "h * k1", "wrong-quantity", "this is Euler's step"),
+            mistake("k1 + 2 * k2 + 2 * k3 + k4", "1.5 * (k1 + k2 + k3 + k4)", "constant-factor", "the slopes are weighted alike"),
+            mistake("f(t + h / 2, y + h / 2 * k2)", "f(t, y + h / 2 * k2)", "missing-term", "the third slope is that of time t"),
+            mistake("    k1 =", "    f(t, y)\n    k1 ="),
+        ],
+    ),
+)
+
+
+def verlet(force, x, v, h):
+    half = v + h / 2 * force(x)
+    x = x + h * half
+    return x, half + h / 2 * force(x)
+
+
+notebook.exercise(
+    "7",
+    "A step of Verlet",
+    stepper(
+        verlet,
+        ask={
+            "force": family("-k * x - sin(x)", "x", k=uniform(0.5, 2)),
+            "x": uniform(-1, 1, 2),
+            "v": uniform(-1, 1, 2),
+            "h": uniform(0.05, 0.4),
+        },
+        rates=lambda force, x, v: (v, force(x)),
+        truth=lambda force, x, v, h: (
+            x + h * v + h**2 / 2 * force(x),
+            v + h / 2 * (force(x) + force(x + h * v + h**2 / 2 * force(x))),
+        ),
+        agree={name: Tolerance(limit=1e-13, reason=ROUNDING) for name in ("x", "v")},
+        order=(2, Tolerance(atol=0.2, reason=ORDER)),
+        stability=(2, Tolerance(rtol=1e-3, atol=0, reason="the search ends at a millionth")),
+        mistakes=[
+            mistake("half + h / 2 * force(x)", "half", "missing-term", "the second half kick is missing"),
+            mistake("x + h * half", "x + h * v", "wrong-quantity", "the drift uses the old velocity"),
+        ],
     ),
 )
 

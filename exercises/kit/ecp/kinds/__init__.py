@@ -3,7 +3,8 @@
 A question is a JSON document that an author's declaration produces: its ``kind``, the student's
 ``function``, its ``parameters`` and constant arguments, the values it ``returns``, and what the checks of
 its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
-each row of drawn arguments, and ``checks(question, scene, suffix)``. The sandbox, the server and
+each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
+public scene for each of them, with the part's name as ``question["part"]``. The sandbox, the server and
 ``ecp.check`` use the same functions.
 """
 
@@ -17,12 +18,12 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays, Check
 from ecp.exercise import Animation, Exercise, Figure
 from ecp.judge import Verdict
-from ecp.kinds import animation, values
+from ecp.kinds import animation, ode, stepper, values
 from ecp.kinds.alignment import aligned
 from ecp.kinds.values import compare
 from ecp.outcome import Diagnosis, Tolerance
 
-KINDS: Mapping[str, ModuleType] = {"animation": animation, "values": values}
+KINDS: Mapping[str, ModuleType] = {"animation": animation, "ode": ode, "stepper": stepper, "values": values}
 NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
 
 
@@ -78,7 +79,11 @@ def question_animations(question: Mapping[str, Any], scene: str) -> list[Animati
 def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
     """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if ``hidden``."""
     asked = list(questions)
-    scenes = [(q, q["scenes"]["public"], False) for q in asked] + [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
+    scenes = []
+    for q in asked:
+        parts = [({**q, "part": part}, f"{q['id']}-{part}", False) for part in q.get("parts", ())]
+        scenes += [(q, q["scenes"]["public"], False), *parts]
+    scenes += [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
     checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
     figures = [figure for q in asked for figure in question_figures(q, q["scenes"]["public"])]
     sheets = [sheet for q in asked for sheet in question_animations(q, q["scenes"]["public"])]

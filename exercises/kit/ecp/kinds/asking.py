@@ -23,14 +23,14 @@ class Counted:
     """A function that counts its calls. Raises WrongAnswer at the call after ``most``."""
 
     def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
-        self._function, self._name, self._most, self.calls = function, name, most, 0
+        self.function, self._name, self._most, self.calls = function, name, most, 0
 
     def __call__(self, *values: Any) -> Any:
         """Call the function."""
         self.calls += 1
         if self.calls > self._most:
             raise WrongAnswer(None, f"it called {self._name} more than {self._most} times")
-        return self._function(*values)
+        return self.function(*values)
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -47,7 +47,7 @@ def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, 
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
     for name, family in question["families"].items():
         scope = {known: values.pop(known) for known in family["given"]}
-        values[name] = Counted(_function(family["text"], tuple(family["over"]), scope), name, most)
+        values[name] = Counted(expression(family["text"], tuple(family["over"]), scope), name, most)
     return {parameter: values[parameter] for parameter in question["parameters"]}
 
 
@@ -139,7 +139,8 @@ def _code(text: str) -> Any:
     return compile(ast.parse(text, mode="eval"), "question", "eval")
 
 
-def _function(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
+def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
+    """Return the function of the variables ``over`` that an expression is. It may use the values ``given`` and MATHEMATICS."""
     code, scope = _code(text), {**MATHEMATICS, **given}
     return lambda *values: eval(code, scope, dict(zip(over, values, strict=True)))  # noqa: S307
 

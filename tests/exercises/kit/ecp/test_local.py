@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import ecp
-from exercises.wheel import NAME, wheel
+from exercises.wheel import filename, wheel
 from service.grading.grade import grade
 from service.grading.submission import Submission
 
@@ -144,8 +144,10 @@ def test_no_module_of_the_kit_hides_a_function_of_it():
 
 
 def test_the_wheel_is_the_same_each_time_installs_and_holds_no_solution(tmp_path):
-    assert wheel("http://a.example") == wheel("http://a.example") != wheel("http://b.example")
-    (tmp_path / NAME).write_bytes(wheel())
+    made = wheel("rigid-body", "http://a.example")
+    wheel.cache_clear()
+    assert made == wheel("rigid-body", "http://a.example") != wheel("rigid-body", "http://b.example")
+    (tmp_path / filename("rigid-body")).write_bytes(made)
     done = subprocess.run(
         [
             sys.executable,
@@ -157,7 +159,7 @@ def test_the_wheel_is_the_same_each_time_installs_and_holds_no_solution(tmp_path
             "--no-index",
             "--target",
             str(tmp_path / "to"),
-            str(tmp_path / NAME),
+            str(tmp_path / filename("rigid-body")),
         ],
         capture_output=True,
         text=True,

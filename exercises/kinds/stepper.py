@@ -1,0 +1,124 @@
+"""Questions about one step of an integration method: its values, its order of convergence, and its stability limit."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ecp.kinds import stepper as kit
+from ecp.outcome import Tolerance
+from exercises.question import (
+    HIDDEN_ROWS,
+    PUBLIC_ROWS,
+    Family,
+    Itself,
+    Mistake,
+    Part,
+    Question,
+    Value,
+    call_with,
+    calling_line,
+    tolerance_data,
+)
+
+
+def tableau(A: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float]) -> Callable[..., Any]:
+    """Return ``step(f, t, y, h)`` of the explicit Runge–Kutta method with this Butcher tableau.
+
+    Row i of ``A`` holds the weights of the slopes 0 to i − 1.
+    """
+
+    def step(f: Callable[..., Any], t: float, y: Any, h: float) -> Any:
+        k: list[Any] = []
+        for row, at in zip(A, c, strict=True):
+            k.append(np.asarray(f(t + at * h, y + h * sum(a * slope for a, slope in zip(row, k, strict=False)))))
+        return y + h * sum(weight * slope for weight, slope in zip(b, k, strict=True))
+
+    return step
+
+
+euler = tableau([[]], [1], [0])
+midpoint = tableau([[], [1 / 2]], [0, 1], [0, 1 / 2])
+heun = tableau([[], [1]], [1 / 2, 1 / 2], [0, 1])
+rk4 = tableau([[], [1 / 2], [0, 1 / 2], [0, 0, 1]], [1 / 6, 1 / 3, 1 / 3, 1 / 6], [0, 1 / 2, 1 / 2, 1])
+
+
+def stepper(
+    solution: Callable[..., Any],
+    ask: Mapping[str, Any],
+    agree: Tolerance | Mapping[str, Value | Tolerance],
+    *,
+    truth: Callable[..., Any] | Itself | None = None,
+    calls: Tolerance | None = None,
+    order: tuple[float, Tolerance] | None = None,
+    rates: Callable[..., Any] | None = None,
+    stability: tuple[float, Tolerance] | None = None,
+    test: str | None = None,
+    time: str = "t",
+    step: str = "h",
+    state: str = "y",
+    label: str | None = None,
+    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
+    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
+    budget_s: float = 5.0,
+) -> Question:
+    """Return the question for one step, such as ``step(f, t, y, h)`` or ``verlet(force, x, v, h)``.
+
+    The step returns the new ``state``, or several values (``agree``) with the names of the parameters that they replace. ``truth``
+    may be a ``tableau``. ``calls`` limits the calls of the function argument.
+
+    ``order`` is the order of convergence; its tolerance ``atol`` is how far below it the observed order may be. It is observed
+    for runs of four steps of each row's size, halved six times, against the integrated ``rates``: a function of the arguments
+    that returns the derivatives of the state in order, by default the function argument. ``stability`` is the largest step for
+    which the ``test`` problem does not grow, or ``math.inf``. The test problem is the expression of the function argument, by
+    default minus its last variable: y' = −y, or x'' = −x.
+    """
+    several = agree if isinstance(agree, Mapping) else {"value": Value(agree, label)}
+    (function,) = [(name, value) for name, value in ask.items() if isinstance(value, Family)]
+    states = {name: name for name in several} if isinstance(agree, Mapping) else {"value": state}
+    data: dict[str, Any] = {"time": time, "step": step, "state": states, "test": test or f"-{function[1].over[-1]}"}
+    parts = {}
+    if calls:
+        data["calls"] = {"limit": calls.limit, "reason": calls.reason}
+    if order:
+
+        def derivatives(values: Mapping[str, Any]) -> Any:
+            name, family = function
+            return call_with(rates, values) if rates else values[name](*(values[variable] for variable in family.over))
+
+        data["order"] = [order[0], tolerance_data(order[1])]
+        parts["order"] = Part(lambda values: {"ends": _exact(data, values, derivatives)})
+    if stability:
+        data["stability"] = [min(stability[0], kit.LARGEST), tolerance_data(stability[1])]
+        parts["stability"] = Part(lambda values: {}, rows=1)
+    return Question(
+        kind="stepper",
+        solution=solution,
+        ask=ask,
+        values={name: value if isinstance(value, Value) else Value(value) for name, value in several.items()},
+        truth=truth,
+        data=data,
+        mistakes=tuple(mistakes),
+        parts=parts,
+        rows=rows,
+        budget_s=budget_s,
+        line=calling_line(),
+    )
+
+
+def _exact(data: Mapping[str, Any], values: Mapping[str, Any], rates: Callable[..., Any]) -> Any:
+    """Return the converged states (FIRST, d) at the ends of the first steps."""
+    names, time, h = list(data["state"].values()), data["time"], values[data["step"]]
+    start = kit.flat(data, values)
+    shapes = [np.shape(values[name]) for name in names]
+    ends = np.cumsum([int(np.prod(shape)) for shape in shapes])[:-1]
+
+    def rate(t: float, y: Any) -> Any:
+        state = {name: part.reshape(shape) for name, part, shape in zip(names, np.split(y, ends), shapes, strict=True)}
+        found = rates({**values, time: t, **state})
+        return np.concatenate([np.ravel(part) for part in (found if isinstance(found, tuple) else (found,))])
+
+    at = values.get(time, 0.0) + h * np.arange(kit.FIRST + 1)
+    run = solve_ivp(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at[1:], rtol=3e-14, atol=1e-16)
+    return run.y.T

@@ -1,0 +1,152 @@
+"""The kind "ode": a right-hand side at points, as in "values", and the motion that it drives.
+
+Part "motion": the motion from each row's state at t = 0, the quantities that it conserves, and a figure. Part
+"sweep": one motion by several solvers and tolerances, with calls and seconds.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from ecp import judge
+from ecp.checks import Arrays, Check
+from ecp.exercise import Figure
+from ecp.judge import Judgement
+from ecp.kinds import values
+from ecp.kinds.asking import Counted, arguments, describe, each_row, expression, returned, stacked
+from ecp.outcome import Tolerance
+from ecp.return_value import WrongAnswer
+
+SOLVER, RTOL, TIMES = "DOP853", 1e-11, 201
+TIMED = 500
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values at the points, the ``motion`` (rows, d, TIMES), or the motions of the sweep."""
+    if question.get("part") is None:
+        return values.play(question, student, rows)
+    function, follow = student[question["function"]], {"motion": _motion, "sweep": _sweep}[question["part"]]
+    return stacked([follow(question, function, row) for row in each_row(rows)])
+
+
+def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
+    """Return the times of the motion (TIMES,)."""
+    return np.linspace(0.0, question["t_end"], TIMES)
+
+
+def _motion(question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    run = _integrated(question, function, row, (SOLVER, RTOL), [0])
+    if not run.success:
+        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g}: {run.message}")
+    return {"motion": run.y}
+
+
+def _sweep(question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    given, runs, each = arguments(question, row), [], []
+    for setting in question["settings"]:
+        motion, calls, began = np.full((np.size(given[question["state"]]), TIMES), np.nan), [0], time.perf_counter()
+        try:
+            run = _integrated(question, function, row, setting, calls)
+            motion[:, : run.y.shape[1]] = run.y
+        except WrongAnswer:
+            pass  # this setting stalls; others may not
+        runs.append({"motion": motion, "calls": float(calls[0]), "seconds": time.perf_counter() - began})
+    for _ in range(TIMED):
+        began = time.perf_counter()
+        function(*given.values())
+        each.append(time.perf_counter() - began)
+    return stacked(runs) | {"per_call": np.median(each)}
+
+
+def _integrated(
+    question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any], setting: tuple[Any, float], calls: list[int]
+) -> Any:
+    """Return the run of scipy's solver; counts the calls of the student's function in ``calls``."""
+    given, name, most = arguments(question, row), question["function"], question["most_calls"]
+    shape, (value,) = np.shape(given[question["state"]]), (value["name"] for value in question["returns"])
+    counted = [value for value in given.values() if isinstance(value, Counted)]
+
+    def rates(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        calls[0] += 1
+        if calls[0] > most:
+            raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}")
+        for one in counted:
+            one.calls = 0
+        at = {**given, question["time"]: float(t), question["state"]: y.reshape(shape).copy() if shape else float(y[0])}
+        try:
+            return returned(question, function(*(at[parameter] for parameter in question["parameters"])))[value].ravel()
+        except WrongAnswer as error:
+            raise WrongAnswer(error.code, f"{error} (at t = {t:.3g} of the integration)") from None
+
+    (solver, rtol), t, start = setting, times(question), np.ravel(given[question["state"]]).astype(float)
+    atol = 1e-2 * rtol * np.asarray(question["scale"])
+    return solve_ivp(rates, (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
+
+
+def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, Any, Any]:
+    """Return the components (…, k, n) of a motion that the exact one has, the exact ones, and the scale of each.
+
+    The scale is the largest exact value of the component, at least a thousandth of the state's typical size.
+    """
+    least = 1e-3 * np.broadcast_to(question["scale"], got.shape[-2])[: want.shape[-2], None]
+    scale = np.maximum(np.abs(want).max(axis=-1, keepdims=True), least)
+    return got[..., : want.shape[-2], :], want, np.broadcast_to(scale, want.shape)
+
+
+def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
+    """Return the checks of the points, or those of the motion: the exact one, and each conserved quantity."""
+    if question.get("part") is None:
+        return values.checks(question, scene, suffix)
+    tolerance, name = Tolerance(**question["follow"]), question["function"]
+
+    def follows(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        return judge.within(*deviation(question, seen[0]["motion"], truth[0]["motion"]), tolerance.limit or 0.0)
+
+    def place(index: tuple[int, ...], seen: Arrays) -> str:
+        return f"t = {times(question)[index[-1]]:.4g}, {describe(_at_start(question), seen, index[0])}"
+
+    made = [Check(f"{question['id']}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
+    for quantity, (text, limits) in question["conserved"].items():
+        drifts, allowed = partial(_drift, question, text, limits["limit"]), Tolerance(**limits)
+        label = f"{quantity} conserved along the motion of {name}"
+        made.append(Check(f"{question['id']}-{quantity}", label, (scene,), drifts, allowed, place))
+    return made
+
+
+def _drift(question: Mapping[str, Any], text: str, limit: float, seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+    """Judge an expression over state, time and parameters along the motions; the worst row counts."""
+    every, state, motions = [], question["state"], seen[0]["motion"]
+    for row, motion in enumerate(motions):
+        given = {**question["constants"], **{name: seen[0][f"at_{name}"][row] for name in question["drawn"]}}
+        value, shape = expression(text, (question["time"], state), given), np.shape(given[state])
+        with np.errstate(all="ignore"):
+            series = [float(value(t, y.reshape(shape))) for t, y in zip(times(question), motion.T, strict=True)]
+            every.append(judge.conserved(series, limit))
+    row = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
+    return replace(every[row], where=(row, *(every[row].where or (0,))))
+
+
+def _at_start(question: Mapping[str, Any]) -> dict[str, Any]:
+    return {**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}
+
+
+def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+    """Return the figure of the first motion beside the exact one."""
+
+    def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:
+        axes, t = canvas.subplots(), times(question)
+        for k, curve in enumerate(seen[0]["motion"][0]):
+            axes.plot(t, curve, color=f"C{k}", label=f"{question['state']}[{k}]")
+        axes.plot(t, truth[0]["motion"][0].T, "k:", lw=1.2, label=["exact", *[None] * (truth[0]["motion"].shape[1] - 1)])
+        axes.set(xlabel=question["time"], ylabel=question["state"], title=describe(_at_start(question), seen[0], 0))
+        axes.legend(loc="upper right")
+
+    name, function = f"{question['id']}-motion", question["function"]
+    alt = f"The components of the motion that {function} drives against time, with the exact ones dotted."
+    return [Figure(name, f"The motion of {function}", alt, (name,), draw)] if "motion" in question["parts"] else []

@@ -1,0 +1,156 @@
+"""The kind "stepper": one step of a method at points, as in "values", its order of convergence and its stability limit.
+
+Part "order": each row's interval of FIRST steps, done with 1, 2, 4, … times as many. Part "stability": the
+largest step for which the test problem does not grow.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp import judge
+from ecp.checks import Arrays, Check, close
+from ecp.exercise import Figure
+from ecp.judge import Judgement, Verdict
+from ecp.kinds import values
+from ecp.kinds.asking import Counted, arguments, call, each_row, returned, stacked
+from ecp.outcome import Tolerance
+
+Array = NDArray[np.float64]
+FIRST, HALVINGS = 4, 6
+ROUNDING = 1e-12  # errors below this part of the state are those of rounding and of the truth
+SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the stability limit is searched
+GROWTH = 1e-6  # of one step: a smaller one is rounding
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of one step, or the states ``ends`` (rows, runs, FIRST, d), or the ``limit`` of stability."""
+    part = question.get("part")
+    if part is None:
+        return values.play(question, student, rows)
+    measure = {"order": _ends, "stability": _limit}[part]
+    return stacked([measure(question, student, row) for row in each_row(rows)])
+
+
+def flat(question: Mapping[str, Any], state: Mapping[str, Any]) -> Array:
+    """Return the state (d,) whose parts are parameters of the stepper."""
+    return np.concatenate([np.ravel(state[name]) for name in question["state"].values()])
+
+
+def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+    """Return the arguments after one step."""
+    for value in given.values():
+        if isinstance(value, Counted):
+            value.calls = 0
+    answer = returned(question, call(question, student, given))
+    return given | {
+        name: answer[value] if answer[value].ndim else float(answer[value]) for value, name in question["state"].items()
+    }
+
+
+def _ends(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    time, step, runs = question["time"], question["step"], []
+    for doubled in range(HALVINGS + 1):
+        given, states = arguments(question, row), []
+        start, h = given.get(time, 0.0), given[step] / 2**doubled
+        for k in range(FIRST * 2**doubled):
+            given |= {step: h} | ({time: start + k * h} if time in given else {})
+            given = _step(question, student, given)
+            states.append(flat(question, given))
+        runs.append(states[2**doubled - 1 :: 2**doubled])
+    return {"ends": np.array(runs)}
+
+
+def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the step at which the test problem, whose eigenvalues have size 1, begins to grow; LARGEST if it never does."""
+    families = {name: {**family, "text": question["test"], "given": []} for name, family in question["families"].items()}
+    known = {name: value for name, value in row.items() if name in question["parameters"]}
+    constants = {name: value for name, value in question["constants"].items() if name in question["parameters"]}
+    given = arguments({**question, "families": families, "constants": constants}, known)
+    shapes = {name: np.shape(given[name]) for name in question["state"].values()}
+    unit = np.eye(sum(int(np.prod(shape)) for shape in shapes.values()))
+
+    def grows(h: float) -> bool:
+        columns = []
+        for start in unit:
+            at, state = 0, {}
+            for name, shape in shapes.items():
+                size = int(np.prod(shape))
+                state[name], at = start[at : at + size].reshape(shape) if shape else float(start[at]), at + size
+            try:
+                columns.append(flat(question, _step(question, student, given | state | {question["step"]: h})))
+            except Exception:  # a method that cannot do this step
+                return True
+        return bool(np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + GROWTH)
+
+    stable, step = 0.0, SMALLEST
+    while not grows(step):
+        if step >= LARGEST:
+            return {"limit": np.array(LARGEST)}
+        stable, step = step, step * FACTOR
+    for _ in range(30):
+        middle = (stable + step) / 2
+        stable, step = (stable, middle) if grows(middle) else (middle, step)
+    return {"limit": np.array(stable)}
+
+
+def errors(ends: Array, exact: Array) -> Array:
+    """Return the error of each run (runs,), relative to the size of the state: the root of the mean square over rows and times."""
+    scale = np.abs(exact).max(axis=1, keepdims=True)
+    scale = np.maximum(scale, 1e-6 * scale.max(axis=2, keepdims=True))[:, None]
+    off: Array = np.sqrt(np.mean(((ends - exact[:, None]) / np.where(scale > 0, scale, 1.0)) ** 2, axis=(0, 2, 3)))
+    return off
+
+
+def observed_order(found: Array) -> float | None:
+    """Return the median slope between all pairs of runs whose errors are above ROUNDING; None with fewer than three runs."""
+    used = [(k, np.log2(error)) for k, error in enumerate(found) if error > ROUNDING]
+    slopes = [(a - b) / (m - k) for k, a in used for m, b in used if m > k]
+    return float(np.median(slopes)) if len(used) >= 3 else None
+
+
+def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
+    """Return the checks of the values at points, or that of the order, or that of the stability limit."""
+    part, function = question.get("part"), question["function"]
+    if part is None:
+        return values.checks(question, scene, suffix)
+    wanted, allowed = question[part]
+    tolerance, id = Tolerance(**allowed), f"{question['id']}-{part}"
+    if part == "stability":
+        label = f"the stability limit of {function} is {f'{wanted:g}' if wanted < LARGEST else 'infinite'}"
+        rtol, atol = tolerance.rtol or 0.0, tolerance.atol or 0.0
+        given = {"measured": lambda seen: seen["limit"][0], "expected": wanted}
+        return [close(id, label, scene, **given, rtol=rtol, atol=atol, reason=tolerance.reason)]
+
+    def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+        with np.errstate(all="ignore"):
+            found = observed_order(errors(seen[0]["ends"], truth[0]["ends"]))
+        least = wanted - (tolerance.atol or 0.0)
+        if found is None:
+            return judge.holds(True, f"the errors are below {ROUNDING:g} of the state")
+        if not np.isfinite(found):
+            raise ArithmeticError("the errors overflow")
+        verdict = Verdict.PASS if found >= least else Verdict.FAIL
+        return Judgement(verdict, f"got {found:.6g} (at least {least:g})", found, float(wanted))
+
+    return [Check(id, f"{function} converges with order {wanted:g}", (scene,), word, tolerance)]
+
+
+def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+    """Return the figure of error against step, with the slope of the order."""
+    if "order" not in question.get("parts", ()):
+        return []
+
+    def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:
+        found, p = errors(seen[0]["ends"], truth[0]["ends"]), question["order"][0]
+        h, axes = 0.5 ** np.arange(len(found)), canvas.subplots()
+        axes.loglog(h, np.maximum(found, 1e-17), "o-", label=question["function"])
+        axes.loglog(h, found[0] * h**p, "k:", label=f"order {p:g}")
+        axes.set(xlabel=f"{question['step']} / that of the question", ylabel="error / size of the state")
+        axes.legend()
+
+    name, function = f"{question['id']}-order", question["function"]
+    alt = f"The error of {function} against the step, both logarithmic, with the slope of its order dotted."
+    return [Figure(name, f"The convergence of {function}", alt, (name,), draw)]

@@ -1,0 +1,118 @@
+"""Steppers: values at points, the observed order, and the stability limit."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+
+from ecp.kinds import stepper as kit
+from exercises.author import Tolerance, family, uniform
+from exercises.kinds.stepper import euler, heun, midpoint, rk4, stepper
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.toolbox import failed, judged, mistaken, question_of
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        """def rk4_step(f, t, y, h):
+    k1 = h * f(t, y)
+    k2 = h * f(t + 0.5 * h, y + k1 / 2)
+    k3 = h * f(t + 0.5 * h, y + k2 / 2)
+    k4 = h * f(t + h, y + k3)
+    return tuple((y + k1 / 6 + k2 / 3 + k3 / 3 + k4 / 6).tolist())""",
+        """def rk4_step(f, t, y, h):
+    k, new = f(t, y), y.copy()
+    for weight, at in ((1, 0.5), (2, 0.5), (2, 1)):
+        new += weight * h / 6 * k
+        k = f(t + at * h, y + at * h * k)
+    new += h / 6 * k
+    return new""",
+    ],
+)
+def test_right_variants_pass(toolbox, source):
+    assert failed(judged(question_of(toolbox, "rk4_step"), source)) == set()
+
+
+@pytest.mark.parametrize(
+    ("function", "number", "checks"),
+    [
+        ("rk4_step", 0, {"6-value", "6-order", "6-stability", "6-new-value"}),
+        ("rk4_step", 1, {"6-value", "6-order", "6-stability", "6-new-value"}),
+        ("rk4_step", 2, {"6-value", "6-order", "6-new-value"}),
+        ("rk4_step", 3, {"6-calls", "6-new-calls"}),
+        ("verlet", 0, {"7-v", "7-order", "7-stability", "7-new-v"}),
+        ("verlet", 1, {"7-x", "7-v", "7-order", "7-stability", "7-new-x", "7-new-v"}),
+    ],
+)
+def test_a_mistake_fails_its_checks(toolbox, function, number, checks):
+    assert failed(judged(question_of(toolbox, function), mistaken(toolbox, function, number))) == checks
+
+
+def backward_euler(f, t, y, h):
+    return fsolve(lambda new: new - y - h * f(t + h, new), y)
+
+
+def implicit_midpoint(f, t, y, h):
+    """By fixed-point iteration to a loose tolerance."""
+    new = y + h * f(t, y)
+    for _ in range(200):
+        old, new = new, y + h * f(t + h / 2, (y + new) / 2)
+        if abs(new - old).max() < 1e-7:
+            break
+    return new
+
+
+@pytest.mark.parametrize("h", [0.02, 0.1, 0.5])
+@pytest.mark.parametrize(
+    ("step", "order", "limit"),
+    [
+        (euler, 1, 2),
+        (heun, 2, 2),
+        (midpoint, 2, 2),
+        (rk4, 4, 2.785),
+        (backward_euler, 1, math.inf),
+        (implicit_midpoint, 2, 2),  # its iteration converges for h < 2
+    ],
+)
+def test_order_and_stability_limit_of_known_methods(step, order, limit, h):
+    """They hold for small and for large steps, where rounding and the first steps spoil some runs."""
+    question = stepper(
+        step,
+        ask={"f": family("A @ y + cos(t) - y**3", "t", "y", A=uniform(-1, 1, 2, 2)), "t": 0.5, "y": uniform(-1, 1, 2), "h": h},
+        agree=Tolerance(limit=1e-6, reason="the iteration"),
+        order=(order, Tolerance(atol=0.3, reason="first steps")),
+        stability=(limit, Tolerance(rtol=1e-3, atol=0, reason="four digits")),
+    )
+    outcomes = judged(question, step)
+    assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
+
+
+def test_the_order_needs_three_runs_above_rounding():
+    assert kit.observed_order(np.array([1e-3, 1e-5, 1e-13, 1e-14])) is None
+    assert kit.observed_order(np.array([1e-2, 1e-4, 1e-6, 5e-13, 1e-14])) == pytest.approx(np.log2(100))
+
+
+def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
+    source = "def rk4_step(f, t, y, h):\n    if h < 0.05: raise RuntimeError('too small')\n    return y + h * f(t, y)\n"
+    report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
+    lines = {outcome.id: outcome.line for outcome in report.outcomes()}
+    assert lines["6-order"].startswith("–") and "RuntimeError: too small" in lines["6-order"]
+    assert lines["6-value"].startswith("✗") and lines["6-calls"].startswith("✓")
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("def rk4_step(f, t, y, h): return np.sum(y)", "rk4_step must return shape (3,); it returned shape ()"),
+        ("def rk4_step(f, t, y, h): return y[:, None] + h * f(t, y)", "must return shape (3,); it returned shape (3, 3)"),
+        ("def rk4_step(f, t, y, h):\n    y += h * f(t, y)\n    return y", "rk4_step changes its argument y"),
+        ("def verlet(force, x, v, h): return x", "verlet must return 2 values (x, v); it returned a ndarray"),
+        ("def verlet(force, x, v, h): return x, v * np.nan", "verlet (v) returned a value that is not finite"),
+    ],
+)
+def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
+    report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
+    assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()

@@ -34,7 +34,8 @@ class Animated(Question):
     def errors(self) -> Iterator[str]:
         """Yield the errors of the tolerance and of the trajectories."""
         agree = self.data["agree"]
-        yield from (f"{self.function}: {error}" for error in tolerance_errors(Tolerance(**agree)))
+        wrong = ["the tolerance of an animation is a limit"] if agree["limit"] is None else tolerance_errors(Tolerance(**agree))
+        yield from (f"{self.function}: {error}" for error in wrong)
         wanted = [self.data["time"], *self.data["follow"]]
         if absent := [name for name in wanted if name not in self.ask]:
             yield f"{self.function}: ask has no {', '.join(absent)}"

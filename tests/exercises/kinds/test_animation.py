@@ -1,6 +1,7 @@
 """Animations of points that follow given trajectories: drawn in any style, and the wrong ones told apart."""
 
 import json
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,6 +11,8 @@ from matplotlib.animation import ArtistAnimation, FuncAnimation
 from ecp.judge import Verdict
 from ecp.kinds import question_checks
 from ecp.kinds.animation.trajectories import followed
+from ecp.outcome import Tolerance
+from exercises.kinds.animation import animation
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import check_locally, mistaken
@@ -234,6 +237,43 @@ def test_an_orbit_in_space(orbit, drawn, labels, found):
 def test_painted_pixels_are_not_judged():
     seen = recorded(0 * ORBIT) | {"cost": np.array([50.0, 1, 0, 0, 1, 0])}
     assert followed(seen, ALL / 8, {"x": ORBIT}, 0.03)["x"].found is None
+
+
+def planet(t, x):
+    """Stand for a right solution."""
+
+
+def test_a_drawn_trajectory_has_a_hidden_scene():
+    ask = {"t": ALL / 8, "x": lambda rng: rng.uniform(1, 2) * ORBIT}
+    asked = replace(animation(planet, ask, ("x",), Tolerance(limit=0.03, reason="of a test")), id="1")
+    public, hidden = asked.scenes()
+    inputs = [dict(public.inputs), hidden.inputs(np.random.default_rng(5))]
+    scales = [float(np.ptp(asked.exact(rows)["x"]) / np.ptp(ORBIT)) for rows in inputs]
+    assert 1 < min(scales) < max(scales) < 2 and set(hidden.returns) == {
+        "frames",
+        "tracks",
+        "owners",
+        "labels",
+        "at",
+        "visible",
+        "cost",
+    }
+    seen = recorded(asked.exact(inputs[1])["x"]) | {"at_x": inputs[1]["x"]}
+    for check in question_checks(asked.document, hidden.name, True):
+        assert check.judge([seen], [hidden.truth(inputs[1])]).verdict is Verdict.PASS
+
+
+def test_an_author_gets_the_errors_of_a_declaration():
+    ask = {"t": ALL / 8, "x": ORBIT[:, 0], "y": 0 * ORBIT, "z": ORBIT[:40]}
+    wrong = animation(lambda t, x, y, z: None, ask, ("x", "y", "z"), Tolerance(rtol=0.1, reason="of a test"))
+    assert [error.split(": ", 1)[1] for error in wrong.errors()] == [
+        "the tolerance of an animation is a limit",
+        "the trajectory x has shape (50,); it must be (50, 2) or (50, 3)",
+        "the trajectory y does not move",
+        "the trajectory z has shape (40, 3); it must be (50, 2) or (50, 3)",
+    ]
+    absent = animation(lambda t: None, {"t": ALL}, ("orbit",), Tolerance(limit=0.1, reason="of a test"))
+    assert list(absent.errors()) == ["<lambda>: ask has no orbit"]
 
 
 @pytest.mark.slow

@@ -43,6 +43,8 @@ class Animated(Question):
         if not self.data["follow"]:
             yield f"{self.function}: follow names no trajectory"
         exact = self.exact(self.draw(np.random.default_rng(0), 1))
+        if len({exact[name].shape[-1:] for name in self.data["follow"]}) > 1:
+            yield f"{self.function}: the trajectories must all have 2 or all have 3 coordinates"
         for name in self.data["follow"]:
             path, n = exact[name], len(exact[self.data["time"]])
             if path.shape not in ((n, 2), (n, 3)):

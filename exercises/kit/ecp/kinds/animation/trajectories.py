@@ -4,6 +4,7 @@ A trajectory in space may also be drawn in a plane: in two of its coordinates, o
 projection. The times of the frames are free within limits (``timing``).
 """
 
+import functools
 import itertools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -46,12 +47,12 @@ def followed(seen: Arrays, t: Array, trajectories: Curves, limit: float) -> dict
             return known
     once: list[tuple[int, dict[str, Shown]]] = []
 
-    def compared(drawn: list[Picture], name: str) -> tuple[int, Shown]:
+    def compared(name: str, drawn: list[Picture]) -> tuple[int, Shown]:
         if not once:
             once.append(_compared(drawn, seen["at"], t, trajectories, limit))
         return once[0][0], once[0][1][name]
 
-    found = {name: judged(seen, name, lambda drawn, name=name: compared(drawn, name)) for name in trajectories}  # type: ignore[misc]
+    found = {name: judged(seen, name, functools.partial(compared, name)) for name in trajectories}
     _last[:] = [(seen, found)]
     return found
 
@@ -90,17 +91,18 @@ def _in_picture(picture: Picture, curves: Curves, laws: Array, limit: float, n: 
     """Return the trajectories that the paths of one axes follow."""
     if not picture.paths or not len(laws):
         return {}
-    places, best = np.stack([path.places for path in picture.paths], axis=2), Fit(np.zeros(0), {})
+    places, best, mislabelled = np.stack([path.places for path in picture.paths], axis=2), Fit(np.zeros(0), {}), dict[str, Shown]()
     for view in _views(picture, curves):
         fit = _best(_by_view(places, {name: x @ view.T for name, x in curves.items()}, laws, limit), len(curves))
-        if fit.misfit and (wrong := _mislabelled(picture, view)):
-            return {name: Shown(False, "mirrored", wrong) for name in fit.misfit}
+        if wrong := _mislabelled(picture, view):
+            mislabelled |= {name: Shown(False, "mirrored", wrong) for name in fit.misfit}
+            continue
         best = max(best, fit, key=_followed)
         if len(best.misfit) == len(curves):
             break
-    if not best.misfit and picture.dimensions == 2 and all(x.shape[1] == 3 for x in curves.values()):
+    if not best.misfit and not mislabelled and picture.dimensions == 2 and all(x.shape[1] == 3 for x in curves.values()):
         best = _best(_by_projection(places, curves, laws, limit), len(curves))
-    return {name: Shown(True, None, samples(best.times, n), misfit=misfit) for name, misfit in best.misfit.items()}
+    return mislabelled | {name: Shown(True, None, samples(best.times, n), misfit=misfit) for name, misfit in best.misfit.items()}
 
 
 def _best(fits: Iterator[Fit], trajectories: int) -> Fit:

@@ -4,6 +4,7 @@ The file makes one ``Notebook`` and adds its exercises, each of one or more ques
 ``exercises.kinds`` make the questions.
 """
 
+import functools
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -12,7 +13,9 @@ from typing import Any
 
 from ecp.kinds import exercise as expand_exercise
 from ecp.outcome import Tolerance
+from exercises import author_notebook, publish
 from exercises.assignment import Assignment
+from exercises.author_notebook import Cell, InvalidNotebook
 from exercises.mistakes import Variant, made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
 from exercises.question_errors import question_errors
@@ -70,7 +73,7 @@ def itself(reason: str) -> Itself:
 
 @dataclass
 class Notebook:
-    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cell.
+    """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cells.
 
     ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s`` and ``data`` are those of ``Assignment``.
     """
@@ -99,14 +102,27 @@ class Notebook:
         """Return the questions of all exercises in order."""
         return [question for _, _, questions in self.exercises for question in questions]
 
-    def errors(self) -> list[str]:
-        """Return the errors of all questions, with their lines."""
-        return [error for question in self.questions() for error in question_errors(question)]
+    def errors(self, folder: Path) -> list[str]:
+        """Return the errors of all questions and of the author's notebook, each with its file."""
+        declared = [error for question in self.questions() for error in question_errors(question)]
+        if self.notebook and self.setup is not None:
+            declared.append(f"line {self.line}: both notebook= and setup= are given: the Setup is the notebook's; remove setup=")
+        found = [f"assignment.py {error}" for error in declared]
+        try:
+            cells = self._cells(folder)
+        except InvalidNotebook as error:
+            return [*found, str(error)]
+        return (
+            [*found, *(f"{self.notebook}: {error}" for error in author_notebook.errors(cells, self._names()))] if cells else found
+        )
 
     def assignment(self, folder: Path) -> Assignment:
-        """Return the assignment that grading reads. Runs nothing of the author's solutions."""
+        """Return the assignment that grading reads, of a declaration without errors. Runs nothing of the author's solutions."""
+        slug, cells = folder.name.replace("_", "-"), self._cells(folder)
+        sections = [publish.Section(*declared) for declared in self.exercises]
+        setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
         return Assignment(
-            slug=folder.name.replace("_", "-"),
+            slug=slug,
             title=self.title,
             version=self.version,
             folder=folder,
@@ -115,13 +131,23 @@ class Notebook:
             packages=self.packages,
             cpu_s=self.cpu_s,
             data=self.data,
-            setup=self.setup,
+            setup=setup,
             sweep=next((question.sweep(question) for question in self.questions() if question.sweep), None),
             plays=PLAYS,
+            notebook=functools.cache(
+                lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
+            ),
             variants=self._variants,
             made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
+
+    def _cells(self, folder: Path) -> list[Cell]:
+        """Return the cells of the author's notebook, none without one. Raises InvalidNotebook."""
+        return author_notebook.read(folder / self.notebook) if self.notebook else []
+
+    def _names(self) -> list[str]:
+        return [name for question in self.questions() for name in question.names]
 
     def _numbered(self) -> list[tuple[str, Question]]:
         return [(number, question) for number, _, questions in self.exercises for question in questions]

@@ -135,7 +135,7 @@ def _declared(module: ModuleType, folder: Path) -> tuple[Any, list[str]]:
     notebooks = [value for value in vars(module).values() if isinstance(value, Notebook)]
     if len(notebooks) != 1:
         return None, [f"{ONE_FILE} makes {len(notebooks)} notebooks; it must make one"]
-    errors = [f"{ONE_FILE} {error}" for error in notebooks[0].errors()]
+    errors = notebooks[0].errors(folder)
     return (None, errors) if errors else (notebooks[0].assignment(folder), [])
 
 
@@ -160,7 +160,8 @@ def find(slug: str) -> Assignment:
     if (error := invalid.get(slug)) and slug not in valid:
         raise error
     if slug not in valid:
-        raise NoAssignment(f"there is no assignment {slug}; known: {', '.join(sorted(valid)) or 'none'}")
+        known = ", ".join(sorted(valid)) or "none"
+        raise NoAssignment(f"there is no assignment {slug}; known: {known}; name the folder of another one in {SETTING}")
     return valid[slug]
 
 

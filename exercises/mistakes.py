@@ -62,12 +62,16 @@ class MadeSample:
 
 
 def made_samples(questions: Sequence[tuple[str, Question]]) -> Iterator[MadeSample]:
-    """Yield the sample of all right solutions, then one for each mistake; ``questions`` are those of each exercise's number."""
+    """Yield the sample of all right solutions, then one for each mistake; ``questions`` are those of each exercise's number.
+
+    A sample of a mistake has the right solutions of the questions before it and of the others of its exercise.
+    """
     numbers = tuple(dict.fromkeys(number for number, _ in questions))
     yield MadeSample("right_all.py", source_before(questions, len(questions)), numbers, right=True)
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
-            source = f"{source_before(questions, k)}\n\n{mistake.source(question.source)}"
+            others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]
+            source = "\n\n".join([source_before(questions, k), mistake.source(question.source), *others])
             about = (mistake.code or "no_code").replace("-", "_")
             yield MadeSample(f"wrong_{question.id}_{at}_{about}.py", source, (number,), right=False, code=mistake.code)
 

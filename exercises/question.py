@@ -1,5 +1,6 @@
 """A question of an author's declaration: the right solution, what it is asked, what is exact, and how it expands to scenes."""
 
+import ast
 import functools
 import inspect
 import sys
@@ -79,8 +80,10 @@ class Question:
 
     ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
     with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
-    "value". ``data`` holds what the checks of the kind need, as JSON; ``limits`` maps the kind's further tolerances to errors.
-    ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy.
+    "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
+    checks of the kind need, as JSON. ``variables`` names what the body of ``solution``, a cell, assigns: then the question asks for
+    these variables instead of a function. ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is
+    a chart of speed against accuracy.
     """
 
     kind: str
@@ -90,6 +93,8 @@ class Question:
     truth: Callable[..., Any] | Itself | None = None
     call: str | None = None
     keys: bool = False
+    known: Mapping[str, Any] = field(default_factory=dict)
+    variables: tuple[str, ...] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
@@ -102,13 +107,30 @@ class Question:
 
     @property
     def function(self) -> str:
-        """The name of the student's function."""
-        return self.solution.__name__
+        """The name of the student's function, or of the first variable."""
+        return self.variables[0] if self.variables else self.solution.__name__
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names that a student's cells must define."""
+        return tuple(getattr(self, "variables", ())) or (self.function,)
 
     @functools.cached_property
     def source(self) -> str:
-        """The source of the right solution."""
-        return textwrap.dedent(inspect.getsource(self.solution))
+        """The source of the right solution: of a function or class, or of a cell."""
+        source = textwrap.dedent(inspect.getsource(self.solution))
+        return cell(source) if self.variables else source
+
+    @functools.cached_property
+    def student(self) -> Mapping[str, Any]:
+        """The names that the right solution defines."""
+        return self.defined_by(self.source) if self.variables else {self.function: self.solution}
+
+    def defined_by(self, source: str) -> Mapping[str, Any]:
+        """Return the names that a source such as that of a mistake defines in the author's file."""
+        names = dict(vars(sys.modules[self.solution.__module__]))
+        exec(compile(source, f"<{self.function}>", "exec"), names)
+        return names
 
     @functools.cached_property
     def parameters(self) -> list[str]:
@@ -143,6 +165,7 @@ class Question:
             "parameters": self.parameters,
             "constants": {name: _json(value) for name, value in constants.items() if not callable(value)},
             "families": families,
+            "variables": list(self.variables),
             "drawn": list(self.drawn),
             "call": self.call,
             "keys": self.keys,
@@ -156,13 +179,13 @@ class Question:
     def asked(self) -> dict[str, Any]:
         """The question as data, with the shapes of its answer: calls the right solution once."""
         row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
-        answer = asking.call(self.document, {self.function: self.solution}, asking.arguments(self.document, row))
+        answer = asking.call(self.document, self.student, asking.arguments(self.document, row))
         if len(self.values) == 1 and not self.keys:
             parts = [answer]
         else:
             parts = [answer[name] for name in self.values] if self.keys else list(answer)
         shaped = [
-            value | {"shape": list(np.shape(part)), "complex": np.iscomplexobj(part)}
+            value | {"shape": list(np.shape(part)), "complex": np.iscomplexobj(part) or self.data.get("complex", False)}
             for value, part in zip(self.document["returns"], parts, strict=True)
         ]
         return self.document | {"returns": shaped}
@@ -171,31 +194,36 @@ class Question:
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
         return {"name": name, "tolerance": tolerance_data(value.tolerance), "label": label, "up_to": value.up_to}
 
-    def play(self, solution: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
-        """Return what ``solution`` answers, as the sandbox would. ``part`` is one of ``parts``, or the kind's own."""
+    def play(self, student: Any, rows: Mapping[str, Any], part: str | None = None) -> Arrays:
+        """Return what a function, or a ``student`` with these names, answers, as the sandbox would.
+
+        ``part`` is one of ``parts``, or the kind's own.
+        """
         asked = self.asked if part is None else self.asked | {"part": part}
-        answers: Arrays = kind_module(asked).play(asked, {self.function: solution}, rows)
+        names = student if isinstance(student, Mapping) else {self.function: student}
+        answers: Arrays = kind_module(asked).play(asked, names, rows)
         return answers
 
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
-        """Return the exact values of every row by name, and the drawn values as ``at_NAME``."""
-        document, answers = self.asked, []
+        """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
+        drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []
         for row in asking.each_row(rows):
-            given = {
-                name: value.function if isinstance(value, asking.Counted) else value  # a truth may call it as often as it likes
-                for name, value in asking.arguments(document, row).items()
-            }
+            asked = asking.arguments(self.asked, row)
+            # a truth may call a function as often as it likes
+            given = {n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()} | row
             if part is not None:
-                answers.append(part.exact({**row, **given}))
-            elif self.truth is None or isinstance(self.truth, Itself):
-                answers.append(asking.returned(document, asking.call(document, {self.function: self.solution}, given)))
-            else:
-                answers.append(asking.returned(document, call_with(self.truth, {**row, **given})))
-        return asking.stacked(answers) | {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}
+                answers.append(part.exact(given))
+                continue
+            known = {n: np.asarray(call_with(v, given) if callable(v) else v, float) for n, v in self.known.items()}
+            exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
+            answers.append(exact | known)
+        is_own = isinstance(self.truth, Itself) or (self.truth is None and not self.known)
+        own = self.play(self.student, rows) if part is None and is_own else {}
+        return {**asking.stacked(answers), **own, **drawn}
 
     def scenes(self) -> Iterator[Scene]:
         """Yield the public scene, those of the parts, and the hidden one."""
-        public, hidden = self.rows
+        public, hidden = self.rows if self.drawn else (1, 0)
         one = Scene(
             name=f"{self.id}-public",
             play="play",
@@ -210,7 +238,7 @@ class Question:
         yield one
         for name, part in self.parts.items():
             yield self.part_scene(one, name, part)
-        if hidden and self.drawn:
+        if hidden:
             yield replace(
                 one,
                 name=f"{self.id}-hidden",
@@ -233,7 +261,7 @@ class Question:
 
     def _specs(self, rows: int, part: str | None = None) -> "Later":
         def specs() -> dict[str, ArraySpec]:
-            one = self.play(self.solution, self.draw(np.random.default_rng(0), 1), part)
+            one = self.play(self.student, self.draw(np.random.default_rng(0), 1), part)
             return {name: ArraySpec((rows, *array.shape[1:])) for name, array in one.items()}
 
         return Later(specs)
@@ -258,6 +286,19 @@ class Later(Mapping[str, Any]):
 def call_with(function: Callable[..., Any], values: Inputs) -> Any:
     """Call an author's function with those of the ``values`` that its parameters name."""
     return function(**{name: values[name] for name in inspect.signature(function).parameters})
+
+
+def cell(source: str) -> str:
+    """Return the body of a function as the source of a cell, without its return statement.
+
+    >>> cell("def answer():\\n    g = 9.81\\n    return g\\n")
+    'g = 9.81'
+    """
+    (function,) = ast.parse(source).body
+    assert isinstance(function, ast.FunctionDef)
+    body = [part for part in function.body if not isinstance(part, ast.Return)]
+    lines = source.splitlines()[body[0].lineno - 1 : body[-1].end_lineno]
+    return textwrap.dedent("\n".join(lines))
 
 
 def calling_line() -> int:

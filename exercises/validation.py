@@ -68,6 +68,9 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
         yield "it has no exercise"
     variables, names = assignment.variables(), {name for e in assignment.exercises for name in e.function_names()}
     for exercise in assignment.exercises:
+        remedy = "a report shows labels, so give each its own"
+        for label in _twice(check.label for check in exercise.checks):
+            yield f"exercise {exercise.number}: several checks have the label {label!r}: {remedy}"
         asked = exercise.function_names()
         yield from (f"exercise {exercise.number}: the variable {v} is not in functions" for v in set(exercise.variables) - asked)
         both = sorted(asked & variables - set(exercise.variables))

@@ -70,14 +70,14 @@ def wheel(slug: str | None = None, server: str | None = None) -> bytes:
 
 def has_notebook(assignment: Assignment) -> bool:
     """Return whether the assignment has a notebook for students."""
-    return (assignment.folder / NOTEBOOK).is_file()
+    return assignment.notebook is not None or (assignment.folder / NOTEBOOK).is_file()
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
     """Return the notebook for students with the addresses of ``server`` and ``kit`` and the list of
     importable packages.
     """
-    text = (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
+    text = assignment.notebook() if assignment.notebook else (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
     listing = packages.listing(assignment.packages)
     for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit, "{{PACKAGES}}": listing}.items():
         text = text.replace(mark, json.dumps(value)[1:-1])

@@ -58,8 +58,10 @@ def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
 
 
 def _is_packaged(path: Path) -> bool:
-    """Return False for a notebook that is not the students' own, which may contain solutions."""
-    return path.suffix != ".ipynb" or path.name == "notebook.ipynb"
+    """Return False for a notebook that is neither the students' own nor the source of a declaration's Setup: it may contain
+    solutions.
+    """
+    return path.suffix != ".ipynb" or path.name == "notebook.ipynb" or (path.parent / "assignment.py").is_file()
 
 
 def bundle(assignment: Assignment, numbers: Sequence[str] | None) -> bytes:

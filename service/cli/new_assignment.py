@@ -7,7 +7,7 @@ from pathlib import Path
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the command."""
-    new = commands.add_parser("new-assignment", help="create the folder of a new assignment from a working example")
+    new = commands.add_parser("new-assignment", help="create an assignment of two working exercises to edit")
     new.add_argument("slug", metavar="SLUG", help="lower-case letters, digits and single dashes, such as driven-pendulum")
     new.add_argument("--title", help="title for students; default: the slug's words")
     new.add_argument(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from ecp.document import document
 from ecp.judge import MARKS, Verdict
+from ecp.outcome import Ended
 from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.mistakes import MadeSample
@@ -82,13 +83,21 @@ def missing_entry(assignment: Assignment, graded: GradedFile) -> list[str]:
         return [f"cannot be graded: {graded.refused}"]
     if written := new_entry(assignment, graded):
         return ["has no entry in expected.toml; --write would add", *written.rstrip().split("\n")]
+    if late := _timed_out(graded.report):
+        slow = "a busy machine can cause that: run again, or add the entry by hand if the sample never ends"
+        return [f"has no entry in expected.toml and none was added: {late} did not finish in time, and {slow}"]
     rule = "a sample named right_… must pass every check, and any other sample must fail one"
     return [f"has no entry in expected.toml and none was added: {rule}", *graded.report.text().rstrip().split("\n")]
 
 
+def _timed_out(report: Report) -> str:
+    """Return the names of the scenes and cells that did not finish in time."""
+    return ", ".join(scene_end.scene for scene_end in report.scene_ends if scene_end.ended is Ended.TIMED_OUT)
+
+
 def new_entry(assignment: Assignment, graded: GradedFile) -> str | None:
-    """Return the entry for a sample without one, or None if its report contradicts its name."""
-    if graded.report is None or graded.report.passed != graded.file.name.startswith("right_"):
+    """Return the entry for a sample without one, or None if its report contradicts its name or has a time-out."""
+    if graded.report is None or graded.report.passed != graded.file.name.startswith("right_") or _timed_out(graded.report):
         return None
     return entry(graded.file.name, None, assignment, document(graded.report))
 

@@ -1,17 +1,24 @@
 """The docs are tested: every route, setting, check word, diagnosis code and word of the glossary is where a reader looks for it."""
 
+import importlib
+import inspect
 import re
 from pathlib import Path
 
 import pytest
 
 from ecp import checks
-from exercises import mutation
+from ecp.document import document
+from ecp.kinds import KINDS
+from exercises import author, mutation
+from exercises.question import Question
 from exercises.samples import samples
 from service import app
-from service.grading.submission import SizeLimits
+from service.grading.grade import grade
+from service.grading.submission import SizeLimits, Submission
 from service.http import errors
 from service.settings import Settings
+from tests.support.assignments import known
 
 ROOT = Path(__file__).parents[2]
 
@@ -77,6 +84,52 @@ report, sandbox, guest / host, isolation level, scene end, system fault"""
 @pytest.mark.parametrize("word", GLOSSARY.replace("\n", " ").split(", "))
 def test_the_glossary_is_whole(word):
     assert re.search(rf"^\| {re.escape(word)} \| .{{5,}} \|$", doc("README.md"), re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory):
+    """The assignment that all Python blocks of docs/authors.md make, one after the other."""
+    folder = tmp_path_factory.mktemp("docs") / "falling"
+    folder.mkdir()
+    blocks = re.findall(r"^```python\n(.*?)^```", doc("docs/authors.md"), re.MULTILINE | re.DOTALL)
+    (folder / "assignment.py").write_text("\n\n".join(blocks))
+    with known(folder) as found:
+        assert not found.invalid, found.invalid
+        yield found.valid["falling"]
+
+
+def graded(sample, assignment, sandbox):
+    return document(grade(Submission(sample.source), assignment, sandbox, 1, sample.ask).report)
+
+
+def test_the_example_for_authors_passes_its_own_checks(example, sandbox):
+    right = next(iter(example.made_samples()))
+    assert right.unexpected(graded(right, example, sandbox)) == []
+    codes = {sample.code for sample in example.made_samples()} - {None}
+    assert len(example.exercises) == 5 and len(codes) >= 4 and codes <= documented_codes()
+
+
+@pytest.mark.slow
+def test_each_mistake_of_the_example_for_authors_is_named(example, sandbox):
+    for sample in list(example.made_samples())[1:]:
+        assert sample.unexpected(graded(sample, example, sandbox)) == [], sample.name
+
+
+COMMON = "`solution`, `ask`, `truth`, `mistakes` and `budget_s`"
+
+
+def test_the_guide_for_authors_names_what_an_author_imports():
+    for name in author.__all__:
+        assert re.search(rf"`{name}\(", doc("docs/authors.md")), name
+    modules = [importlib.import_module(f"exercises.kinds.{kind}") for kind in KINDS]
+    made = [(f, inspect.signature(f)) for module in modules for f in vars(module).values() if inspect.isfunction(f)]
+    kinds = {f.__name__: signature for f, signature in made if signature.return_annotation is Question and f.__name__[0] != "_"}
+    assert len(kinds) >= len(KINDS)
+    for kind, signature in kinds.items():
+        sections = [text for text in doc("docs/authors.md").split("\n### ") if f"`{kind}`" in text.split("\n")[0]]
+        assert sections, kind
+        for name in signature.parameters:
+            assert f"`{name}`" in sections[0] + COMMON, (kind, name)
 
 
 def test_links_and_folders_of_the_readme_exist():

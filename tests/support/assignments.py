@@ -1,17 +1,19 @@
-"""The template of a new assignment in a folder of its own, known to this process for a while."""
+"""A small assignment of several files in a folder of its own, known to this process for a while."""
 
 import contextlib
 import os
 import shutil
 import sys
+from pathlib import Path
 
 from exercises import catalogue, wheel
 from exercises.catalogue import load_catalogue
-from service.cli.scaffolding import TEMPLATE
+
+TEMPLATE = Path(__file__).parents[1] / "assignments" / "damped_oscillator"
 
 
 def copied(to, name="damped_oscillator"):
-    """The template's folder in ``to``, under another name where its slug is changed as well."""
+    """The folder tests/assignments/damped_oscillator in ``to``, under another name where its slug is changed as well."""
     folder = shutil.copytree(TEMPLATE, to / name, ignore=shutil.ignore_patterns("__pycache__"))
     change(folder / "__init__.py", "damped-oscillator", name.replace("_", "-"))
     return folder

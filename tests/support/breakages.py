@@ -249,6 +249,20 @@ KIT = [
         ("tests/exercises/test_wheel.py",),
     ),
     Breakage(
+        "the students' notebook keeps a solution that is not a definition",
+        "exercises/publish.py",
+        "if SOLUTION not in cell.tags and not set(others) & set(names):",
+        "if SOLUTION not in cell.tags:",
+        ("tests/exercises/test_publish.py::test_nothing_of_a_solution_or_mistake_is_left_in_any_part_of_the_file",),
+    ),
+    Breakage(
+        "the Setup holds the author's solutions",
+        "exercises/author_notebook.py",
+        "if cell.is_solution(names) or any(other <= level for other, _ in cell.headings):",
+        "if any(other <= level for other, _ in cell.headings):",
+        ("tests/exercises/test_author_notebook.py",),
+    ),
+    Breakage(
         "an assignment's kit holds all assignments",
         "exercises/wheel.py",
         "if slug is None else [find(slug)]",
@@ -261,6 +275,13 @@ KIT = [
         "known.plays[scene.play](*question, names, scene.inputs)",
         "known.plays[scene.play](*question, {scene.function: names[scene.function]}, scene.inputs)",
         ("tests/system/test_answers.py",),
+    ),
+    Breakage(
+        "verify --write records a time-out as the expectation",
+        "service/cli/verification.py",
+        " or _timed_out(graded.report):",
+        ":",
+        ("tests/service/cli/test_verify.py::test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it",),
     ),
     Breakage(
         "data files stay for the next submission",

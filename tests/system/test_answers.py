@@ -171,6 +171,8 @@ def test_wrong_declarations_of_data_and_variables_are_errors(lab, tmp_path):
     ]
     assert "exercise 1: the variable slope is not in functions" in found
     assert "exercise 1: no exercise asks for its prerequisite nothing" in found
-    assert errors(lab) == [] and "data is 'points.csv', not a tuple of file names" in errors(
-        dataclasses.replace(lab, data="points.csv")
-    )
+    same = dataclasses.replace(lab.exercises[1], checks=tuple(dataclasses.replace(c, label="x") for c in lab.exercises[1].checks))
+    (found,) = errors(dataclasses.replace(lab, exercises=(lab.exercises[0], same)))
+    assert found == "exercise 2: several checks have the label 'x': a report shows labels, so give each its own"
+    assert errors(dataclasses.replace(lab, data="points.csv")) == ["data is 'points.csv', not a tuple of file names"]
+    assert errors(lab) == []

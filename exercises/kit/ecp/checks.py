@@ -130,19 +130,18 @@ def close(
 def within(
     id: str,
     label: str,
-    scene: str,
-    *,
+    *scenes: str,
     measured: Measure,
     expected: Measure,
     scale: Measure,
-    limit: float | Callable[[Arrays], Tolerance],
+    limit: float | Callable[..., Tolerance],
     reason: str,
     locate: Locate | None = None,
 ) -> Check:
-    """Check that ``measured(seen)`` equals ``expected(truth)`` to ``limit · scale(truth)``.
+    """Check that ``measured(*seen)`` equals ``expected(*truth)`` to ``limit · scale(*truth)``.
 
     ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
-    A function ``limit(truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
+    A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
     shape that differs fails.
 
     >>> check = within(
@@ -155,11 +154,11 @@ def within(
     allow = limit if callable(limit) else None
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        allowed = allow(truth[0]).limit if allow else limit
+        allowed = allow(*truth).limit if allow else limit
         assert isinstance(allowed, float)
-        return judge.within(measured(seen[0]), expected(truth[0]), scale(truth[0]), allowed)
+        return judge.within(measured(*seen), expected(*truth), scale(*truth), allowed)
 
-    return Check(id, label, (scene,), word, Tolerance(limit=None if callable(limit) else limit, reason=reason), locate, allow)
+    return Check(id, label, scenes, word, Tolerance(limit=None if callable(limit) else limit, reason=reason), locate, allow)
 
 
 def conserved(id: str, label: str, *scenes: str, series: Measure, limit: float, reason: str, locate: Locate | None = None) -> Check:
@@ -227,9 +226,9 @@ def holds(
     return Check(id, label, scenes, word, Tolerance(reason=reason), hint=hint)
 
 
-def shows(id: str, label: str, scene: str, *, claim: Callable[[Arrays, Arrays], tuple[bool | None, str]], reason: str) -> Check:
-    """Check a claim against the truth: ``claim(seen, truth)`` returns (true, false or None, the text for the
-    brackets).
+def shows(id: str, label: str, *scenes: str, claim: Callable[..., tuple[bool | None, str]], reason: str) -> Check:
+    """Check a claim against the truth: ``claim(*seen, *truth)`` returns (true, false or None, the text for the
+    brackets). With two scenes it is called as ``claim(seen_1, seen_2, truth_1, truth_2)``.
 
     None means that the claim does not apply: the outcome is unmeasured and not counted.
 
@@ -242,7 +241,7 @@ def shows(id: str, label: str, scene: str, *, claim: Callable[[Arrays, Arrays], 
     """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        ok, detail = claim(seen[0], truth[0])
+        ok, detail = claim(*seen, *truth)
         return Judgement(Verdict.UNMEASURED, detail) if ok is None else judge.holds(ok, detail)
 
-    return Check(id, label, (scene,), word, Tolerance(reason=reason))
+    return Check(id, label, scenes, word, Tolerance(reason=reason))

@@ -153,8 +153,8 @@ def _prepare(setup: str) -> Names:
     """Return the namespace of a notebook after its setup cell."""
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
-    exec(compile(setup, "setup.py", "exec"), module.__dict__)
     install_stubs(module.__dict__)
+    exec(compile(setup, "setup.py", "exec"), module.__dict__)
     sys.modules["__main__"] = module
     return module.__dict__
 

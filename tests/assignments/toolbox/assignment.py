@@ -6,21 +6,25 @@ import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
 from matplotlib.animation import FuncAnimation
+from scipy.optimize import curve_fit
 
-from exercises.author import Notebook, Tolerance, Value, family, mistake, uniform
+from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
 from exercises.kinds.animation import animation
+from exercises.kinds.fit import fit
 from exercises.kinds.ode import ode
+from exercises.kinds.random import estimate, generator, samples
 from exercises.kinds.stepper import rk4, stepper
 from exercises.kinds.values import values
 
 ROUNDING = "a few rounding errors of the summed terms"
 
 SETUP = """
+import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
-import matplotlib.pyplot as plt
 from math import pi, sqrt
 from matplotlib.animation import FuncAnimation
+from scipy.optimize import curve_fit
 """
 notebook = Notebook("Tools of computational physics", setup=SETUP)
 
@@ -245,6 +249,152 @@ notebook.exercise(
 )
 
 
+def energies(x, v, k, m):
+    return {"kinetic": m * v**2 / 2, "potential": k * x**2 / 2}
+
+
+def jacobi(A, b, steps):
+    x, history = np.zeros(len(b)), []
+    for _ in range(steps):
+        x = (b - A @ x + np.diag(A) * x) / np.diag(A)
+        history.append(x)
+    return history
+
+
+def dominant(rng):
+    return rng.uniform(-1, 1, (3, 3)) + 4 * np.eye(3)
+
+
+def powers(A, b, steps):
+    """Return the partial sums of the Neumann series of the splitting A = D (1 - G)."""
+    D = np.diag(1 / np.diag(A))
+    G = np.eye(3) - D @ A
+    return np.cumsum([np.linalg.matrix_power(G, k) @ D @ b for k in range(steps)], axis=0)
+
+
+notebook.exercise(
+    "8",
+    "Structured results",
+    values(
+        energies,
+        ask={"x": uniform(-1, 1), "v": uniform(-2, 2), "k": uniform(1, 9), "m": uniform(1, 3)},
+        truth=lambda x, v, k, m: {"kinetic": 0.5 * m * v * v, "potential": 0.5 * k * x * x},
+        agree={"kinetic": Tolerance(rtol=1e-13, reason=ROUNDING), "potential": Tolerance(rtol=1e-13, reason=ROUNDING)},
+        keys=True,
+        mistakes=[mistake("v**2 / 2", "v**2", "constant-factor", "the kinetic energy lacks its factor 1/2")],
+    ),
+    values(
+        jacobi,
+        ask={"A": dominant, "b": uniform(-1, 1, 3), "steps": 8},
+        truth=powers,
+        agree=Tolerance(limit=1e-12, reason=ROUNDING),
+        label="every iterate of the history is right",
+        mistakes=[
+            mistake("np.zeros(len(b))", "np.ones(len(b))", "wrong-start", "it starts at 1, not at 0"),
+            mistake("return history", "return [x] * steps"),
+        ],
+    ),
+)
+
+
+def decay_times(n, tau, rng):
+    return -tau * np.log(1 - rng.random(n))
+
+
+def end_point(steps):
+    return 2 * np.sum(np.random.default_rng().random(steps) < 0.5) - steps
+
+
+def pi_estimate(n):
+    x, y = np.random.random((2, n))
+    hits = 4.0 * (x**2 + y**2 < 1)
+    return hits.mean(), hits.std() / sqrt(n)
+
+
+notebook.exercise(
+    "9",
+    "Random numbers",
+    samples(
+        decay_times,
+        ask={"n": 5000, "tau": uniform(0.5, 3), "rng": generator()},
+        distribution="expon",
+        scale=lambda tau: tau,
+        mistakes=[
+            mistake("-tau *", "-", "missing-term", "the decay time is missing"),
+            mistake("-tau *", "-1.05 * tau *"),
+            mistake("rng.random(n)", "np.repeat(rng.random(n // 2), 2)"),
+            mistake("rng.random(n)", "np.random.default_rng(1).random(n)", "ignores-argument", "the generator is not used"),
+            mistake("rng.random(n)", "np.random.random(n)"),
+        ],
+    ),
+    samples(
+        end_point,
+        ask={"steps": integers(10, 40)},
+        distribution="binom",
+        call="(end_point(steps) + steps) / 2",
+        repetitions=1500,
+        n=lambda steps: steps,
+        p=0.5,
+        mistakes=[
+            mistake("0.5", "0.6"),
+            mistake("- steps", "- steps + 1"),
+            mistake("default_rng()", "default_rng(1)"),
+        ],
+    ),
+    estimate(
+        pi_estimate,
+        ask={"n": 2000},
+        truth=pi,
+        sd=lambda n: sqrt(pi * (4 - pi) / n),
+        error=Tolerance(limit=0.12, reason="five times the spread of the error of 2000 points"),
+        mistakes=[
+            mistake(" / sqrt(n)", "", "missing-term", "the error is that of a point, not of the mean"),
+            mistake("hits.std()", "10 * hits.std()"),
+            mistake("hits.mean()", "hits.mean() + 0.02"),
+            mistake("random((2, n))", "random((2, n // 2))", "missing-term", "only half of the points are drawn"),
+            mistake("np.random.random(", "np.random.default_rng(5).random(", "fixed-seed", "every call starts with the same seed"),
+        ],
+    ),
+)
+
+
+def fit_decay(t, counts, sigma):
+    def model(t, A, k):
+        return A * np.exp(-k * t)
+
+    p, C = curve_fit(model, t, counts, p0=(1, 1), sigma=sigma, absolute_sigma=True, xtol=1e-12, ftol=1e-12)
+    return p, C
+
+
+def decay(t, A, k):
+    return A * np.exp(-k * t)
+
+
+TIMES = np.linspace(0, 3, 25)
+notebook.exercise(
+    "10",
+    "A fit",
+    fit(
+        fit_decay,
+        decay,
+        x=TIMES,
+        sigma=0.02 + 0.02 * TIMES,
+        drawn={"A": uniform(1, 4), "k": uniform(0.5, 2)},
+        agree=(
+            Tolerance(limit=1e-4, reason="of its standard deviation"),
+            Tolerance(limit=1e-4, reason="of two standard deviations"),
+        ),
+        mistakes=[
+            mistake("sigma=sigma, absolute_sigma=True, ", "", "missing-term", "the errors of the data are not used"),
+            mistake("sigma=sigma", "sigma=sigma**2"),
+            mistake("absolute_sigma=True", "absolute_sigma=False", "constant-factor", "the covariance is scaled by χ²/(n − p)"),
+            mistake("return p, C", "return p, np.diag(np.diag(C))", "missing-term", "the covariances are missing"),
+            mistake("return p, C", "return p, np.sqrt(abs(C))"),
+        ],
+    ),
+)
+
+
 def animate_pendulums(t, a, b):
     fig, ax = plt.subplots()
     ax.set(xlim=(-1.8, 1.8), ylim=(-1.2, 0.2), aspect="equal")
@@ -263,15 +413,15 @@ def swing(x, angle):
     return np.column_stack([x + np.sin(angle), -np.cos(angle)])
 
 
-TIMES = np.linspace(0, 6, 50)
-TOGETHER, OPPOSED = 0.35 * np.cos(2 * TIMES), 0.35 * np.cos(2.7 * TIMES)
+SECONDS = np.linspace(0, 6, 50)
+TOGETHER, OPPOSED = 0.35 * np.cos(2 * SECONDS), 0.35 * np.cos(2.7 * SECONDS)
 
 notebook.exercise(
     "20",
     "Two coupled pendulums",
     animation(
         animate_pendulums,
-        ask={"t": TIMES, "a": swing(-0.7, TOGETHER + OPPOSED), "b": swing(0.7, TOGETHER - OPPOSED)},
+        ask={"t": SECONDS, "a": swing(-0.7, TOGETHER + OPPOSED), "b": swing(0.7, TOGETHER - OPPOSED)},
         follow=("a", "b"),
         agree=Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"),
         mistakes=[

@@ -8,7 +8,7 @@ from tests.support.assignments import known
 from tests.support.toolbox import FOLDER, Toolbox
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def toolbox():
     with known(FOLDER) as catalogue:
         assert not catalogue.invalid

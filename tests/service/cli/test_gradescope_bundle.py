@@ -18,13 +18,20 @@ def test_the_samples_stay_out(rigid_body, tmp_path):
     outside = tmp_path / "pendulum"
     (outside / "samples").mkdir(parents=True)
     (outside / "samples/right_one.py").write_text("def solved(): pass")
-    (outside / "__init__.py").touch()
+    for file in ("assignment.py", "1.1.ipynb"):  # a declaration and the notebook that has its Setup
+        (outside / file).touch()
     name, content = own_wheel(outside)
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         held = {path: archive.read(path) for path in archive.namelist()}
     assert (
         name.endswith(".whl")
-        and {"service/cli/__main__.py", "exercises/rigid_body/hidden_checks.py", "exercises/pendulum/__init__.py"} <= held.keys()
+        and {
+            "exercises/pendulum/1.1.ipynb",
+            "service/cli/__main__.py",
+            "exercises/rigid_body/hidden_checks.py",
+            "exercises/pendulum/assignment.py",
+        }
+        <= held.keys()
     )
     solutions = {path.read_bytes() for path in (rigid_body.folder / "samples").iterdir() if path.is_file()} | {
         b"def solved(): pass"

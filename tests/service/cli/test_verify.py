@@ -2,12 +2,16 @@
 
 import re
 import tomllib
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from service.cli import verification
 from service.cli.__main__ import main
+from service.grading.result import GradedFile
 from tests.support.assignments import change, copied, known
+from tests.support.reports import SLOW, outcome, report
 
 RIGHT = "def oscillator(t, y, omega, gamma):\n    return [y[1], -omega**2 * y[0] - 2 * gamma * y[1]]\n"
 HALF = RIGHT.replace("2 * gamma", "gamma")
@@ -30,11 +34,12 @@ def entries(folder):
 @pytest.mark.slow
 def test_the_templates_expectations_are_what_comes_and_show_every_check_and_code(folder, capsys):
     whole = (folder / "samples" / "expected.toml").read_text()
-    (folder / "samples" / "expected.toml").unlink()
+    head, _, written = whole.partition('["right_matrix.py"]')  # the head has the sample that never ends
+    (folder / "samples" / "expected.toml").write_text(head)
     assert verify(folder, "--write") == 0
-    assert (folder / "samples" / "expected.toml").read_text() == whole
+    assert (folder / "samples" / "expected.toml").read_text() == whole and written
     told = capsys.readouterr()
-    names = [f"✓  {name}   (entry written)" for name in tomllib.loads(whole)]
+    names = [f"✓  {name}{'' if name in head else '   (entry written)'}" for name in tomllib.loads(whole)]
     assert told.out.splitlines() == [*names, "damped-oscillator: 14 of 14 samples as expected, 3 checks"]
     assert told.err == ""
 
@@ -104,6 +109,15 @@ def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
     assert entries(folder)['wrong_"ω".py'] == {"exercises": ["1"], "fail": ["1-motion", "1-rates"], "codes": ["constant-factor"]}
     assert told.count("(entry written)") == 2 and told.count("and none was added") == 2
     assert verify(folder, *options[1:5], "--only", "right_terms.py") == 0
+
+
+def test_a_time_out_is_not_written_because_a_busy_machine_can_cause_it(rigid_body):
+    wrong = report([outcome("1-box", "fail"), outcome("1-notebook", "unmeasured", cause=SLOW.sentence)])
+    timed_out = replace(wrong, scene_ends=[SLOW])
+    graded, late = (GradedFile(file=Path("wrong_x.py"), report=one) for one in (wrong, timed_out))
+    assert verification.new_entry(rigid_body, graded) and verification.new_entry(rigid_body, late) is None
+    (sentence,) = verification.missing_entry(rigid_body, late)
+    assert "none was added: motion did not finish in time, and a busy machine can cause that" in sentence
 
 
 def test_what_no_sample_shows_is_a_warning(folder, capsys):

@@ -18,12 +18,20 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays, Check
 from ecp.exercise import Animation, Exercise, Figure
 from ecp.judge import Verdict
-from ecp.kinds import animation, ode, stepper, values
+from ecp.kinds import animation, expression, fit, ode, random, stepper, values
 from ecp.kinds.alignment import aligned
 from ecp.kinds.values import compare
 from ecp.outcome import Diagnosis, Tolerance
 
-KINDS: Mapping[str, ModuleType] = {"animation": animation, "ode": ode, "stepper": stepper, "values": values}
+KINDS: Mapping[str, ModuleType] = {
+    "animation": animation,
+    "expression": expression,
+    "fit": fit,
+    "ode": ode,
+    "random": random,
+    "stepper": stepper,
+    "values": values,
+}
 NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
 
 

@@ -34,28 +34,34 @@ class Counted:
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the drawn values of each row by name: a number, a text, or an array of its own."""
+    """Yield the drawn values of each row by name: a number, a text, or an array of its own. Nothing drawn is one row."""
+    if not rows:
+        yield {}
     columns = {name: np.asarray(column) for name, column in rows.items()}
     for values in zip(*columns.values(), strict=True):
         yield {name: _plain(value) for name, value in zip(columns, values, strict=True)}
 
 
 def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of one call by parameter: constants, values of the row, and counted functions."""
+    """Return the arguments of one call by parameter: constants, values of the row, generators, symbols, counted functions."""
     given = {name: np.array(value) if isinstance(value, list) else value for name, value in question["constants"].items()}
     values = {**given, **row}
     most = 10 * question["calls"]["limit"] if question.get("calls") else MOST_CALLS
     for name, family in question["families"].items():
         scope = {known: values.pop(known) for known in family["given"]}
         values[name] = Counted(expression(family["text"], tuple(family["over"]), scope), name, most)
+    values |= {name: np.random.default_rng(values[name]) for name in question.get("generators", ())}
+    values |= {name: _symbol(name, assumptions) for name, assumptions in question.get("symbols", {}).items()}
     return {parameter: values[parameter] for parameter in question["parameters"]}
 
 
 def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping[str, Any]) -> Any:
-    """Return the answer of the student's function to these arguments.
+    """Return the answer of the student's function to these arguments, or the value of the student's variable.
 
-    Raises WrongAnswer if it cannot be called with them or changes one of them.
+    Raises WrongAnswer if the function cannot be called with them or changes one of them.
     """
+    if variables := question.get("variables"):
+        return {name: student[name] for name in variables} if question.get("keys") else student[variables[0]]
     name, parameters = question["function"], tuple(question["parameters"])
     function = student[name]
     if text := question.get("call"):
@@ -125,8 +131,8 @@ def _number_array(value: Any, spec: Mapping[str, Any], name: str) -> NDArray[np.
     shape = tuple(spec["shape"])
     if spec.get("complex"):
         array = np.asarray(value)
-        if array.dtype.kind == "c" and array.shape == shape:
-            return np.stack([array.real, array.imag], axis=-1)
+        if array.dtype.kind == "c":
+            return np.stack([real_array(part, shape, name) for part in (array.real, array.imag)], axis=-1)
         return np.stack([real_array(value, shape, name), np.zeros(shape)], axis=-1)
     found = real_array(value, shape, name)
     if not np.all(np.isfinite(found)):
@@ -143,6 +149,12 @@ def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Ca
     """Return the function of the variables ``over`` that an expression is. It may use the values ``given`` and MATHEMATICS."""
     code, scope = _code(text), {**MATHEMATICS, **given}
     return lambda *values: eval(code, scope, dict(zip(over, values, strict=True)))  # noqa: S307
+
+
+def _symbol(name: str, assumptions: Mapping[str, bool]) -> Any:
+    import sympy
+
+    return sympy.Symbol(name, **assumptions)
 
 
 def _plain(value: Any) -> Any:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecp import checks, validate
-from ecp.checks import below, close, conserved, holds
+from ecp.checks import below, close, conserved, holds, shows, within
 from ecp.judge import Verdict
 
 NAN = float("nan")
@@ -65,6 +65,15 @@ def test_conserved_below_holds():
     assert below("a", "l", "s", measured=first, limit=2.0, reason="r").judge(SEEN, []).verdict is Verdict.PASS
     assert below("a", "l", "s", measured=first, limit=1.0, reason="r").judge(SEEN, []).verdict is Verdict.FAIL
     assert holds("a", "l", "s", claim=lambda s: (False, "no"), reason="r").judge(SEEN, []).line == "✗  l   [no]"
+
+
+def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths():
+    seen, truth = [{"n": np.array(1.0)}, {"n": np.array(2.0)}], [{"n": np.array(3.0)}, {"n": np.array(4.0)}]
+    numbers = shows("a", "l", "s", "t", claim=lambda *all: (True, " ".join(f"{one['n']:g}" for one in all)), reason="r")
+    assert numbers.judge(seen, truth).line == "✓  l   [1 2 3 4]"
+    both = {"measured": lambda a, b: a["n"] + b["n"], "expected": lambda a, b: a["n"] + b["n"] - 4.0, "scale": lambda a, b: b["n"]}
+    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, truth).verdict is Verdict.PASS
+    assert within("a", "l", "s", "t", **both, limit=1e-9, reason="r").judge(seen, seen).verdict is Verdict.FAIL
 
 
 def test_unmeasured_carries_its_cause():

@@ -5,6 +5,7 @@ import atexit
 import functools
 import json
 import sys
+import types
 
 import numpy as np
 import pytest
@@ -620,6 +621,13 @@ def test_a_cell_that_builds_on_what_it_did_stays_as_often_as_it_ran():
     namespace = {}
     exec(as_text(cells), namespace)
     assert namespace["k"] == 1.0 and namespace["xs"] == [1.0, 1.0] and as_text(cells).count("math.pi") == 1
+
+
+def test_the_whole_notebook_defines_variables_too(monkeypatch):
+    main = types.ModuleType("__main__")
+    main.__dict__.update(slope=2.0, settings={"g": 9.81}, later=..., none=None, f=lambda x: x)
+    monkeypatch.setitem(sys.modules, "__main__", main)
+    assert set(whole_notebook().names) == {"slope", "settings", "f"}
 
 
 def test_the_whole_notebook_runs_where_magics_are_blanked():

@@ -1,0 +1,73 @@
+"""The kind "expression": a sympy expression, by its values at points. Only numbers leave the student's process."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp.kinds.asking import arguments, call, each_row, returned, stacked
+from ecp.kinds.values import checks  # noqa: F401
+from ecp.return_value import WrongAnswer
+
+DIGITS = 30  # of the evaluation, so that cancellation in an equivalent form costs nothing
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of the student's expressions at the point of each row. Raises WrongAnswer."""
+    found, answers = {}, []
+    for row in each_row(rows):
+        given = {name: value for name, value in row.items() if name not in question["symbols"]}
+        if (key := repr(given)) not in found:
+            found[key] = _parts(question, call(question, student, arguments(question, row)))
+        point = {name: complex(*value) if np.ndim(value) else value for name, value in row.items() if name in question["symbols"]}
+        parts = [_evaluated(part, point, question["function"]) for part in found[key]]
+        answers.append(returned({**question, "keys": False}, parts[0] if len(parts) == 1 else parts))
+    return stacked(answers)
+
+
+def _parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
+    """Return the expressions of an answer by the names of ``returns``; what they are is checked by ``returned``."""
+    names = [value["name"] for value in question["returns"]]
+    if question["keys"] and isinstance(answer, dict) and set(names) <= set(answer):
+        return [answer[name] for name in names]
+    return [answer] if len(names) == 1 or not isinstance(answer, tuple | list) else list(answer)
+
+
+def _evaluated(value: Any, point: Mapping[str, complex], name: str) -> NDArray[np.complex128]:
+    """Return the numbers of an expression, a matrix or a list of expressions at a point, by the names of its symbols."""
+    if value is None:
+        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
+    table = np.array(value.tolist() if hasattr(value, "tolist") else value, dtype=object)
+    return np.array([_number(part, point, name) for part in table.flat], dtype=complex).reshape(table.shape)
+
+
+def _number(part: Any, point: Mapping[str, complex], name: str) -> complex:
+    import sympy
+
+    try:
+        expression = sympy.sympify(part, strict=True)
+    except sympy.SympifyError:
+        raise WrongAnswer(None, f"{name} must be a sympy expression; it is a {type(part).__name__}") from None
+    if not isinstance(expression, sympy.Expr):
+        raise WrongAnswer(None, f"{name} must be a sympy expression; it is a {type(part).__name__}")
+    if unknown := sorted({symbol.name for symbol in expression.free_symbols} - set(point)):
+        raise WrongAnswer(None, f"{name} contains {', '.join(unknown)}; it may contain only {', '.join(point)}")
+    symbols = {symbol: _exactly(point[symbol.name]) for symbol in expression.free_symbols}
+    for form in (expression, expression.doit()) if not expression.has(sympy.Sum, sympy.Product) else (expression.doit(),):
+        try:
+            value = complex(form.subs(symbols).evalf(DIGITS))
+        except (TypeError, ValueError):
+            continue
+        if np.isfinite(value) and not form.has(sympy.Sum, sympy.Product):  # sympy's numbers of a series are unreliable
+            return value
+    at = ", ".join(f"{key} = {value:.6g}" for key, value in point.items())
+    raise WrongAnswer(None, f"{name} has no value at {at}: {str(expression)[:200]}")
+
+
+def _exactly(value: complex) -> Any:
+    """Return a number as sympy's, with digits to spare."""
+    import sympy
+
+    real, imaginary = (sympy.Float(part, 2 * DIGITS) for part in (complex(value).real, complex(value).imag))
+    return real + sympy.I * imaginary if imaginary else real

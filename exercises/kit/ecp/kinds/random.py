@@ -1,0 +1,179 @@
+"""The kind "random": samples of a distribution and Monte Carlo estimates, by statistical tests of repeated calls.
+
+The tests of a question together reject a right solution at the rate that the question states, ``rate`` for each test. They compare
+with exact values only, never with an error that the student's function returns.
+"""
+
+import random
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecp import judge
+from ecp.checks import Arrays, Check, holds
+from ecp.judge import Judgement
+from ecp.kinds.asking import arguments, call, describe, each_row, returned, stacked
+from ecp.outcome import Tolerance
+
+Array = NDArray[np.float64]
+
+
+def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the answers of repeated calls for each row, repetitions along the second index.
+
+    A seed is another for each repetition. ``again`` is 1 where the first seed, passed again, gives the same answer.
+    """
+
+    def once(row: Mapping[str, Any], repetition: int) -> dict[str, Any]:
+        seeds = {name: [row[name], repetition] for name in question["generators"]}
+        seeds |= {name: row[name] + repetition for name in question["seeds"]}
+        return returned(question, call(question, student, arguments(question, {**row, **seeds})))
+
+    answers = []
+    with _global_generators():
+        for row in each_row(rows):
+            runs = [once(row, repetition) for repetition in range(question["repetitions"])]
+            again = once(row, 0) if question["generators"] or question["seeds"] else runs[0]
+            same = all(np.array_equal(runs[0][name], again[name]) for name in again)
+            answers.append(stacked(runs) | {"again": np.asarray(float(same))})
+    return stacked(answers)
+
+
+@contextmanager
+def _global_generators() -> Iterator[None]:
+    """Seed the generators of numpy and Python for a while, so that grading again gives the same report."""
+    before, states = random.getstate(), np.random.get_state()
+    random.seed(0)
+    np.random.seed(0)
+    try:
+        yield
+    finally:
+        random.setstate(before)
+        np.random.set_state(states)
+
+
+def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
+    """Return the checks of the samples or of the estimates, and the one that repeated calls differ."""
+    id = question["id"] + ("-new" if suffix else "")
+    tests = SAMPLES if question.get("distribution") else ESTIMATES
+    seeds = [*question["generators"], *question["seeds"]]
+    without_seeds = {**question, "drawn": [name for name in question["drawn"] if name not in seeds]}
+    found = [
+        Check(
+            f"{id}-{name}",
+            f"{question['function']}: {label}{suffix}",
+            (scene,),
+            lambda seen, truth, test=test: test(question, seen[0], truth[0]),  # type: ignore[misc]
+            Tolerance(**question["tolerance"] if name != "error" else question["error"]),
+            lambda index, seen: describe(without_seeds, seen, index[0]),
+        )
+        for name, (label, test) in tests.items()
+        if name != "error" or question.get("error")
+    ]
+    label = "equal seeds give equal results, different seeds different ones" if seeds else "repeated calls give different results"
+    reason = "results are compared bit for bit"
+    repeated = holds(f"{id}-repeated", f"{question['function']}: {label}{suffix}", scene, claim=_repeats, reason=reason)
+    return [*found, repeated]
+
+
+def _repeats(seen: Arrays) -> tuple[bool, str]:
+    values = seen["value"]
+    if not np.all(seen["again"] == 1):
+        return False, "the same seed gave different results: draw all numbers from the argument"
+    if any(np.all(row == row[0]) for row in values):
+        return False, f"{values.shape[1]} calls gave the same result"
+    return True, f"{values.shape[1]} calls"
+
+
+def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
+    """Judge the largest difference of the cumulative distributions (Kolmogorov–Smirnov).
+
+    By Massart's inequality it exceeds √(ln(2/rate)/2N) for N independent samples of any distribution at most at that rate.
+    """
+    import scipy.stats
+
+    made = getattr(scipy.stats, question["distribution"])
+    samples = seen["value"].reshape(len(seen["value"]), -1)
+    most = []
+    for k, row in enumerate(samples):
+        exact = made(**{name: truth[name][k] for name in question["shape_parameters"]})
+        at, counts = np.unique(row, return_counts=True)
+        upper, want = np.cumsum(counts) / len(row), exact.cdf(at)
+        below = want - exact.pmf(at) if hasattr(made, "pmf") else want
+        most.append(max(np.abs(upper - want).max(), np.abs(upper - counts / len(row) - below).max()))
+    limit = float(np.sqrt(np.log(2 / question["rate"]) / (2 * samples.shape[1])))
+    return _judged(np.array(most), limit, f"max|ΔF| = {{:.3g}} with {samples.shape[1]} samples (limit {limit:.3g})")
+
+
+def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
+    """Judge the rank correlation of successive samples of a call, or of single samples of successive calls.
+
+    It has the standard deviation 1/√N for N independent pairs.
+    """
+    import scipy.stats
+
+    samples = seen["value"].reshape(*seen["value"].shape[:2], -1)
+    samples = np.swapaxes(samples, 1, 2) if samples.shape[2] == 1 else samples
+    ranks = scipy.stats.rankdata(samples.reshape(len(samples), -1), axis=1).reshape(samples.shape)
+    first, second = (ranks[:, :, part].reshape(len(samples), -1) for part in (slice(None, -1), slice(1, None)))
+    found = np.array([np.corrcoef(a, b)[0, 1] if np.ptp(a) and np.ptp(b) else 1.0 for a, b in zip(first, second, strict=True)])
+    limit = _deviations(question) / first.shape[1] ** 0.5
+    return _judged(np.abs(found), limit, f"correlation {{:.3g}} of successive samples (limit {limit:.3g})")
+
+
+def _mean(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
+    """Judge the mean of the estimates by their exact standard deviation, beyond the systematic error that the author allows."""
+    want, tolerance = truth["value"], question["tolerance"]
+    allowed = tolerance.get("atol", 0.0) + tolerance.get("rtol", 0.0) * np.abs(want)
+    away = np.maximum(np.abs(seen["value"].mean(axis=1) - want) - allowed, 0.0)
+    unit, limit = truth["sd"] / seen["value"].shape[1] ** 0.5, _deviations(question)
+    worst = int(np.argmax(away / unit))
+    text = f"mean {seen['value'][worst].mean():.6g} vs expected {want[worst]:.6g}, {{:.3g}} standard errors (limit {limit:.3g})"
+    return _judged(away / unit, limit, text)
+
+
+def _spread(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
+    """Judge the standard deviation of the estimates by the χ² distribution of its square."""
+    import scipy.stats
+
+    free = seen["value"].shape[1] - 1
+    ratio = seen["value"].std(axis=1, ddof=1) / truth["sd"]
+    quantiles = scipy.stats.chi2.ppf([question["rate"] / 2, 1 - question["rate"] / 2], free)
+    low, high = np.sqrt(quantiles / free)
+    used = np.where(ratio > 1, (ratio - 1) / (high - 1), (1 - ratio) / (1 - low))
+    text = f"{ratio[int(np.argmax(used))]:.4g} times the expected standard deviation ({low:.3g} to {high:.3g} accepted)"
+    return _judged(used, 1.0, text)
+
+
+def _error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
+    """Judge the returned errors by the exact standard deviation of an estimate."""
+    off = np.sqrt(np.mean((seen["error"] / truth["sd"][:, None] - 1) ** 2, axis=1))
+    limit = question["error"]["limit"]
+    return _judged(off, limit, f"off by {{:.3g}} of the exact standard deviation (limit {limit:g})")
+
+
+SAMPLES: Mapping[str, Any] = {
+    "distribution": ("samples follow the exact distribution", _distribution),
+    "independence": ("successive samples are independent", _independence),
+}
+ESTIMATES: Mapping[str, Any] = {
+    "mean": ("the estimates are right on average", _mean),
+    "spread": ("the estimates spread as expected", _spread),
+    "error": ("the returned error is right", _error),
+}
+
+
+def _deviations(question: Mapping[str, Any]) -> float:
+    """Return the standard deviations that a normal number exceeds at the rate of one test."""
+    import scipy.stats
+
+    return float(scipy.stats.norm.isf(question["rate"] / 2))
+
+
+def _judged(used: Array, limit: float, text: str) -> Judgement:
+    """Judge the largest of the rows' numbers against the limit; ``text`` shows it."""
+    judgement, worst = judge.below(used, limit), float(used.max())
+    return Judgement(judgement.verdict, text.format(worst), worst, 0.0, judgement.margin, judgement.where)

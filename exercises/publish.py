@@ -1,0 +1,183 @@
+"""The students' notebook: the author's with every solution emptied, and the cells that install the kit, check and submit.
+
+It is a pure function of the assignment's folder. The server fills in ``{{SERVER}}``, ``{{KIT_URL}}`` and ``{{PACKAGES}}``.
+"""
+
+import ast
+import json
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from ecp.notebook.cells import DEFINITION, python_of, statements_of
+from ecp.notebook.names import names_in
+from exercises.author_notebook import SOLUTION, Cell, with_ids
+from exercises.question import Question
+
+KERNEL = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}, "language_info": {"name": "python"}}
+NOTE = """**Install the course kit.** The next cell installs it from the course server; it is imported as `ecp`.
+The package of that name on the public index is unrelated: never type `pip install ecp`.
+On the server your code can import only {{PACKAGES}}."""
+INSTALL = """%pip install -q {{{{KIT_URL}}}}
+import ecp
+
+SERVER = "{{{{SERVER}}}}"
+ecp.connect(SERVER, assignment="{slug}")"""
+EMPTY = "# your code here"
+
+
+class Section(NamedTuple):
+    """An exercise of the declaration."""
+
+    number: str
+    title: str
+    questions: tuple[Question, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """The names that the student defines."""
+        return list(dict.fromkeys(name for question in self.questions for name in question.names))
+
+
+def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
+    """Return the cells of an author's notebook where there is none: Setup, and each exercise with its right solutions."""
+    cells = [Cell("markdown", f"# {_markdown(title)}", "title")]
+    cells += [Cell("code", setup.strip("\n"), "setup")] if setup.strip() else []
+    written: set[str] = set()
+    for section in sections:
+        cells.append(Cell("markdown", f"## Exercise {section.number}: {_markdown(section.title)}", _id("exercise", section.number)))
+        for question in section.questions:
+            if not written >= set(question.names):
+                written |= set(question.names)
+                cells.append(Cell("code", question.source.strip("\n"), _id("solution", question.id), (SOLUTION,)))
+    return cells
+
+
+def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> str:
+    """Return the students' notebook as JSON text (nbformat 4.5), from the author's ``cells``."""
+    names = [name for section in sections for name in section.names]
+    kept = [cell for cell in cells if cell.kind == "code" or SOLUTION not in cell.tags]
+    read = {name for cell in kept if not cell.is_solution(names) for name in _read_in(cell)} | set(names)
+    checked = dict(_checks(kept, sections))
+    made = []
+    for at, cell in enumerate(kept):
+        made.append(replace(cell, source=_emptied_cell(cell, names, read)) if cell.is_solution(names) else cell)
+        made += [_code(f'ecp.check("{number}")', _id("check", number), "check") for number, after in checked.items() if after == at]
+    if not any("{{KIT_URL}}" in cell.source for cell in kept):
+        start = int(kept[0].kind == "markdown")
+        made[start:start] = [Cell("markdown", NOTE, "install-note"), _code(INSTALL.format(slug=slug), "install", "install")]
+    if not any(_calls(cell, "submit") for cell in kept):
+        made.append(_code("ecp.submit()", "submit", "submit"))
+    written = {"cells": [_json(id, cell) for id, cell in with_ids(made)], "metadata": KERNEL, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(written, indent=1, ensure_ascii=False) + "\n"
+
+
+def _checks(cells: Sequence[Cell], sections: Sequence[Section]) -> Iterator[tuple[str, int]]:
+    """Yield the number of each exercise without a check cell, and the index of the last cell that belongs to it."""
+    starts = {section.number: _start(cells, section) for section in sections}
+    for section in sections:
+        if any(section.number in arguments for cell in cells for arguments in _calls(cell, "check")):
+            continue
+        start = starts[section.number]
+        level = min((level for level, _ in cells[start].headings), default=6)
+        begin = {at for at in starts.values() if at > start}
+        begin |= {at for at, cell in enumerate(cells) if at > start and any(other <= level for other, _ in cell.headings)}
+        last = max((at for at, cell in enumerate(cells) if cell.bound() & set(section.names)), default=0)
+        yield section.number, max(min(begin, default=len(cells)) - 1, last)
+
+
+def _start(cells: Sequence[Cell], section: Section) -> int:
+    """Return the index of the exercise's heading, else of the first cell that defines its solution."""
+    numbered = re.compile(rf"\bexercise\s+{re.escape(section.number)}(?![\w.]*\w)", re.IGNORECASE)
+    for at, cell in enumerate(cells):
+        if any(numbered.search(text) or section.title.casefold() in text.casefold() for _, text in cell.headings):
+            return at
+    return next((at for at, cell in enumerate(cells) if cell.bound() & set(section.names)), len(cells) - 1)
+
+
+def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> str:
+    """Return the text of a solution's cell without the solution.
+
+    A cell with the tag, or one that binds a solution by another statement than a definition, keeps only the emptied definitions
+    and the names that the rest of the notebook reads.
+    """
+    if (text := python_of(cell.source)) is None:
+        return EMPTY
+    python = text.split("\n")
+    lines = cell.source.split("\n")
+    head = len(lines) - len(python)  # lines of a cell magic above the Python
+    nodes = [s.node for s in statements_of(cell.source)]
+    solved = [node for node in nodes if isinstance(node, DEFINITION) and node.name in names]
+    others = {name: None for s in statements_of(cell.source) if s.node not in solved for name in sorted(s.names.bound)}
+    if SOLUTION not in cell.tags and not set(others) & set(names):
+        for node in reversed(solved):
+            lines[head + _first(node) - 1 : head + (node.end_lineno or 0)] = _emptied(python, node)
+        return "\n".join(lines)
+    asked = [name for name in others if name in read and not name.startswith("_")]
+    parts = ["\n".join(_emptied(python, node)) for node in solved]
+    if asked or not parts:
+        parts.append(EMPTY + "".join(f"\n# {name} = ..." for name in asked))
+    return "\n\n\n".join(parts)
+
+
+def _emptied(lines: Sequence[str], node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> list[str]:
+    """Return the lines of a definition with its signature, docstring and decorators. A class keeps those of its methods."""
+    first, begin = node.body[0], _first(node.body[0])
+    before = _until(lines[first.lineno - 1], first.col_offset)
+    own_line = not before.strip()
+    indent = before if own_line else _until(lines[node.lineno - 1], node.col_offset) + "    "
+    head = "\n".join([*lines[_first(node) - 1 : begin - 1], *([] if own_line else [before.rstrip()])])
+    emptied = re.sub(r"(\n[ \t]*(#.*)?)+$", "", head).split("\n")
+    if ast.get_docstring(node, clean=False) is not None:
+        text = [*lines[first.lineno - 1 : first.end_lineno]]
+        text[-1] = _until(text[-1], first.end_col_offset or 0)
+        emptied += text if own_line else [indent + text[0].encode()[first.col_offset :].decode(), *text[1:]]
+    members: list[str] = []
+    for member in node.body if isinstance(node, ast.ClassDef) and own_line else []:
+        if isinstance(member, DEFINITION):
+            members += ([""] if members or len(emptied) > 1 else []) + _emptied(lines, member)
+        elif isinstance(member, ast.AnnAssign):  # a field of a dataclass belongs to the signature
+            members += lines[member.lineno - 1 : member.end_lineno]
+    return emptied + (members or [f"{indent}..."])
+
+
+def _first(node: ast.stmt) -> int:
+    """Return the first line of a statement, with its decorators."""
+    return min([node.lineno, *(decorator.lineno for decorator in getattr(node, "decorator_list", []))])
+
+
+def _until(line: str, column: int) -> str:
+    return line.encode()[:column].decode()  # ast counts columns in bytes
+
+
+def _read_in(cell: Cell) -> Iterator[str]:
+    if cell.kind == "code" and (text := python_of(cell.source)) is not None:
+        names = names_in(text)
+        yield from names.now | names.later
+
+
+def _calls(cell: Cell, function: str) -> list[list[str]]:
+    """Return the arguments of each call of ``ecp.function`` in a code cell, as text."""
+    nodes = [node for s in statements_of(cell.source) for node in ast.walk(s.node)] if cell.kind == "code" else []
+    calls = [node for node in nodes if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"]
+    return [[str(getattr(argument, "value", None)) for argument in call.args] for call in calls]
+
+
+def _code(source: str, id: str, tag: str) -> Cell:
+    return Cell("code", source, id, (tag,))
+
+
+def _id(what: str, number: str) -> str:
+    return re.sub(r"[^a-zA-Z0-9_-]", "-", f"{what}-{number}")[:64]
+
+
+def _markdown(text: str) -> str:
+    return re.sub(r"([\\`*_{}\[\]<>#$|])", r"\\\1", text)
+
+
+def _json(id: str, cell: Cell) -> dict[str, Any]:
+    written: dict[str, Any] = {"cell_type": cell.kind, "id": id, "metadata": {"tags": list(cell.tags)} if cell.tags else {}}
+    written |= {"attachments": cell.attachments} if cell.attachments else {}
+    written |= {"execution_count": None, "outputs": []} if cell.kind == "code" else {}
+    return dict(sorted((written | {"source": cell.source.splitlines(keepends=True)}).items()))

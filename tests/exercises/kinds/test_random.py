@@ -1,0 +1,128 @@
+"""Random output: mistakes fail in the sandbox and on every seed, and right solutions fail at the stated rate."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from ecp.judge import Verdict
+from ecp.kinds import question_checks
+from ecp.kinds.random import ESTIMATES, SAMPLES
+from exercises.kinds.random import estimate, generator, samples, seed
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.toolbox import mistaken
+
+MISTAKES = {
+    ("decay_times", 0): ["distribution"],
+    ("decay_times", 1): ["distribution"],
+    ("decay_times", 2): ["independence"],
+    ("decay_times", 3): ["repeated"],
+    ("decay_times", 4): ["repeated"],
+    ("end_point", 0): ["distribution"],
+    ("end_point", 1): ["distribution"],
+    ("end_point", 2): ["distribution", "independence", "repeated"],
+    ("pi_estimate", 0): ["error"],
+    ("pi_estimate", 1): ["error"],
+    ("pi_estimate", 2): ["mean"],
+    ("pi_estimate", 3): ["spread"],
+    ("pi_estimate", 4): ["mean", "spread", "repeated"],
+}
+
+
+def failed(question, names, seed=0):
+    """The checks that fail for a solution, with new inputs where the question draws any."""
+    rows = question.draw(np.random.default_rng(seed), question.rows[1] if question.drawn else 1)
+    truth = question.exact(rows)
+    seen = {**question.play(names, rows), **{name: array for name, array in truth.items() if name.startswith("at_")}}
+    outcomes = [check.judge([seen], [truth]) for check in question_checks(question.asked, "scene", False)]
+    return [o.id.rpartition("-")[2] for o in outcomes if o.verdict is not Verdict.PASS]
+
+
+def test_a_mistake_fails_its_check_in_the_sandbox(toolbox, sandbox):
+    report = grade(Submission(mistaken(toolbox, "decay_times", 2)), toolbox.assignment, sandbox, 1, ["9"]).report
+    found = {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL}
+    assert found == {"9-decay_times-independence", "9-decay_times-new-independence"}, report.text()
+
+
+@pytest.mark.parametrize("seeds", [1, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("function", "number"), MISTAKES)
+def test_a_mistake_fails_its_checks_on_every_seed(toolbox, function, number, seeds):
+    question = next(q for q in toolbox.notebook.questions() if q.function == function)
+    names = question.defined_by(question.mistakes[number].source(question.source))
+    for start in range(seeds):
+        assert failed(question, names, start) == MISTAKES[function, number]
+
+
+def noise(n, seed):
+    return np.random.default_rng(seed).normal(size=n)
+
+
+def integral(n, rng):
+    return rng.random(n).mean()
+
+
+NOISE = samples(noise, {"n": 200, "seed": seed()}, "norm", loc=0, scale=1, rows=(1, 2000))
+INTEGRAL = estimate(integral, {"n": 100, "rng": generator()}, 0.5, sd=lambda n: 1 / sqrt(12 * n), rows=(1, 2000))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("question", [NOISE, INTEGRAL], ids=["samples", "estimate"])
+def test_each_test_rejects_right_solutions_at_its_rate(question):
+    """At rates that 2000 seeds can measure; at the stated one there is none."""
+    rows = question.draw(np.random.default_rng(1), 2000)
+    seen, truth = question.play(noise if question is NOISE else integral, rows), question.exact(rows)
+    tests = SAMPLES if question is NOISE else {name: ESTIMATES[name] for name in ("mean", "spread")}
+    for name, (_, test) in tests.items():
+        for rate in (0.1, 0.01, question.data["rate"]):
+            asked = {**question.asked, "rate": rate}
+            each = [({n: a[k : k + 1] for n, a in seen.items()}, {n: a[k : k + 1] for n, a in truth.items()}) for k in range(2000)]
+            rejected = sum(test(asked, *one).verdict is Verdict.FAIL for one in each)
+            assert rejected <= 2000 * rate + 4 * sqrt(2000 * rate * (rate > 1e-3)), name
+            assert rejected >= 2000 * rate / 2 or rate < 1e-3, name  # a test that never rejects has no power
+
+
+def test_the_rates_of_all_tests_together_are_below_the_stated_one():
+    for question in (NOISE, INTEGRAL):
+        assert question.data["rate"] * 2 * sum(question.rows) < 1e-6
+        reason = question.data["tolerance"]["reason"]
+        assert reason == "a right solution fails one of these tests in fewer than one of 1,000,000 gradings"
+
+
+@pytest.mark.parametrize(
+    ("source", "names"),
+    [
+        ("def noise(n, seed):\n    return np.random.default_rng(seed).normal(size=n)", []),
+        ("def noise(n, seed):\n    np.random.seed(seed)\n    return np.random.normal(size=n)", []),
+        ("def noise(n, seed):\n    return np.random.default_rng(seed).normal(0, 1.1, n)", ["distribution"]),
+        ("def noise(n, seed):\n    return np.random.default_rng(seed).normal(0.05, 1, n)", ["distribution"]),
+        ("def noise(n, seed):\n    return np.sort(np.random.default_rng(seed).normal(size=n))", ["independence"]),
+        ("def noise(n, seed):\n    return np.random.normal(size=n)", ["repeated"]),
+        ("def noise(n, seed):\n    return np.full(n, 0.3)", ["distribution", "independence", "repeated"]),
+    ],
+)
+def test_samples_with_an_integer_seed(source, names):
+    question = replace(NOISE, ask={"n": 5000, "seed": seed()}, rows=(1, 2), id="1")
+    assert failed(question, question.defined_by(source)) == names
+
+
+def test_an_allowed_systematic_error_is_not_rejected():
+    from ecp.outcome import Tolerance
+
+    biased = "def integral(n, rng):\n    return rng.random(n).mean() + 0.02"
+    exact = replace(INTEGRAL, rows=(1, 2))
+    allowed = estimate(
+        integral, dict(INTEGRAL.ask), 0.5, sd=lambda n: 1 / sqrt(12 * n), bias=Tolerance(atol=0.03, reason="the step"), rows=(1, 2)
+    )
+    assert failed(exact, exact.defined_by(biased)) == ["mean"]
+    assert failed(allowed, allowed.defined_by(biased)) == []
+
+
+def test_the_notebook_s_own_random_numbers_continue_after_a_check(toolbox):
+    question = next(q for q in toolbox.notebook.questions() if q.function == "pi_estimate")
+    np.random.seed(4)
+    before = np.random.random()
+    np.random.seed(4)
+    question.play(question.student, {})
+    assert np.random.random() == before and abs(pi - 3.14) < 1

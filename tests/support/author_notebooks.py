@@ -1,0 +1,76 @@
+"""Assignments with an author's notebook, written into a folder."""
+
+import json
+
+ASSIGNMENT = '''
+import numpy as np
+
+from exercises.author import Notebook, Tolerance, mistake, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Falling", notebook="fall.ipynb")
+
+
+def speed(t, g):
+    """Return the speed in m/s after t seconds."""
+    return SIGN * g * t
+
+
+def height(t, g, h):
+    return h - g * t**2 / 2
+
+
+EXACT = Tolerance(limit=1e-13, reason="rounding")
+G = {"t": uniform(0, 3), "g": uniform(1, 20)}
+SIGN = 1.0
+
+notebook.exercise(
+    "1", "Speed", values(speed, ask=G, truth=lambda t, g: t * g, agree=EXACT, mistakes=[mistake("g * t", "g / 7.25")])
+)
+notebook.exercise(
+    "2",
+    "Height",
+    values(height, ask=G | {"h": 100.0}, truth=lambda t, g, h: h - 0.5 * g * t * t, agree=Tolerance(atol=1e-11, reason="rounding")),
+)
+'''
+
+
+def markdown(source, **fields):
+    return {"cell_type": "markdown", "metadata": {}, "source": source, **fields}
+
+
+def code(source, *tags, **fields):
+    return {"cell_type": "code", "metadata": {"tags": list(tags)}, "execution_count": 7, "outputs": [], "source": source, **fields}
+
+
+SPEED = code('def speed(t, g):\n    """Return the speed in m/s after t seconds."""\n    # g t\n    return SIGN * g * t', "solution")
+HEIGHT = code("def height(t, g, h):\n    return h - g * t**2 / 2\n\n\nprint(height(1.0, 9.81, 100.0))")
+CELLS = [
+    markdown("# Falling"),
+    markdown("## Setup"),
+    code("%matplotlib inline\nimport numpy as np"),
+    code("SIGN = 1.0"),
+    markdown("## Exercise 1 — Speed\nText."),
+    SPEED,
+    markdown("### Validation 1"),
+    code("assert speed(1.0, 9.81) == 9.81"),
+    markdown("## Exercise 2 — Height"),
+    HEIGHT,
+    markdown("## Summary"),
+    code("print('done')"),
+]
+
+
+def write(folder, cells=CELLS, assignment=ASSIGNMENT):
+    """Write an assignment and its author's notebook into the folder ``falling`` and return it."""
+    folder = folder / "falling"
+    folder.mkdir()
+    (folder / "assignment.py").write_text(assignment)
+    notebook = {
+        "nbformat": 4,
+        "nbformat_minor": 4,
+        "metadata": {"kernelspec": {"name": "mine"}, "answers": ["private"]},
+        "cells": cells,
+    }
+    (folder / "fall.ipynb").write_text(json.dumps(notebook))
+    return folder

@@ -177,7 +177,8 @@ def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
 
 def _driven(sandbox: Sandbox, job: Job, inputs) -> None:
     asked = dict(inputs["torque-free"]) | {"orientation": False}
-    scene = SceneRequest("torque-free", "", "euler_eqs", {}, {}, 20.0, None, lambda ask: host_integration.motion(asked, ask))
+    play, returns = host_integration.DRIVE.play, host_integration.DRIVE.returns
+    scene = SceneRequest("torque-free", play, "euler_eqs", {}, returns, 20.0, None, lambda ask: host_integration.motion(asked, ask))
     motion = sandbox.play(replace(job, scenes=(scene,))).driven["torque-free"]
     assert np.all(np.isfinite(motion["w"]))
 

@@ -1,5 +1,6 @@
 """The declaration of an assignment: scenes, exercises, a sweep, diagnosis and packages."""
 
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -158,6 +159,14 @@ class Assignment:
         """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
         declared = {"setup": self.setup, "plays": self.plays}[name]
         return (self.folder / f"{name}.py").read_text(encoding="utf-8") if declared is None else declared
+
+    def right_submission(self, function: str) -> str | None:
+        """Return the source of a right submission that defines ``function``, or None if there is none."""
+        if made := next((sample.source for sample in self.made_samples() if sample.right), None):
+            return str(made)
+        defines = re.compile(rf"^(?:def |class |){re.escape(function)}\b *[(:=]", re.MULTILINE)
+        samples = (path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py")))
+        return next((source for source in samples if defines.search(source)), None)
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

@@ -4,6 +4,7 @@ It is a pure function of the assignment's folder. The server fills in ``{{SERVER
 """
 
 import ast
+import inspect
 import json
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -50,6 +51,8 @@ def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:
         for question in section.questions:
             if not written >= set(question.names):
                 written |= set(question.names)
+                if question.variables and (text := inspect.getdoc(question.solution)):  # a function has its docstring in its cell
+                    cells.append(Cell("markdown", text))
                 cells.append(Cell("code", question.source.strip("\n"), _id("solution", question.id), (SOLUTION,)))
     return cells
 

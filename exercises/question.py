@@ -5,12 +5,15 @@ import functools
 import inspect
 import sys
 import textwrap
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
+from ecp.author_errors import AuthorError
 from ecp.checks import Arrays
 from ecp.kinds import asking, kind_module
 from ecp.outcome import Tolerance
@@ -18,6 +21,7 @@ from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 Draw = Callable[[np.random.Generator], Any]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,22 @@ class Value:
     up_to: str | None = None
 
 
+def _located(method: Callable[..., T]) -> Callable[..., T]:
+    """Let a method that runs the author's code raise AuthorError with the question's line if no frame is of the author's file."""
+
+    @functools.wraps(method)
+    def run(self: "Question", *args: Any, **named: Any) -> T:
+        try:
+            return method(self, *args, **named)
+        except Exception as error:
+            file = inspect.getsourcefile(self.solution) or ""
+            if isinstance(error, AuthorError) or file in [f.filename for f in traceback.extract_tb(error.__traceback__)]:
+                raise
+            raise AuthorError(f"{Path(file).name} line {self.line}: question {self.id}: {type(error).__name__}: {error}") from error
+
+    return run
+
+
 @dataclass(frozen=True)
 class Part:
     """A further public scene of a question, such as a motion: ``exact(values)`` returns its exact arrays for one row.
@@ -81,9 +101,9 @@ class Question:
     ``ask`` maps parameters to constants, draws (functions of a random generator) and families of functions. ``truth`` is called
     with the arguments and drawn parameters that it names. ``values`` are the returned values by name; a single one has the name
     "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
-    checks of the kind need, as JSON. ``variables`` names what the body of ``solution``, a cell, assigns: then the question asks for
-    these variables instead of a function. ``parts`` are further public scenes, played after the public one. ``sweep(question)`` is
-    a chart of speed against accuracy.
+    checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
+    ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
+    scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy.
     """
 
     kind: str
@@ -98,6 +118,7 @@ class Question:
     data: Mapping[str, Any] = field(default_factory=dict)
     mistakes: tuple[Mistake, ...] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
+    errors: Callable[[], Iterator[str]] = lambda: iter(())
     sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
@@ -113,7 +134,7 @@ class Question:
     @property
     def names(self) -> tuple[str, ...]:
         """The names that a student's cells must define."""
-        return tuple(getattr(self, "variables", ())) or (self.function,)
+        return self.variables or (self.function,)
 
     @functools.cached_property
     def source(self) -> str:
@@ -143,10 +164,7 @@ class Question:
         given = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
         return {name: value for name, value in given.items() if callable(value)}
 
-    def errors(self) -> Iterator[str]:
-        """Yield the errors that only the question's kind knows."""
-        yield from ()
-
+    @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
         each = [{name: draw(rng) for name, draw in self.drawn.items()} for _ in range(rows)]
@@ -176,6 +194,7 @@ class Question:
         }
 
     @functools.cached_property
+    @_located
     def asked(self) -> dict[str, Any]:
         """The question as data, with the shapes of its answer: calls the right solution once."""
         row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
@@ -204,6 +223,7 @@ class Question:
         answers: Arrays = kind_module(asked).play(asked, names, rows)
         return answers
 
+    @_located
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
         """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
         drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []

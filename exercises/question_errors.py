@@ -38,16 +38,17 @@ def _of_question(question: Question) -> Iterator[str]:
         yield f"{name} takes ({', '.join(expected)}), but ask names ({', '.join(question.ask)})"
     for argument, family in question.ask.items():
         if isinstance(family, Family):
-            yield from (f"the function {argument}: {error}" for error in _of_family(family))
+            yield from (f"the function {argument}: {error}" for error in family_errors(family))
     yield from _of_truth(question)
+    yield from question.errors()
     for label, value in question.values.items():
         yield from (f"{name} ({label}): {error}" for error in tolerance_errors(value.tolerance))
         if value.up_to is not None and value.up_to not in UP_TO:
             yield f"{name} ({label}): up_to is {value.up_to!r}; it must be one of: {', '.join(UP_TO)}"
-    yield from question.errors()
 
 
-def _of_family(family: Family) -> Iterator[str]:
+def family_errors(family: Family) -> Iterator[str]:
+    """Yield the errors of an expression."""
     try:
         tree = ast.parse(family.text, mode="eval")
     except SyntaxError as error:

@@ -11,6 +11,7 @@ from ecp.exercise import Exercise
 from exercises.assignment import Assignment
 
 NEEDED = ("setup.py", "plays.py")
+HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 MOST_DATA = 5_000_000  # bytes of a data file
 
 
@@ -21,7 +22,14 @@ def errors(assignment: Assignment) -> list[str]:
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
         found.append(f"cpu_s is {assignment.cpu_s}; it must be positive and finite")
-    return [*found, *_of_data(assignment), *_doubles(assignment), *_of_exercises(assignment), *_of_scenes(assignment)]
+    return [
+        *found,
+        *_imports(assignment),
+        *_of_data(assignment),
+        *_doubles(assignment),
+        *_of_exercises(assignment),
+        *_of_scenes(assignment),
+    ]
 
 
 def syntax_errors(folder: Path) -> list[str]:
@@ -35,6 +43,18 @@ def syntax_errors(folder: Path) -> list[str]:
                 line = f" line {error.lineno}" if isinstance(error, SyntaxError) else ""
                 found.append(f"{path.relative_to(folder)}{line}: {getattr(error, 'msg', error)}")
     return found
+
+
+def _imports(assignment: Assignment) -> Iterator[str]:
+    """Yield an error for each import in plays.py and setup.py of a module that the guest does not have."""
+    for name in NEEDED:
+        path = assignment.folder / name
+        for node in ast.walk(ast.parse(path.read_bytes())) if path.is_file() else ():
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                of = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else None
+                for module in [of] if of else [alias.name for alias in node.names]:
+                    if module.split(".")[0] in ("", *HOST_ONLY):
+                        yield f"{name} line {node.lineno}: the sandbox and the kit have no {module}; import numpy, scipy or ecp"
 
 
 def _of_data(assignment: Assignment) -> Iterator[str]:

@@ -116,7 +116,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     yield "plays.py", assignment.source("plays").encode()
     scenes = _public_scenes(assignment)
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
-    sent = [*precursors.values(), *scenes]
+    sent = list(dict.fromkeys([*precursors.values(), *scenes]))
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
     declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
     if assignment.questions:
@@ -129,6 +129,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 def _declared(scene: Scene) -> dict[str, Any]:
     declared = {name: getattr(scene, name) for name in ("name", "play", "function", "inputs", "budget_s", "after")}
+    declared["returns"] = {name: vars(spec) for name, spec in scene.returns.items()}
     declared |= {"known": list(scene.known), "needs": list(scene.needs)}
     return declared | ({} if scene.question is None else {"question": scene.question})
 

@@ -31,27 +31,6 @@ RECORDING_S, BUDGET_S = 12.0, 15.0
 class Animated(Question):
     """A question whose answer is the recording of an animation, and whose exact answer is the trajectories it is given."""
 
-    def errors(self) -> Iterator[str]:
-        """Yield the errors of the tolerance and of the trajectories."""
-        agree = self.data["agree"]
-        wrong = ["the tolerance of an animation is a limit"] if agree["limit"] is None else tolerance_errors(Tolerance(**agree))
-        yield from (f"{self.function}: {error}" for error in wrong)
-        wanted = [self.data["time"], *self.data["follow"]]
-        if absent := [name for name in wanted if name not in self.ask]:
-            yield f"{self.function}: ask has no {', '.join(absent)}"
-            return
-        if not self.data["follow"]:
-            yield f"{self.function}: follow names no trajectory"
-        exact = self.exact(self.draw(np.random.default_rng(0), 1))
-        if len({exact[name].shape[-1:] for name in self.data["follow"]}) > 1:
-            yield f"{self.function}: the trajectories must all have 2 or all have 3 coordinates"
-        for name in self.data["follow"]:
-            path, n = exact[name], len(exact[self.data["time"]])
-            if path.shape not in ((n, 2), (n, 3)):
-                yield f"{self.function}: the trajectory {name} has shape {path.shape}; it must be ({n}, 2) or ({n}, 3)"
-            elif np.ptp(path, axis=0).max() == 0:
-                yield f"{self.function}: the trajectory {name} does not move"
-
     @property
     def asked(self) -> dict[str, Any]:
         """The question as data."""
@@ -83,7 +62,7 @@ def animation(
     must be followed by something drawn, evenly from its start to its end. The ``limit`` of ``agree`` is the largest deviation,
     relative to the trajectory's extent. A hidden scene exists if an argument is drawn.
     """
-    return Animated(
+    made = Animated(
         kind="animation",
         solution=solution,
         ask=ask,
@@ -99,5 +78,29 @@ def animation(
         rows=(1, 1),
         budget_s=budget_s,
         twice=False,
+        errors=lambda: _errors(made),
         line=calling_line(),
     )
+    return made
+
+
+def _errors(question: Question) -> Iterator[str]:
+    """Yield the errors of the tolerance and of the trajectories."""
+    agree = question.data["agree"]
+    wrong = ["the tolerance of an animation is a limit"] if agree["limit"] is None else tolerance_errors(Tolerance(**agree))
+    yield from (f"{question.function}: {error}" for error in wrong)
+    wanted = [question.data["time"], *question.data["follow"]]
+    if absent := [name for name in wanted if name not in question.ask]:
+        yield f"{question.function}: ask has no {', '.join(absent)}"
+        return
+    if not question.data["follow"]:
+        yield f"{question.function}: follow names no trajectory"
+    exact = question.exact(question.draw(np.random.default_rng(0), 1))
+    if len({exact[name].shape[-1:] for name in question.data["follow"]}) > 1:
+        yield f"{question.function}: the trajectories must all have 2 or all have 3 coordinates"
+    for name in question.data["follow"]:
+        path, n = exact[name], len(exact[question.data["time"]])
+        if path.shape not in ((n, 2), (n, 3)):
+            yield f"{question.function}: the trajectory {name} has shape {path.shape}; it must be ({n}, 2) or ({n}, 3)"
+        elif np.ptp(path, axis=0).max() == 0:
+            yield f"{question.function}: the trajectory {name} does not move"

@@ -1,6 +1,6 @@
 """Questions about one step of an integration method: its values, its order of convergence, and its stability limit."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,19 +8,8 @@ from scipy.integrate import solve_ivp
 
 from ecp.kinds import stepper as kit
 from ecp.outcome import Tolerance
-from exercises.question import (
-    HIDDEN_ROWS,
-    PUBLIC_ROWS,
-    Family,
-    Itself,
-    Mistake,
-    Part,
-    Question,
-    Value,
-    call_with,
-    calling_line,
-    tolerance_data,
-)
+from exercises.question import Family, Itself, Part, Question, Value, call_with, calling_line, tolerance_data
+from exercises.question_errors import family_errors, tolerance_errors
 
 
 def tableau(A: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float]) -> Callable[..., Any]:
@@ -59,14 +48,13 @@ def stepper(
     step: str = "h",
     state: str = "y",
     label: str | None = None,
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
-    budget_s: float = 5.0,
+    **settings: Any,
 ) -> Question:
     """Return the question for one step, such as ``step(f, t, y, h)`` or ``verlet(force, x, v, h)``.
 
     The step returns the new ``state``, or several values (``agree``) with the names of the parameters that they replace. ``truth``
-    may be a ``tableau``. ``calls`` limits the calls of the function argument.
+    may be a ``tableau``. ``calls`` limits the calls of the function argument. ``settings`` are ``mistakes``, ``rows`` and
+    ``budget_s``, as for ``values``.
 
     ``order`` is the order of convergence; its tolerance ``atol`` is how far below it the observed order may be. It is observed
     for runs of four steps of each row's size, halved six times, against the integrated ``rates``: a function of the arguments
@@ -75,50 +63,46 @@ def stepper(
     default minus its last variable: y' = −y, or x'' = −x.
     """
     several = agree if isinstance(agree, Mapping) else {"value": Value(agree, label)}
-    (function,) = [(name, value) for name, value in ask.items() if isinstance(value, Family)]
+    name, family = next(((name, value) for name, value in ask.items() if isinstance(value, Family)), ("", Family("0", ("",), {})))
     states = {name: name for name in several} if isinstance(agree, Mapping) else {"value": state}
-    data: dict[str, Any] = {"time": time, "step": step, "state": states, "test": test or f"-{function[1].over[-1]}"}
-    parts = {}
-    if calls:
-        data["calls"] = {"limit": calls.limit, "reason": calls.reason}
-    if order:
+    data: dict[str, Any] = {"time": time, "step": step, "state": states, "test": test or f"-{family.over[-1]}"}
+    measured = {"order": order, "stability": stability}
+    data |= {part: [min(given[0], kit.LARGEST), tolerance_data(given[1])] for part, given in measured.items() if given}
 
-        def derivatives(values: Mapping[str, Any]) -> Any:
-            name, family = function
-            return call_with(rates, values) if rates else values[name](*(values[variable] for variable in family.over))
+    def derivatives(values: Mapping[str, Any]) -> Any:
+        return call_with(rates, values) if rates else values[name](*(values[variable] for variable in family.over))
 
-        data["order"] = [order[0], tolerance_data(order[1])]
-        parts["order"] = Part(lambda values: {"ends": _exact(data, values, derivatives)})
-    if stability:
-        data["stability"] = [min(stability[0], kit.LARGEST), tolerance_data(stability[1])]
-        parts["stability"] = Part(lambda values: {}, rows=1)
+    def errors() -> Iterator[str]:
+        if not name:
+            yield "a stepper needs a function argument: family(…)"
+            return
+        yield from (f"it has no parameter {given}" for given in [step, *states.values()] if given not in ask)
+        yield from (f"the test problem: {error}" for error in family_errors(Family(data["test"], family.over, {})))
+        for part, given in measured.items():
+            yield from (f"{part}: {error}" for error in (tolerance_errors(given[1]) if given else ()))
+
+    parts = {"order": Part(lambda values: {"ends": _converged(data, values, derivatives)}), "stability": Part(lambda values: {}, 1)}
     return Question(
         kind="stepper",
         solution=solution,
         ask=ask,
         values={name: value if isinstance(value, Value) else Value(value) for name, value in several.items()},
         truth=truth,
-        data=data,
-        mistakes=tuple(mistakes),
-        parts=parts,
-        rows=rows,
-        budget_s=budget_s,
+        data=data | ({"calls": tolerance_data(calls)} if calls else {}),
+        parts={part: parts[part] for part, given in measured.items() if given},
+        errors=errors,
         line=calling_line(),
+        **settings,
     )
 
 
-def _exact(data: Mapping[str, Any], values: Mapping[str, Any], rates: Callable[..., Any]) -> Any:
-    """Return the converged states (FIRST, d) at the ends of the first steps."""
-    names, time, h = list(data["state"].values()), data["time"], values[data["step"]]
-    start = kit.flat(data, values)
-    shapes = [np.shape(values[name]) for name in names]
-    ends = np.cumsum([int(np.prod(shape)) for shape in shapes])[:-1]
+def _converged(data: Mapping[str, Any], values: Mapping[str, Any], rates: Callable[..., Any]) -> Any:
+    """Return the states (FIRST, d) at the ends of the first steps, integrated to rounding."""
+    at = values.get(data["time"], 0.0) + values[data["step"]] * np.arange(kit.FIRST + 1)
 
     def rate(t: float, y: Any) -> Any:
-        state = {name: part.reshape(shape) for name, part, shape in zip(names, np.split(y, ends), shapes, strict=True)}
-        found = rates({**values, time: t, **state})
+        found = rates({**values, data["time"]: t, **kit.split(data, values, y)})
         return np.concatenate([np.ravel(part) for part in (found if isinstance(found, tuple) else (found,))])
 
-    at = values.get(time, 0.0) + h * np.arange(kit.FIRST + 1)
-    run = solve_ivp(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at[1:], rtol=3e-14, atol=1e-16)
-    return run.y.T
+    start = kit.flat(data, values)
+    return solve_ivp(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at[1:], rtol=3e-14, atol=1e-16).y.T

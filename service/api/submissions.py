@@ -5,6 +5,7 @@ import re
 import secrets
 import time
 import uuid
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,6 +21,7 @@ from exercises.catalogue import assignments, find
 from service.api import parse_submission
 from service.auth.identity import STAFF, Person, authenticate, role
 from service.formats import junit
+from service.grading.author_errors import FAULT
 from service.grading.result import GradedFile
 from service.http.errors import Problem
 from service.http.openapi import PERSON, Kinds, also, media, problems
@@ -150,7 +152,7 @@ async def submit(
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return JSONResponse(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
-        stored = await _wait(request, accepted.id, wait_s)
+        stored = await _visible(request, person, await _wait(request, accepted.id, wait_s))
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
@@ -207,7 +209,14 @@ async def find_submission(request: Request, id: str) -> SubmissionRecord:
         raise Problem(404, "not-found", f"no submission {id[:80]}: check the address")
     if stored.person != person.name and await role(request, person) not in STAFF:
         raise Problem(403, "not-allowed", "you don't have permission: another student sent this submission")
-    return stored
+    return await _visible(request, person, stored)
+
+
+async def _visible(request: Request, person: Person, stored: SubmissionRecord) -> SubmissionRecord:
+    """Return the submission as the person may see it: only the staff see where an assignment's own code failed."""
+    if FAULT.format(slug=stored.assignment, error="") not in (stored.fault or "") or await role(request, person) in STAFF:
+        return stored
+    return replace(stored, fault=FAULT.format(slug=stored.assignment, error="the course staff can see where"))
 
 
 def _uuid(text: str) -> uuid.UUID | None:

@@ -9,6 +9,7 @@ import numpy as np
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
 from exercises.assignment import Ask, Assignment, Inputs, Scene
+from service.grading.author_errors import play
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult
 from service.sandbox.sandbox import Sandbox
@@ -58,7 +59,7 @@ def cross_check(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, see
         else:
             doubtful.append(scene)
     if doubtful:
-        _drive(doubtful, played, sandbox, rng, checked)
+        _drive(doubtful, assignment, played, sandbox, rng=rng, checked=checked)
     return checked
 
 
@@ -71,7 +72,7 @@ def _ask_again(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, rng:
     other = PlayResult()
     for _ in range(TRIES):  # a child that did not finish is no evidence against the first one's answers
         if left := [p for p in again if p.name not in other.arrays]:
-            other.add(sandbox.play(replace(job, scenes=tuple(left)), budget=played.budget))
+            other.add(play(replace(job, scenes=tuple(left)), assignment, sandbox, budget=played.budget))
     for name in set(orders) - set(other.arrays):
         scene_end = other.scene_ends.get(name)
         _discard(
@@ -109,7 +110,15 @@ def _agree(inputs: Inputs, first: Arrays, second: Arrays, order: np.ndarray) -> 
     )
 
 
-def _drive(scenes: list[Scene], played: PlayedJob, sandbox: Sandbox, rng: np.random.Generator, checked: CrossCheck) -> None:
+def _drive(
+    scenes: list[Scene],
+    assignment: Assignment,
+    played: PlayedJob,
+    sandbox: Sandbox,
+    *,
+    rng: np.random.Generator,
+    checked: CrossCheck,
+) -> None:
     """Compare stretches of these motions with the host's integration of the function, and replace motions that do not follow it."""
     inputs, result = played.inputs, played.result
 
@@ -128,7 +137,7 @@ def _drive(scenes: list[Scene], played: PlayedJob, sandbox: Sandbox, rng: np.ran
     requests = tuple(
         SceneRequest(s.name, s.drive.play, s.function, {}, s.drive.returns, DRIVE_S, None, driver(s)) for s in scenes if s.drive
     )
-    answered = sandbox.play(replace(played.job, scenes=requests), budget=played.budget)
+    answered = play(replace(played.job, scenes=requests), assignment, sandbox, budget=played.budget)
     for scene in scenes:
         follows, motion = answered.driven.get(scene.name, (False, None))
         if follows:

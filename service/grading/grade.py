@@ -18,6 +18,7 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
+from service.grading.author_errors import author_errors, play
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
@@ -64,8 +65,21 @@ def grade(
 
     ``seed`` determines the hidden scenes. All processes together have the sandbox's time limits, or those that the assignment
     declares if they are longer; scenes that are left have then timed out. Raises UnknownExercise, and SystemFault if the sandbox
-    fails or a package of the assignment is not installed.
+    fails, a package of the assignment is not installed, or the assignment's own code fails.
     """
+    with author_errors(assignment):
+        return _grade(submission, assignment, sandbox, seed, numbers, on_progress=on_progress)
+
+
+def _grade(
+    submission: Submission,
+    assignment: Assignment,
+    sandbox: Sandbox,
+    seed: int,
+    numbers: Iterable[str] | None,
+    *,
+    on_progress: OnProgress,
+) -> Graded:
     if absent := missing_packages(assignment):
         raise SystemFault(absent)
     asked = select(assignment, numbers)
@@ -132,7 +146,17 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
     requests = tuple(
-        SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, s.after, question=s.question, needs=s.needs)
+        SceneRequest(
+            s.name,
+            s.play,
+            s.function,
+            dict(inputs[s.name]),
+            dict(s.returns),
+            s.budget_s,
+            s.after,
+            question=None if s.question is None else dict(s.question),
+            needs=s.needs,
+        )
         for s in scenes
     )
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
@@ -159,12 +183,18 @@ def _play(
     """Play the job. Return its result and the exact answers, which are computed while the guest plays."""
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
+    failed: list[Exception] = []
 
     def on_scene(scene: str) -> None:
         on_progress("playing", places[scene], len(places))
-        exact[scene] = truth(assignment.scene(scene), inputs[scene])
+        try:
+            exact[scene] = truth(assignment.scene(scene), inputs[scene])
+        except Exception as error:  # raised after the play: the guest goes on
+            failed.append(error)
 
-    result = sandbox.play(job, on_scene, budget)
+    result = play(job, assignment, sandbox, on_scene, budget)
+    if failed:
+        raise failed[0]
     for name in list(result.arrays):
         scene = assignment.scene(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None

@@ -14,6 +14,7 @@ from ecp.report import Report
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from service.grading import charts, rendering
+from service.grading.author_errors import author_errors, play
 from service.grading.grade import OnProgress, grade, job_of, truth
 from service.grading.submission import Submission
 from service.sandbox.guest.lockdown import die_with_parent
@@ -37,17 +38,17 @@ def sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> S
     scene = assignment.sweep.scene
     assert not callable(scene.inputs)
     began = time.monotonic()
-    result = sandbox.play(
-        job_of(submission, assignment, [scene], {scene.name: scene.inputs}),
-        budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s)),
-    )
+    job = job_of(submission, assignment, [scene], {scene.name: scene.inputs})
+    result = play(job, assignment, sandbox, budget=TimeBudget(sandbox.limits.at_least(assignment.cpu_s)))
     elapsed = time.monotonic() - began
     if not result.finished(scene.name):
         scene_end = result.scene_ends.get(scene.name)
         raise SweepFailed(scene_end.sentence if scene_end else "your code stopped before the measurement")
-    exact = truth(scene, scene.inputs)
     try:
-        swept = assignment.sweep.read(result.arrays[scene.name], exact)
+        with author_errors(assignment):
+            exact = truth(scene, scene.inputs)
+        with author_errors(assignment, numbers=True):
+            swept = assignment.sweep.read(result.arrays[scene.name], exact)
     except (ArithmeticError, ValueError) as error:
         raise SweepFailed(f"the results cannot be compared with the exact motion ({error})") from error
     if not plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:

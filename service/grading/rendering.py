@@ -10,6 +10,7 @@ from ecp import drawing
 from ecp.checks import Arrays
 from ecp.exercise import Figure
 from exercises.assignment import Assignment
+from service.grading.author_errors import author_errors
 from service.grading.grade import Graded, draw_inputs, truth
 
 FORMATS = {"png": "image/png", "svg": "image/svg+xml"}
@@ -47,5 +48,7 @@ def find(assignment: Assignment, name: str) -> Figure | None:
 def draw(assignment: Assignment, figure: Figure, arrays: Mapping[str, Arrays], seed: int, form: str) -> bytes:
     """Draw a figure from a submission's arrays and the exact motion, as ``form`` ("png" or "svg")."""
     scenes = [assignment.scene(name) for name in figure.scenes]
-    exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
-    return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form)
+    with author_errors(assignment):
+        exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
+    with author_errors(assignment, numbers=True):
+        return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form)

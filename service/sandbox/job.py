@@ -68,10 +68,16 @@ class Job:
         return replace(self, scenes=tuple(s for s in self.scenes if s.name not in done))
 
     def encode(self) -> bytes:
-        """Return the job as the guest reads it: a length and JSON. Only the host needs ``returns``, so it is not included."""
+        """Return the job as the guest reads it: a length and JSON."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
-            | {"asked": s.drive is not None, "question": s.question, "source": s.source, "needs": s.needs}
+            | {
+                "asked": s.drive is not None,
+                "question": s.question,
+                "source": s.source,
+                "needs": s.needs,
+                "returns": {name: vars(spec) for name, spec in s.returns.items()},
+            }
             for s in self.scenes
         ]
         document = {

@@ -40,7 +40,8 @@ class PlayResult:
     """The result of one play.
 
     ``defined`` are the requested functions that the submission defines, ``arrays`` the results by scene and name, ``scene_ends``
-    those of scenes, ``cells`` those of failed cells, and ``driven`` the results of scenes that the host drove. ``claims`` are the
+    those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes that the host drove. ``author_errors`` are
+    exceptions, by scene, that the guest attributes to the assignment's code; a submission can forge them. ``claims`` are the
     notebook's own checks; ``claims_left_out`` counts those beyond the limit.
     """
 
@@ -49,6 +50,7 @@ class PlayResult:
     scene_ends: dict[str, SceneEnd] = field(default_factory=dict)
     cells: dict[str, SceneEnd] = field(default_factory=dict)
     driven: dict[str, Any] = field(default_factory=dict)
+    author_errors: dict[str, str] = field(default_factory=dict)
     claims: list[NotebookCheck] = field(default_factory=list)
     claims_left_out: int = 0
     stdout: str = ""
@@ -60,6 +62,7 @@ class PlayResult:
         self.scene_ends |= other.scene_ends
         self.cells |= other.cells
         self.driven |= other.driven
+        self.author_errors |= other.author_errors
         if not self.claims:  # each child runs the cells again
             self.claims, self.claims_left_out = other.claims, other.claims_left_out
         self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
@@ -75,3 +78,7 @@ class Cancelled(Exception):
 
 class SystemFault(Exception):
     """The submission could not be graded because polhode or a course author failed. Never a verdict."""
+
+
+class NotPrepared(SystemFault):
+    """The assignment's setup.py or plays.py failed before the submission ran."""

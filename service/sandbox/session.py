@@ -19,7 +19,7 @@ from service.sandbox.guest.run_scenes import CLOCK_FACTOR
 from service.sandbox.guest.wire import LENGTH, pack
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
-from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, PlayResult, SystemFault
+from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
 from service.sandbox.time_budget import ProcessorWait, TimeBudget
 from service.sandbox.wire import ProtocolError, Reader, text
 
@@ -60,8 +60,8 @@ class ChildExit(NamedTuple):
         return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
 
 
-class NoAnswer(Exception):
-    """The child will not answer a question because the scene has ended."""
+class NoAnswer(BaseException):
+    """The child will not answer a question because the scene has ended. Not an Exception, so that a driver does not catch it."""
 
 
 @dataclass
@@ -180,8 +180,10 @@ class PlaySession:
         assert self.ended is not None
         cut_short = self.stopped is Ended.TIMED_OUT and self._is_repeated  # earlier children used up the time
         if not self.reader.prepared and not cut_short:
+            if self.reader.not_prepared:
+                raise NotPrepared(f"its own code failed before the submission ran: {self.reader.not_prepared}")
             words = text(self.output.decode(errors="replace")[-500:])
-            raise SystemFault(f"the sandbox or the assignment's own code failed before the submission ran: {words or self.ended}")
+            raise SystemFault(f"the sandbox failed before the submission ran: {words or self.ended}")
         scene_end = self.stopped or self._by_status()
         if scene_end is None:
             return

@@ -42,12 +42,13 @@ class Reader:
     """Reader of one play's byte stream, which it turns into ``result``. Calls ``on_scene`` with the name of each scene that begins.
 
     ``started`` is the scene in progress. ``prepared`` is True once the child has applied its layers and loaded the assignment's
-    code; only then does it run the submission. ``done`` is True after its last frame.
+    code; only then does it run the submission. ``not_prepared`` says why that code failed. ``done`` is True after its last frame.
     """
 
     def __init__(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> None:
         self._on_scene = on_scene
         self.result, self.prepared, self.done, self.started = result, False, False, None
+        self.not_prepared = ""
         self._scenes = {s.name: s for s in job.scenes}
         self._functions = set(job.functions)
         self._cells = {c.name for c in job.cells}
@@ -90,6 +91,8 @@ class Reader:
         match event.get("event"):
             case "prepared" if not self.prepared:
                 self.prepared = True
+            case "not-prepared" if not self.prepared:
+                self.not_prepared = text(event.get("author"))
             case "defined" if isinstance(event.get("names"), list) and not self._names_known:
                 self._names_known = True
                 self.result.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
@@ -98,19 +101,7 @@ class Reader:
                 self.started, self._answer_header = self._next(event), b""
                 self._on_scene(self.started)
             case "scene":
-                running = self.started
-                name = running or self._known(event, self._scenes)
-                if event.get("scene") != name or name in self.result.scene_ends:
-                    raise ProtocolError("another scene ended than was started")
-                scene_end = _scene_end(name, event)
-                if scene_end.ended is Ended.FINISHED and running is None:
-                    raise ProtocolError("a scene that was not started is finished")
-                whole = name in self._driven or set(self.result.arrays.get(name, {})) == set(self._scenes[name].returns)
-                if scene_end.ended is Ended.FINISHED and not whole:
-                    raise ProtocolError("a scene ended without its arrays")
-                if scene_end.ended is not Ended.FINISHED:
-                    self.result.arrays.pop(name, None)
-                self.result.scene_ends[name], self.started = scene_end, None
+                self._end(event)
             case "cell":
                 name = self._known(event, self._cells)
                 if len(self.result.cells) < MOST_CELL_ENDS:
@@ -119,6 +110,24 @@ class Reader:
                 self.done = True
             case _:
                 raise ProtocolError("unknown event")
+
+    def _end(self, event: Mapping[str, Any]) -> None:
+        """Record the end of the scene in progress, or of one that did not start."""
+        running = self.started
+        name = running or self._known(event, self._scenes)
+        if event.get("scene") != name or name in self.result.scene_ends:
+            raise ProtocolError("another scene ended than was started")
+        scene_end = _scene_end(name, event)
+        if scene_end.ended is Ended.FINISHED and running is None:
+            raise ProtocolError("a scene that was not started is finished")
+        whole = name in self._driven or set(self.result.arrays.get(name, {})) == set(self._scenes[name].returns)
+        if scene_end.ended is Ended.FINISHED and not whole:
+            raise ProtocolError("a scene ended without its arrays")
+        if scene_end.ended is not Ended.FINISHED:
+            self.result.arrays.pop(name, None)
+        if scene_end.ended is Ended.RAISED and isinstance(author := event.get("author"), str):
+            self.result.author_errors[name] = " ".join(text(author, 600).split())
+        self.result.scene_ends[name], self.started = scene_end, None
 
     def _next(self, event: Mapping[str, Any]) -> str:
         """Return the scene that a "start" event names. Raises ProtocolError if it may not start now."""

@@ -1,13 +1,18 @@
 """The students' notebook, published from the author's or from the declaration alone: complete, and without a solution."""
 
+import io
 import json
+import os
+import subprocess
+import sys
+import zipfile
 
 import nbformat
 import pytest
 
 from exercises import wheel
 from exercises.author_notebook import Cell
-from exercises.publish import Section, published
+from exercises.publish import Section, plain, published
 from exercises.question import Question
 from tests.support.assignments import known
 from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, markdown, write
@@ -151,6 +156,24 @@ def test_it_is_the_same_for_the_same_folder_and_keeps_valid_ids(tmp_path):
     assert set(ids) >= {cell["id"] for cell in json.loads(fewer)["cells"]}
 
 
+def spins():
+    """Compute the rate in 1/s of the first spin."""
+    moments = [1, 2]
+    rate = moments[0] / 7.25
+    return rate
+
+
+def test_a_plain_notebook_asks_for_variables_by_name():
+    sections = [Section("1", "Spins", (Question("variables", spins, {}, {}, variables=("rate",), id="1"),))]
+    text = published("s", plain("Spins", "", sections), sections)
+    assert "7.25" not in text and "moments" not in text
+    assert sources(text)[3:6] == [
+        "## Exercise 1: Spins",
+        "Compute the rate in 1/s of the first spin.",
+        "# your code here\n# rate = ...",
+    ]
+
+
 def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():
     text = students(FOLDER)
     assert "bisection" not in text and "eigh" not in text and "sqrt(self" not in text
@@ -165,3 +188,39 @@ def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():
         served = wheel.notebook(found.valid["toolbox"], "https://x.org", "https://x.org/kit/k.whl").decode()
         assert wheel.has_notebook(found.valid["toolbox"])
     assert "{{" not in served and "%pip install -q https://x.org/kit/k.whl" in served
+
+
+RUN = """
+import json, sys
+sys.path.insert(0, {kit!r})
+names = {{}}
+for cell in json.load(open({file!r}))["cells"]:
+    source = "".join(cell["source"])
+    if cell["cell_type"] == "code" and "ecp.submit" not in source:
+        last, code = source.rpartition("\\n")[2], "\\n".join(line for line in source.split("\\n") if not line.startswith("%"))
+        exec(code, names)
+        if last.startswith("ecp.check"):
+            print(*(outcome.verdict.value for outcome in eval(last, names).outcomes()))
+"""
+
+
+@pytest.mark.slow
+def test_the_students_notebook_runs_with_the_kit_before_and_after_it_is_filled_in(tmp_path):
+    folder = write(tmp_path, [cell for cell in CELLS if "assert" not in cell["source"]])
+    with known(folder):
+        text = students(folder)
+        zipfile.ZipFile(io.BytesIO(wheel.wheel("falling"))).extractall(tmp_path / "kit")
+    empty = {"".join(cell["source"]) for cell in json.loads(text)["cells"] if "    ..." in "".join(cell["source"])}
+    filled = json.loads(text)
+    for cell in filled["cells"]:
+        if "".join(cell["source"]) in empty:
+            cell["source"] = next(full["source"] for full in (SPEED, HEIGHT) if full["source"][:9] == cell["source"][0][:9])
+    for notebook, expected in ((json.loads(text), "unmeasured\nunmeasured\n"), (filled, "pass\npass\n")):
+        file = tmp_path / "students.ipynb"
+        file.write_text(json.dumps(notebook).replace("{{SERVER}}", "https://x.org"))
+        code = RUN.format(kit=str(tmp_path / "kit"), file=str(file))
+        clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=clean, check=False, cwd=tmp_path)
+        assert told.returncode == 0, told.stderr
+        printed = [line for line in told.stdout.splitlines(keepends=True) if line.strip() in ("pass", "fail", "unmeasured")]
+        assert "".join(printed) == expected, told.stdout

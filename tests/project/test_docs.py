@@ -128,7 +128,7 @@ def test_the_guide_for_authors_names_what_an_author_imports():
     for kind, signature in kinds.items():
         sections = [text for text in doc("docs/authors.md").split("\n### ") if f"`{kind}`" in text.split("\n")[0]]
         assert sections, kind
-        for name in signature.parameters:
+        for name in (p.name for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD):
             assert f"`{name}`" in sections[0] + COMMON, (kind, name)
 
 

@@ -5,14 +5,17 @@ A check compares the arrays a student's function returned (``seen``) with the ex
 mapping per scene, in the order of the scenes. It never sees the student's code.
 """
 
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ecp import judge
+from ecp.author_errors import LIBRARIES, AuthorError, has_truth, located, with_truth
 from ecp.judge import Judgement, Verdict
 from ecp.outcome import Outcome, Tolerance
 
@@ -44,7 +47,8 @@ class Check:
         """Return the outcome for the arrays of the check's scenes.
 
         A value that is not finite fails before any comparison. Numbers too large or small for arithmetic are
-        unmeasured.
+        unmeasured. Raises AuthorError if the check itself fails: for a cause other than the numbers, or also if the
+        exact arrays stand in place of the returned ones.
         """
         for arrays in seen:
             for name, array in arrays.items():
@@ -52,14 +56,45 @@ class Check:
                     return self._outcome(Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen)
         try:
             judgement = self.word(seen, truth)
-        except (ArithmeticError, LookupError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+        except MemoryError:
+            raise
+        except Exception as error:
+            if self._is_at_fault(error, seen, truth):
+                raise AuthorError(f"check {self.id}: {self._place(error)}") from error
             # Shapes are right and values finite, but arithmetic on them overflows: that is neither right nor wrong.
             return self.unmeasured(f"the returned numbers are too large or too small to compare ({error})")
+        if judgement.misshapen and self.word(with_truth(seen, truth), truth).misshapen:
+            raise AuthorError(f"check {self.id}: {self._place(ValueError(judgement.detail))}")
         if judgement.verdict is Verdict.UNMEASURED:
             return replace(self.unmeasured(judgement.detail), counted=False)
-        outcome = self._outcome(judgement, seen)
-        outcome.hints = self.hint(*seen) if self.hint else []
-        return replace(outcome, tolerance=self.allow(*truth)) if self.allow else outcome
+        try:
+            outcome = self._outcome(judgement, seen)
+            outcome.hints = self.hint(*seen) if self.hint else []
+            return replace(outcome, tolerance=self.allow(*truth)) if self.allow else outcome
+        except Exception as error:
+            raise AuthorError(f"check {self.id}: {self._place(error)}") from error
+
+    def _is_at_fault(self, error: Exception, seen: list[Arrays], truth: list[Arrays]) -> bool:
+        """Return whether an exception follows from the check itself, not from the student's finite numbers of the right shapes."""
+        if not isinstance(error, ArithmeticError | ValueError | IndexError):
+            return True
+        if not has_truth(seen, truth):
+            return isinstance(error, IndexError)
+        try:
+            self.word(with_truth(seen, truth), truth)
+        except Exception:
+            return True
+        return False
+
+    def _place(self, error: Exception) -> str:
+        """Return file, line and message: of the code that raised the error, else of the function that the check calls."""
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename not in (__file__, judge.__file__)]
+        if own := [frame for frame in frames if not LIBRARIES & set(Path(frame.filename).parts)]:
+            return located(error, own[-1])
+        variables = dict(zip(self.word.__code__.co_freevars, self.word.__closure__ or (), strict=True))
+        functions = [variables[name].cell_contents for name in ("expected", "measured", "series", "claim") if name in variables]
+        code = next((f.__code__ for f in functions if hasattr(f, "__code__")), None)
+        return (f"{Path(code.co_filename).name} line {code.co_firstlineno}: " if code else "") + f"{type(error).__name__}: {error}"
 
     def failed(self, detail: str) -> Outcome:
         """Return a failed outcome, for answers that cannot be trusted."""
@@ -110,7 +145,8 @@ def close(
     """Check that ``measured(*seen)`` equals ``expected`` to ``atol + rtol·|expected|``.
 
     ``expected`` is a value or a function of the truth. It has the shape of the measured array; nothing is
-    broadcast. All are in the same unit. A shape that differs fails.
+    broadcast. All are in the same unit. A shape that differs fails, or is an AuthorError if that of the truth
+    differs too.
 
     >>> check = close(
     ...     "1-trace", "the trace is 3 kg m²", "tensor",
@@ -142,7 +178,7 @@ def within(
 
     ``scale`` returns one number or an array of the shape of ``expected``, in its unit; ``limit`` has no unit.
     A function ``limit(*truth)`` returns the Tolerance of one grading instead, with its ``limit`` and reason. A
-    shape that differs fails.
+    shape that differs is judged as by ``close``.
 
     >>> check = within(
     ...     "2-motion", "ω(t) follows the exact motion", "run", limit=1e-9, reason="of the largest |ω|",

@@ -42,7 +42,7 @@ class PublicScene:
 
     The arrays named in ``known`` are added to those the function returned. The scene runs only if the scene
     it comes ``after`` has finished. The server gives it ``budget_s`` seconds. ``question`` is its question, if it
-    has one (ecp.kinds).
+    has one (ecp.kinds). ``returns`` are shape, dtype and up_to of the arrays that its play returns.
     """
 
     name: str
@@ -55,6 +55,7 @@ class PublicScene:
     truth: Arrays
     needs: list[str] = field(default_factory=list)
     question: Mapping[str, Any] | None = None
+    returns: Mapping[str, Any] | None = None
 
 
 def _no_diagnosis(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:

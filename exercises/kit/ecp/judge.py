@@ -31,7 +31,7 @@ class Judgement:
     """The judgement of one claim. ``detail`` is the text in the brackets.
 
     ``margin`` is allowed / measured, None if nothing deviates or there is no number. ``where`` is the index
-    of the worst value in the compared array.
+    of the worst value in the compared array. ``misshapen``: the shapes exclude a comparison.
     """
 
     verdict: Verdict
@@ -40,6 +40,7 @@ class Judgement:
     expected: float | None = None
     margin: float | None = None
     where: tuple[int, ...] | None = None
+    misshapen: bool = False
 
 
 def line(verdict: Verdict, label: str, detail: str) -> str:
@@ -52,7 +53,7 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
     seen, want = _real(got), _real(expected)
     tolerance = f"(rtol={rtol:g}, atol={atol:g})"
     if seen.shape != want.shape:
-        return Judgement(Verdict.FAIL, f"shape {seen.shape} vs expected shape {want.shape} {tolerance}")
+        return _misshapen(f"shape {seen.shape} vs expected shape {want.shape} {tolerance}")
     with np.errstate(invalid="ignore"):
         delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
     where, margin = _worst(delta, allowed)
@@ -70,7 +71,7 @@ def within(got: ArrayLike, expected: ArrayLike, scale: ArrayLike, limit: float) 
     """
     seen, want, unit = _real(got), _real(expected), _real(scale)
     if seen.shape != want.shape:
-        return Judgement(Verdict.FAIL, f"shape {seen.shape} vs expected shape {want.shape} (limit {limit:g})")
+        return _misshapen(f"shape {seen.shape} vs expected shape {want.shape} (limit {limit:g})")
     with np.errstate(invalid="ignore", divide="ignore"):
         delta = np.abs(seen - want)
         used = np.where(delta == 0, 0.0, delta / unit)
@@ -84,7 +85,7 @@ def conserved(series: ArrayLike, limit: float) -> Judgement:
     """Judge max |s(t)/s(0) − 1| ≤ limit for a series (n,), n ≥ 2. A series that starts at zero must stay zero."""
     values = _real(series)
     if values.ndim != 1 or values.size < 2:
-        return Judgement(Verdict.FAIL, f"got shape {values.shape}, expected a one-dimensional array of at least 2 values")
+        return _misshapen(f"got shape {values.shape}, expected a one-dimensional array of at least 2 values")
     with np.errstate(invalid="ignore"):
         delta, scale = np.abs(values - values[0]), abs(values[0])
         drift = delta / scale if scale > 0 else np.where(delta == 0, 0.0, np.inf)
@@ -98,7 +99,7 @@ def below(value: ArrayLike, limit: float) -> Judgement:
     """Judge value ≤ limit for a number, or for the largest of an array."""
     values = _real(value)
     if values.size == 0:
-        return Judgement(Verdict.FAIL, f"the array is empty: expected at least one number (limit {limit:g})")
+        return _misshapen(f"the array is empty: expected at least one number (limit {limit:g})")
     where, margin = _worst(values, np.full_like(values, limit))
     largest = float(values.max())
     ok = bool(np.all(np.isfinite(values)) and np.all(values <= limit))
@@ -117,6 +118,10 @@ def positive(value: ArrayLike) -> Judgement:
 def holds(ok: Any, detail: str) -> Judgement:
     """Judge a claim that has its own detail text. Only a true bool passes; an array or NaN does not."""
     return Judgement(_verdict(isinstance(ok, bool | np.bool_) and bool(ok)), detail)
+
+
+def _misshapen(detail: str) -> Judgement:
+    return Judgement(Verdict.FAIL, detail, misshapen=True)
 
 
 def _verdict(ok: bool) -> Verdict:

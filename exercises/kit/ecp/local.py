@@ -1,5 +1,6 @@
 """``ecp.check``: runs the public scenes in the notebook's own kernel and judges them as the server does."""
 
+import os
 import platform
 import sys
 import time
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ecp import animate, course
+from ecp.author_errors import LIBRARIES, SOURCES, UNUSABLE, AuthorError, author_error, checked_arrays
 from ecp.checks import Arrays, Check
 from ecp.course import PublicAssignment, PublicScene, UnknownCourse
 from ecp.exercise import Exercise, attempted, points
@@ -24,7 +26,7 @@ from ecp.report_html import html
 from ecp.return_value import describe_exception, is_written, missing
 from ecp.time_limit import OutOfTime, limited
 
-KIT = Path(__file__).parent
+KIT, STANDARD_LIBRARY = Path(__file__).parent, Path(os.__file__).parent
 ISOLATION = "none: checked in your own kernel"
 
 
@@ -32,7 +34,8 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     """Run the public checks of the exercises ``numbers``, offline, and return the report with the server's own lines.
 
     The default is every exercise with a function that is no longer empty. Functions are found by name in the module that calls
-    ``check``. Raises UnknownCourse for an assignment the kit does not contain or an exercise the assignment does not have.
+    ``check``. Raises UnknownCourse for an assignment the kit does not contain or an exercise the assignment does not have, and
+    AuthorError if the assignment's own code fails.
     """
     names = sys._getframe(1).f_globals
     known = course.public(course.assignment(assignment))
@@ -40,9 +43,14 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
     written = {name for name in asked if is_written(names.get(name), name in variables)}
     chosen = _chosen(known, [str(number) for number in numbers], written)
     checks = {e.number: e.applicable_checks(written, known.names) for e in chosen}
-    with _close_new_figures(), animate.watched():
-        played = _play(_needed(chosen, checks, known), known, names)
-    sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
+    try:
+        with _close_new_figures(), animate.watched():
+            played = _play(_needed(chosen, checks, known), known, names)
+        sections = [ExerciseReport(e.number, e.title, [_outcome(c, known, played) for c in checks[e.number]]) for e in chosen]
+    except AuthorError as error:
+        raise AuthorError(
+            f"The assignment {known.slug} has an error, not your code: {error}. Report it to the course staff."
+        ) from error
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
     report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True, html=html)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
@@ -101,8 +109,7 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
     began = time.monotonic()
     try:
         with np.errstate(all="ignore"), limited(scene.budget_s):
-            question = () if scene.question is None else (scene.question,)
-            seen = known.plays[scene.play](*question, names, scene.inputs)
+            seen = _call(scene, known, names)
     except KeyboardInterrupt:
         raise
     except OutOfTime:
@@ -112,12 +119,33 @@ def _play_one(scene: PublicScene, known: PublicAssignment, names: Mapping[str, A
     except BaseException as error:
         described = describe_exception(error, _own)
         ended, sentence = Ended(str(described["ended"])), " ".join(str(described["sentence"]).split())
+        if found := author_error(error, _own):
+            if isinstance(error, NameError) or _fails_anyway(found, scene, known, names):
+                raise AuthorError(f"scene {scene.name}: {found}") from error
+            ended, sentence = Ended.WRONG_ANSWER, UNUSABLE.format(function=scene.function, error=sentence)
+            described["code"] = None
         played.scene_ends[scene.name] = SceneEnd(scene.name, ended, sentence, described["code"], described.get("traceback"))
         return
     if (took := time.monotonic() - began) > scene.budget_s:
         played.slow.append(f"Scene {scene.name} took {took:.0f} s here; the server allows {scene.budget_s:g} s.")
     played.arrays[scene.name] = {name: np.array(array) for name, array in seen.items()} | {k: scene.truth[k] for k in scene.known}
     played.scene_ends[scene.name] = SceneEnd(scene.name, Ended.FINISHED, "finished")
+
+
+def _call(scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any]) -> dict[str, Any]:
+    play, question = known.plays[scene.play], () if scene.question is None else (scene.question,)
+    seen: dict[str, Any] = play(*question, names, scene.inputs)
+    return seen if scene.returns is None else checked_arrays(play, seen, scene.returns)
+
+
+def _fails_anyway(found: str, scene: PublicScene, known: PublicAssignment, names: Mapping[str, Any]) -> bool:
+    """Return whether a scene fails in the same way for a function that returns an object without any properties."""
+    try:
+        with np.errstate(all="ignore"), limited(scene.budget_s):
+            _call(scene, known, {**names, scene.function: lambda *values, **named: object()})
+    except Exception as error:
+        return author_error(error, _own) == found
+    return False
 
 
 @contextmanager
@@ -176,4 +204,4 @@ def _draw(chosen: list[Exercise], known: PublicAssignment, arrays: Mapping[str, 
 def _own(filename: str) -> bool:
     """Return whether a frame of a traceback is the student's code, not the kit's or a library's."""
     path = Path(filename)
-    return not (filename == "plays.py" or KIT in path.parents or {"site-packages", "dist-packages"} & set(path.parts))
+    return not (filename in SOURCES or {KIT, STANDARD_LIBRARY} & set(path.parents) or LIBRARIES & set(path.parts))

@@ -145,7 +145,7 @@ class SweptPoint:
 
 @dataclass
 class SweepResult:
-    """Speed against accuracy of a submission: its points on ``scene`` of the reference chart, and a summary line."""
+    """Speed against accuracy of a submission: its points on the motion ``scene``, and a summary line."""
 
     scene: str
     points: list[SweptPoint]

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
+from ecp.author_errors import SOURCES, author_error, checked_arrays
 from ecp.return_value import describe_exception, is_written, missing
 
 from .claims import Recorder
@@ -56,7 +57,11 @@ def run(job_fd: int, result_fd: int) -> None:
     """Play the job. Each scene's arrays and scene end are sent before the next scene starts."""
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
-    (plays, unchanged), student = _load_plays(job["plays"]), _prepare(job["setup"])
+    try:
+        (plays, unchanged), student = _load_plays(job["plays"]), _prepare(job["setup"])
+    except BaseException as error:
+        write.event("not-prepared", author=author_error(error, lambda filename: False))
+        raise
     write.event("prepared")
     with animate.watched():
         _run(job, plays, student, questions, write, unchanged=unchanged)
@@ -106,11 +111,11 @@ def _play(
         asked = (names,) if scene["question"] is None else (scene["question"], names)
         if scene["asked"]:
             for arguments in questions:
-                write.answer(play(*asked, arguments))
+                write.answer(checked_arrays(play, play(*asked, arguments), scene["returns"]))
             return
         arrays = play(*asked, scene["inputs"])
         unchanged()
-        for key, array in arrays.items():
+        for key, array in checked_arrays(play, arrays, scene["returns"]).items():
             write.array(name, key, array)
 
     ended = _run_limited(answer, Budget(scene["budget_s"]))
@@ -214,9 +219,16 @@ def _run_limited(action: Callable[[], None], budget: Budget) -> dict[str, Any]:
     except OutOfTime:
         return {"ended": "timed-out", "code": "timeout", "sentence": budget.sentence()}
     except BaseException as error:
-        return describe_exception(error, _is_of_submission)
+        return describe_exception(error, _is_of_submission) | {"author": _author_error(error)}
     return {"ended": "finished", "sentence": "finished"}
 
 
+def _author_error(error: BaseException) -> str | None:
+    try:
+        return author_error(error, lambda name: _is_of_submission(name) or (name[:1] == "<" and not name.startswith("<frozen")))
+    except BaseException:  # its own __str__ fails, for example
+        return None
+
+
 def _is_of_submission(filename: str) -> bool:
-    return filename in linecache.cache and "/" not in filename and filename not in ("plays.py", "setup.py")
+    return filename in linecache.cache and "/" not in filename and filename not in SOURCES

@@ -5,12 +5,14 @@ import pytest
 
 from exercises.author import Tolerance, uniform
 from exercises.kinds.ode import ode
+from exercises.question_errors import question_errors
 from service.grading import charts
 from service.grading.grade import grade
 from service.grading.grader import sweep
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged, mistaken, question_of, right
 
+NEAR = Tolerance(limit=1e-9, reason="integration")
 HALVED = "def oscillator(t, y, w, g):\n    return [y[1], -w**2 * y[0] / 2 - 2 * g * y[1]]\n"
 
 
@@ -61,8 +63,8 @@ def test_a_scalar_state_with_a_partial_closed_form_and_a_conserved_quantity():
         agree=Tolerance(limit=1e-13, reason="rounding"),
         motion=lambda t, y, k: y * np.exp(-k * t),
         t_end=3.0,
-        follow=Tolerance(limit=1e-9, reason="integration"),
-        conserved={"y exp(kt)": ("y * exp(k * t)", Tolerance(limit=1e-9, reason="integration"))},
+        follow=NEAR,
+        conserved={"y exp(kt)": ("y * exp(k * t)", NEAR)},
     )
     assert failed(judged(question, decay)) == set()
     assert failed(judged(question, lambda y, k: -1.001 * k * y)) == {"-value", "-motion", "-y exp(kt)", "-new-value"}
@@ -116,3 +118,23 @@ def test_the_sweep_of_a_wrong_function_names_it(toolbox):
     seen = question_of(toolbox, "oscillator").play(names["oscillator"], dict(wanted.scene.inputs), "sweep")
     swept = wanted.read(seen, wanted.scene.truth(dict(wanted.scene.inputs)))
     assert min(p.error for p in swept.points) > 1e-2 and "check oscillator" in swept.line
+
+
+@pytest.mark.parametrize(
+    ("changed", "error"),
+    [
+        ({"follow": None}, "a motion needs t_end and follow, its tolerance"),
+        ({"t_end": None}, "a motion needs t_end and follow, its tolerance"),
+        ({"motion": lambda t, y, q: y}, "the closed form takes q, which is neither asked nor drawn"),
+        ({"conserved": {"E": ("y * q", NEAR)}}, "E: 'y * q' uses q, which is neither a variable nor a parameter"),
+        ({"conserved": {"E": ("y", Tolerance(limit=1.0, reason=""))}}, "E: the tolerance has no reason"),
+        ({"follow": Tolerance(rtol=1.0, reason="none")}, "the motion: its tolerance needs limit"),
+    ],
+)
+def test_an_error_of_the_declaration_is_reported(changed, error):
+    def decay(y, k):
+        return -k * y
+
+    given = {"motion": lambda t, y, k: y * np.exp(-k * t), "t_end": 3.0, "follow": NEAR, "conserved": {"E": ("y", NEAR)}}
+    question = ode(decay, {"y": uniform(1, 2), "k": uniform(0.1, 1)}, NEAR, **given | changed)
+    assert [found.split(": ", 1)[1] for found in question_errors(question)] == [error]

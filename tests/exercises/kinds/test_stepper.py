@@ -9,6 +9,7 @@ from scipy.optimize import fsolve
 from ecp.kinds import stepper as kit
 from exercises.author import Tolerance, family, uniform
 from exercises.kinds.stepper import euler, heun, midpoint, rk4, stepper
+from exercises.question_errors import question_errors
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged, mistaken, question_of
@@ -90,9 +91,55 @@ def test_order_and_stability_limit_of_known_methods(step, order, limit, h):
     assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
 
 
+def test_a_scalar_state_beside_an_array_and_a_constant_step():
+    """A rotor whose angle is a number and whose other state is an array."""
+
+    def step(f, a, v, h):
+        return a + h * v[0], v + h * f(a) * np.array([1.0, 0.5])
+
+    rounding = Tolerance(limit=1e-13, reason="rounding")
+    question = stepper(
+        step,
+        ask={"f": family("-sin(a) - q", "a", q=uniform(0, 1)), "a": uniform(0, 1), "v": uniform(1, 2, 2), "h": 0.1},
+        agree={"a": rounding, "v": rounding},
+        rates=lambda f, a, v: (v[0], f(a) * np.array([1.0, 0.5])),
+        order=(1, Tolerance(atol=0.2, reason="first steps")),
+    )
+    assert failed(judged(question, step)) == set()
+    wrong = judged(question, lambda f, a, v, h: (a + h * v[0], v + h * f(a)))
+    assert failed(wrong) == {"-v", "-order", "-new-v"} and wrong["-order"].measured < 0.1
+
+
+@pytest.mark.parametrize(
+    ("changed", "error"),
+    [
+        ({"ask": {"t": 0.0, "y": 1.0, "h": 0.1}}, "a stepper needs a function argument: family(…)"),
+        ({"state": "x"}, "it has no parameter x"),
+        ({"test": "-z"}, "the test problem: '-z' uses z, which is neither a variable nor a parameter"),
+        ({"order": (1, Tolerance(atol=0.1, reason=""))}, "order: the tolerance has no reason"),
+        ({"stability": (2, Tolerance(reason="none"))}, "stability: the tolerance has no number: give rtol, atol or limit"),
+    ],
+)
+def test_an_error_of_the_declaration_is_reported(changed, error):
+    def step(f, t, y, h):
+        return y + h * f(t, y)
+
+    near = Tolerance(limit=1e-13, reason="rounding")
+    ask = {"f": family("-y", "t", "y"), "t": 0.0, "y": uniform(0, 1), "h": 0.1}
+    found = [
+        one.split(": ", 1)[1] for one in question_errors(stepper(step, **{"ask": ask, "agree": near, "truth": euler} | changed))
+    ]
+    assert error in found
+
+
 def test_the_order_needs_three_runs_above_rounding():
-    assert kit.observed_order(np.array([1e-3, 1e-5, 1e-13, 1e-14])) is None
-    assert kit.observed_order(np.array([1e-2, 1e-4, 1e-6, 5e-13, 1e-14])) == pytest.approx(np.log2(100))
+    assert kit.observed_order(np.array([1e-3, 1e-5, 1e-14, 1e-15])) is None
+    assert kit.observed_order(np.array([1e-2, 1e-4, 1e-6, 5e-14, 1e-15])) == pytest.approx(np.log2(100))
+
+
+def test_runs_that_are_unstable_do_not_count_for_the_order():
+    assert kit.observed_order(np.array([1e9, 1e20, 1e3, 8e-2, 4e-2, 2e-2, 1e-2])) == pytest.approx(1)
+    assert kit.observed_order(np.array([5.0, 0.9, 0.8, 0.8, 0.8, 0.8, 0.8])) == pytest.approx(0, abs=1e-9)
 
 
 def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):

@@ -252,6 +252,17 @@ def test_a_report_that_cannot_be_read_is_our_fault_and_no_missing_submission(ser
         assert status == 500 and "polhode failed (our error)" in told
 
 
+def test_where_an_assignments_own_code_failed_is_shown_to_the_staff_only(server, ann, prof, url):
+    body = json.dumps({"source": RIGHT + "# no grading", "exercises": ["2"]}).encode()
+    id = json.loads(call(server, SLUG, ann, body, Content_Type="application/json")[2])["id"]
+    fault = "all 3 runs failed (assignment rigid-body has an error: scene probes: plays.py line 3: KeyError: 'x')"
+    sql(url, "INSERT INTO result (grading_id, fault) SELECT id, %s FROM grading WHERE submission_id = %s", fault, id)
+    for path in (f"/submissions/{id}", f"/v1/submissions/{id}"):
+        (_, _, student), (_, _, staff) = call(server, path, ann), call(server, path, prof)
+        assert "plays.py line 3" in staff and "plays.py" not in student
+        assert "assignment rigid-body has an error: the course staff can see where" in student
+
+
 def test_forged_arrays_in_the_store_are_a_404_or_a_sentence(server, ann, url, rigid_body, send):
     sent = send(ann, RIGHT + "# forged", exercises=("6",))
     grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", sent["id"])[0][0]

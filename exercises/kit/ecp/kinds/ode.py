@@ -113,7 +113,7 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
 
     made = [Check(f"{question['id']}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
     for quantity, (text, limits) in question["conserved"].items():
-        drifts, allowed = partial(_drift, question, text, limits["limit"]), Tolerance(**limits)
+        drifts, allowed = partial(_drift, question, text, limits.get("limit", 0.0)), Tolerance(**limits)
         label = f"{quantity} conserved along the motion of {name}"
         made.append(Check(f"{question['id']}-{quantity}", label, (scene,), drifts, allowed, place))
     return made

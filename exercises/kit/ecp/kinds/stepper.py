@@ -20,7 +20,7 @@ from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
 FIRST, HALVINGS = 4, 6
-ROUNDING = 1e-12  # errors below this part of the state are those of rounding and of the truth
+ROUNDING, CONVERGING = 1e-13, 0.1  # relative errors below are those of rounding and of the truth; above, of an unstable run
 SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the stability limit is searched
 GROWTH = 1e-6  # of one step: a smaller one is rounding
 
@@ -37,6 +37,15 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
 def flat(question: Mapping[str, Any], state: Mapping[str, Any]) -> Array:
     """Return the state (d,) whose parts are parameters of the stepper."""
     return np.concatenate([np.ravel(state[name]) for name in question["state"].values()])
+
+
+def split(question: Mapping[str, Any], like: Mapping[str, Any], y: Array) -> dict[str, Any]:
+    """Return the parts of the state ``y`` (d,) by parameter, with the shapes of those in ``like``."""
+    names = list(question["state"].values())
+    parts = np.split(y, np.cumsum([np.size(like[name]) for name in names])[:-1])
+    return {
+        n: part.reshape(np.shape(like[n])) if np.ndim(like[n]) else float(part[0]) for n, part in zip(names, parts, strict=True)
+    }
 
 
 def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[str, Any]) -> dict[str, Any]:
@@ -69,20 +78,13 @@ def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
     known = {name: value for name, value in row.items() if name in question["parameters"]}
     constants = {name: value for name, value in question["constants"].items() if name in question["parameters"]}
     given = arguments({**question, "families": families, "constants": constants}, known)
-    shapes = {name: np.shape(given[name]) for name in question["state"].values()}
-    unit = np.eye(sum(int(np.prod(shape)) for shape in shapes.values()))
 
     def grows(h: float) -> bool:
-        columns = []
-        for start in unit:
-            at, state = 0, {}
-            for name, shape in shapes.items():
-                size = int(np.prod(shape))
-                state[name], at = start[at : at + size].reshape(shape) if shape else float(start[at]), at + size
-            try:
-                columns.append(flat(question, _step(question, student, given | state | {question["step"]: h})))
-            except Exception:  # a method that cannot do this step
-                return True
+        starts = [split(question, given, unit) for unit in np.eye(flat(question, given).size)]
+        try:
+            columns = [flat(question, _step(question, student, given | start | {question["step"]: h})) for start in starts]
+        except Exception:  # a method that cannot do this step
+            return True
         return bool(np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + GROWTH)
 
     stable, step = 0.0, SMALLEST
@@ -105,8 +107,13 @@ def errors(ends: Array, exact: Array) -> Array:
 
 
 def observed_order(found: Array) -> float | None:
-    """Return the median slope between all pairs of runs whose errors are above ROUNDING; None with fewer than three runs."""
-    used = [(k, np.log2(error)) for k, error in enumerate(found) if error > ROUNDING]
+    """Return the median slope between all pairs of runs with errors from ROUNDING to CONVERGING.
+
+    With fewer than three such runs, the three finest above ROUNDING count. Return None if there are not three.
+    """
+    above = [(k, np.log2(error)) for k, error in enumerate(found) if error > ROUNDING]
+    used = [(k, error) for k, error in above if error < np.log2(CONVERGING)]
+    used = used if len(used) >= 3 else above[-3:]
     slopes = [(a - b) / (m - k) for k, a in used for m, b in used if m > k]
     return float(np.median(slopes)) if len(used) >= 3 else None
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ecp import checks, validate
+from ecp.author_errors import AuthorError
 from ecp.checks import below, close, conserved, holds, shows, within
 from ecp.judge import Verdict
 
@@ -65,6 +66,56 @@ def test_conserved_below_holds():
     assert below("a", "l", "s", measured=first, limit=2.0, reason="r").judge(SEEN, []).verdict is Verdict.PASS
     assert below("a", "l", "s", measured=first, limit=1.0, reason="r").judge(SEEN, []).verdict is Verdict.FAIL
     assert holds("a", "l", "s", claim=lambda s: (False, "no"), reason="r").judge(SEEN, []).line == "✗  l   [no]"
+
+
+def judged(measured, seen, truth, expected=lambda truth: truth["x"]):
+    check = close("id", "label", "s", measured=measured, expected=expected, rtol=0.0, atol=1.0, reason="why")
+    return check.judge([{"x": np.asarray(seen, float)}], truth)
+
+
+def overflows(seen):
+    if np.abs(seen["x"]).max() > 1e200:
+        raise OverflowError("too large")
+    return seen["x"]
+
+
+EXACT = [{"x": np.ones(2)}]
+
+
+@pytest.mark.parametrize("truth", [EXACT, [{"y": np.ones(2)}]], ids=["known", "unknown"])
+def test_numbers_too_large_to_compare_are_unmeasured(truth):
+    outcome = judged(overflows, [1e300, 1.0], truth, expected=lambda truth: np.ones(2))
+    assert outcome.verdict is Verdict.UNMEASURED and "too large or too small to compare (too large)" in outcome.detail
+
+
+@pytest.mark.parametrize(
+    "measured",
+    [
+        lambda seen: seen["z"],
+        lambda seen: seen["x"].missing,
+        lambda seen: undefined,  # noqa: F821
+        lambda seen: seen["x"] + "text",
+        lambda seen: seen["x"][7],
+        lambda seen: np.linalg.inv(seen["x"]),
+        lambda seen: int("one"),
+        lambda seen: 1 // 0,
+        lambda seen: seen["x"][:1],
+        lambda seen: 1 / 0 if len(seen["x"]) else 0,
+    ],
+)
+def test_a_check_that_fails_for_the_exact_numbers_too_is_an_error_of_the_author(measured):
+    with pytest.raises(AuthorError, match=r"^check id: test_checks\.py line \d+: \w+Error: "):
+        judged(measured, [1.0, 2.0], EXACT)
+
+
+def test_a_wrong_length_of_the_student_fails_and_one_of_the_author_is_an_error():
+    assert judged(lambda seen: seen["x"], [1.0], EXACT).detail.startswith("shape (1,) vs expected shape (2,)")
+    with pytest.raises(AuthorError, match=r"test_checks\.py line \d+: ValueError: shape \(2,\) vs expected shape \(3,\)"):
+        judged(lambda seen: seen["x"], [1.0, 2.0], EXACT, expected=lambda truth: np.ones(3))
+
+
+def test_an_index_beyond_what_the_student_returned_is_unmeasured():
+    assert judged(lambda seen: seen["x"][1], [1.0], EXACT, expected=lambda truth: 1.0).verdict is Verdict.UNMEASURED
 
 
 def test_a_claim_and_a_scaled_comparison_read_several_scenes_with_their_truths():

@@ -5,9 +5,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ecp
+from ecp import course
+from ecp.author_errors import AuthorError
+from ecp.checks import close
+from ecp.course import PublicAssignment, PublicScene
+from ecp.exercise import Exercise
+from ecp.local import check
 from exercises.wheel import filename, wheel
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -83,6 +90,72 @@ def test_local_and_remote_lines_are_identical(kit, rigid_body, sandbox, names):
     told = checked(kit, rigid_body, *[(f, [e.number for e in r.exercises]) for f, r in zip(files, reports, strict=True)])
     for file, report, here in zip(files, reports, told, strict=True):
         assert here["lines"].split("\n") == [o.line for o in report.outcomes() if not o.hidden], file.name
+
+
+AUTHORS = """
+def twice(student, inputs):
+    answer = student["double"](inputs["x"])
+    return {"y": np.array(answer["y"] * FACTOR)}
+"""
+
+
+@pytest.fixture
+def doubling(monkeypatch):
+    """An assignment of the kit with one check, whose plays.py is the text given."""
+
+    def assignment(plays, measured=lambda seen: seen["y"]):
+        names = {"__name__": "plays", "np": np}
+        exec(compile(plays, "plays.py", "exec"), names)
+        returns = {"y": {"shape": [2], "dtype": "float64", "up_to": False}}
+        inputs, truth = {"x": np.array([1.0, 2.0])}, {"y": np.array([2.0, 4.0])}
+        scene = PublicScene("one", "twice", "double", inputs, [], 2.0, None, truth, returns=returns)
+        check = close(
+            "1", "double is right", "one", measured=measured, expected=lambda t: t["y"], rtol=0, atol=1e-9, reason="exact"
+        )
+        exercise = Exercise("1", "Doubling", ("double",), (check,))
+        known = PublicAssignment("doubling", "1", {}, (exercise,), {"one": scene}, names)
+        monkeypatch.setattr(course, "public", lambda slug: known)
+
+    return assignment
+
+
+def right(x):
+    return {"y": 2 * x}
+
+
+@pytest.mark.parametrize(
+    ("plays", "measured", "message"),
+    [
+        (AUTHORS, None, "scene one: plays.py line 4: NameError: name 'FACTOR' is not defined"),
+        (AUTHORS.replace('inputs["x"]', 'inputs["z"]'), None, "scene one: plays.py line 3: KeyError: 'z'"),
+        (
+            "def twice(student, inputs):\n    return {'z': np.ones(2)}",
+            None,
+            "scene one: plays.py line 1: twice returned the arrays z;",
+        ),
+        (
+            "def twice(student, inputs):\n    return {'y': np.ones(3)}",
+            None,
+            "scene one: plays.py line 1: twice returned y with shape",
+        ),
+        (AUTHORS.replace("FACTOR", "1"), lambda seen: seen["z"], "check 1: test_local.py line"),
+    ],
+)
+def test_an_error_of_the_course_is_none_of_the_student(doubling, monkeypatch, plays, measured, message):
+    doubling(plays, *([measured] if measured else []))
+    monkeypatch.setitem(globals(), "double", right)
+    with pytest.raises(AuthorError) as error:
+        check(assignment="doubling")
+    assert str(error.value).startswith(f"The assignment doubling has an error, not your code: {message}"), error.value
+
+
+def test_what_the_student_returned_is_none_of_the_course(doubling, monkeypatch):
+    doubling(AUTHORS.replace("FACTOR", "1"))
+    monkeypatch.setitem(globals(), "double", lambda x: {})
+    (outcome,) = check(assignment="doubling").outcomes()
+    assert outcome.detail == "not measured: the checks could not call double or use what it returned (KeyError: 'y')"
+    monkeypatch.setitem(globals(), "double", right)
+    assert check(assignment="doubling").passed
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
     """Return what ``watch`` records of the animation that ``draw`` returns, or else shows, saves or renders.
 
     ``cost`` (6,) ends with 1 if ``draw`` stopped at a file, which the sandbox does not have: the animation that it had made is
-    recorded then.
+    recorded then. Raises WrongAnswer as ``watch`` does, and if matplotlib cannot draw what the animation consists of.
     """
     from matplotlib.animation import Animation
 
@@ -48,7 +48,12 @@ def record(draw: Callable[[], Any], seconds: float) -> dict[str, NDArray[Any]]:
     if not isinstance(anim, Animation) and animate.shown:
         anim = animate.shown[-1]
     checked()
-    seen = recorder(anim, seconds)
+    try:
+        seen = recorder(anim, seconds)
+    except Exception as error:
+        if isinstance(error, MemoryError) or not _is_of_matplotlib(error):
+            raise
+        raise WrongAnswer("raises", f"{type(error).__name__}: {error}"[:500]) from error
     return seen | {"cost": np.array([*seen["cost"], unkept])}
 
 
@@ -58,6 +63,13 @@ def _lacks_a_file(error: Exception) -> bool:
         return True
     frames = traceback.walk_tb(error.__traceback__)
     return any(frame.f_globals.get("__name__") == "matplotlib.animation" for frame, _ in frames)
+
+
+def _is_of_matplotlib(error: Exception) -> bool:
+    """Return whether matplotlib raised it while it drew, not polhode's code or the student's own."""
+    modules = [str(frame.f_globals.get("__name__")) for frame, _ in traceback.walk_tb(error.__traceback__)]
+    last = max(k for k, name in enumerate(modules) if name == __name__)
+    return "__main__" not in modules and any(name.startswith("matplotlib.") for name in modules[last + 1 : last + 2])
 
 
 def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
@@ -118,6 +130,8 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
     kept = [pictures[k] for k in sorted(pictures)]
     stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
+    if not stills.size:
+        raise WrongAnswer("no-animation", "the figure has no pixels: give it a positive size")
     named = {"tracks": tracks, "owners": owners, "labels": labelled(figure), "visible": np.array([visibility.moves, invisible])}
     return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
 

@@ -234,7 +234,7 @@ class Question:
             if part is not None:
                 answers.append(part.exact(given))
                 continue
-            known = {n: np.asarray(call_with(v, given) if callable(v) else v, float) for n, v in self.known.items()}
+            known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
             exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
             answers.append(exact | known)
         is_own = isinstance(self.truth, Itself) or (self.truth is None and not self.known)
@@ -253,6 +253,7 @@ class Question:
             truth=self.exact,
             budget_s=self.budget_s,
             known=tuple(f"at_{name}" for name in self.drawn),
+            needs=self.variables[1:],
             question=Later(lambda: self.asked),
         )
         yield one
@@ -264,7 +265,7 @@ class Question:
                 name=f"{self.id}-hidden",
                 inputs=lambda rng: self.draw(rng, hidden),
                 returns=self._specs(hidden),
-                twice=self.twice,
+                twice=self.twice and not self.variables,
             )
 
     def part_scene(self, public: Scene, name: str, part: Part) -> Scene:
@@ -324,6 +325,12 @@ def cell(source: str) -> str:
 def calling_line() -> int:
     """Return the line of the author's file that calls the function which calls this one."""
     return sys._getframe(2).f_lineno
+
+
+def _real(value: Any) -> Any:
+    """Return numbers as float64, complex ones as real and imaginary parts in a last index."""
+    array = np.asarray(value)
+    return np.stack([array.real, array.imag], axis=-1) if np.iscomplexobj(array) else array.astype(float)
 
 
 def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:

@@ -25,8 +25,8 @@ def question_errors(question: Question) -> Iterator[str]:
 
 def _of_question(question: Question) -> Iterator[str]:
     name = question.function
-    if not name.isidentifier() or name in RESERVED:
-        yield f"the solution is named {name}, which Python or the kit already uses: choose another name"
+    if bad := [n for n in question.variables or [name] if not n.isidentifier() or n in RESERVED]:
+        yield f"the solution is named {bad[0]}, which Python or the kit already uses: choose another name"
         return
     try:
         ast.parse(question.source)
@@ -39,6 +39,10 @@ def _of_question(question: Question) -> Iterator[str]:
     for argument, family in question.ask.items():
         if isinstance(family, Family):
             yield from (f"the function {argument}: {error}" for error in family_errors(family))
+    if question.variables:
+        nodes = ast.walk(ast.parse(question.source))
+        assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+        yield from (f"the cell does not assign {variable}" for variable in question.variables if variable not in assigned)
     yield from _of_truth(question)
     yield from question.errors()
     for label, value in question.values.items():
@@ -59,10 +63,13 @@ def family_errors(family: Family) -> Iterator[str]:
 
 
 def _of_truth(question: Question) -> Iterator[str]:
-    truth = question.truth
-    if truth is None and question.known:
+    truth, compared = question.truth, question.data.get("compared")
+    if compared is not None:
+        missing = [name for name in compared if name not in question.known]
+        yield from (f"{name} has no truth: give a number or a function that computes it" for name in missing)
+    elif truth is None and question.known:
         return
-    if truth is None:
+    elif truth is None:
         yield f"{question.function} has no truth: give a closed form, a second method, or itself(reason)"
     elif isinstance(truth, Itself):
         if not truth.reason.strip():

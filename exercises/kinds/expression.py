@@ -41,7 +41,6 @@ def expression(
     agree: Tolerance | Mapping[str, Value | Tolerance],
     variable: str | None = None,
     label: str | None = None,
-    keys: bool = False,
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (4, 16),
     budget_s: float = 10.0,
@@ -50,8 +49,7 @@ def expression(
 
     ``ask`` maps its parameters to symbols, constants and draws. ``truth`` gets numbers for the symbols and returns numbers, by
     numpy, sympy or another method. ``variable`` names the expression that a cell assigns, the body of ``solution``; its symbols
-    are known by the names in ``ask``. ``agree`` and ``keys`` are those of ``values``. The assignment declares
-    ``packages=("sympy",)``.
+    are known by the names in ``ask``. ``agree`` is that of ``values``. The assignment declares ``packages=("sympy",)``.
     """
     several = (
         agree if isinstance(agree, Mapping) else {"value": Value(agree, label or (f"{variable} is right" if variable else None))}
@@ -63,7 +61,6 @@ def expression(
         ask=ask,
         values={name: value if isinstance(value, Value) else Value(value) for name, value in several.items()},
         truth=truth if isinstance(truth, Itself) else _numeric(truth, symbols),
-        keys=keys,
         variables=(variable,) if variable else (),
         data={"symbols": {name: dict(value.assumptions) for name, value in symbols.items()}, "complex": True},
         mistakes=tuple(mistakes),
@@ -79,8 +76,6 @@ def _numeric(truth: Callable[..., Any], symbols: Mapping[str, Symbol]) -> Callab
     @functools.wraps(truth)
     def exact(**given: Any) -> Any:
         answer = truth(**{n: complex(*v) if n in symbols and symbols[n].complex else v for n, v in given.items()})
-        if isinstance(answer, dict):
-            return {name: _complex(part) for name, part in answer.items()}
         return tuple(map(_complex, answer)) if isinstance(answer, tuple) else _complex(answer)
 
     return exact

@@ -14,7 +14,19 @@ from ecp.checks import Arrays
 from ecp.kinds import ode as kit
 from ecp.outcome import SweepResult, Tolerance
 from exercises.assignment import Sweep
-from exercises.question import Family, Itself, Part, Question, Value, call_with, calling_line, tolerance_data
+from exercises.question import (
+    HIDDEN_ROWS,
+    PUBLIC_ROWS,
+    Family,
+    Itself,
+    Mistake,
+    Part,
+    Question,
+    Value,
+    call_with,
+    calling_line,
+    tolerance_data,
+)
 from exercises.question_errors import family_errors, tolerance_errors
 from exercises.sweep import BUDGET_S, SETTINGS, result
 
@@ -34,7 +46,9 @@ def ode(
     scale: float | tuple[float, ...] = 1.0,
     most_calls: int = 20_000,
     label: str | None = None,
-    **settings: Any,
+    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
+    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
+    budget_s: float = 5.0,
 ) -> Question:
     """Return the question for a right-hand side: its values at points, and with ``t_end`` also its motion from t = 0 to ``t_end``.
 
@@ -42,8 +56,7 @@ def ode(
     is the closed form for times t (n,) and the state y at t = 0; it returns (k, n), the first k components of the flat state. It
     certifies the solution, so ``truth`` of the points may be left out. Without it the exact motion is that of ``truth``.
     ``conserved`` maps names to an expression over state, time and parameters, and the ``limit`` of its relative drift. ``scale``
-    is the typical size of the state, or of each component. The integration stops after ``most_calls`` calls. ``settings`` are
-    ``mistakes``, ``rows`` and ``budget_s``, as for ``values``.
+    is the typical size of the state, or of each component. The integration stops after ``most_calls`` calls.
 
     Only public inputs have a motion: the points certify the function for all others. A closed form also adds a chart of speed
     against accuracy.
@@ -81,8 +94,10 @@ def ode(
         parts={"motion": Part(exact)} if follow else {},
         sweep=functools.partial(_sweep, exact) if motion else None,
         errors=errors,
+        mistakes=tuple(mistakes),
+        rows=rows,
+        budget_s=budget_s,
         line=calling_line(),
-        **settings,
     )
 
 

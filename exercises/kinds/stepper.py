@@ -8,7 +8,19 @@ from scipy.integrate import solve_ivp
 
 from ecp.kinds import stepper as kit
 from ecp.outcome import Tolerance
-from exercises.question import Family, Itself, Part, Question, Value, call_with, calling_line, tolerance_data
+from exercises.question import (
+    HIDDEN_ROWS,
+    PUBLIC_ROWS,
+    Family,
+    Itself,
+    Mistake,
+    Part,
+    Question,
+    Value,
+    call_with,
+    calling_line,
+    tolerance_data,
+)
 from exercises.question_errors import family_errors, tolerance_errors
 
 
@@ -48,13 +60,14 @@ def stepper(
     step: str = "h",
     state: str = "y",
     label: str | None = None,
-    **settings: Any,
+    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
+    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
+    budget_s: float = 5.0,
 ) -> Question:
     """Return the question for one step, such as ``step(f, t, y, h)`` or ``verlet(force, x, v, h)``.
 
     The step returns the new ``state``, or several values (``agree``) with the names of the parameters that they replace. ``truth``
-    may be a ``tableau``. ``calls`` limits the calls of the function argument. ``settings`` are ``mistakes``, ``rows`` and
-    ``budget_s``, as for ``values``.
+    may be a ``tableau``. ``calls`` limits the calls of the function argument.
 
     ``order`` is the order of convergence; its tolerance ``atol`` is how far below it the observed order may be. It is observed
     for runs of four steps of each row's size, halved six times, against the integrated ``rates``: a function of the arguments
@@ -91,8 +104,10 @@ def stepper(
         data=data | ({"calls": tolerance_data(calls)} if calls else {}),
         parts={part: parts[part] for part, given in measured.items() if given},
         errors=errors,
+        mistakes=tuple(mistakes),
+        rows=rows,
+        budget_s=budget_s,
         line=calling_line(),
-        **settings,
     )
 
 

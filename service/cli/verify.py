@@ -155,10 +155,11 @@ def _verify_made(assignment: "Assignment", arguments: argparse.Namespace, isolat
     """Grade the samples that follow from the declaration, on several seeds."""
     from service.cli import verification
     from service.cli.progress import Progress
+    from service.cli.verify_notebook import notebook_differences
     from service.grading.batch import GradeOptions, GradeRequest, grade_files
 
     made = {sample.name: sample for sample in assignment.made_samples() if _is_selected(sample.name, arguments.only)}
-    tally, faults = verification.Tally(), 0
+    tally, faults, reports = verification.Tally(), 0, {}
     differences: dict[str, list[str]] = {name: [] for name in made}
     seeds = range(arguments.seed, arguments.seed + arguments.seeds)
     with tempfile.TemporaryDirectory() as folder, Progress(len(made) * len(seeds), "as expected") as progress:
@@ -173,7 +174,12 @@ def _verify_made(assignment: "Assignment", arguments: argparse.Namespace, isolat
                     continue
                 wrong = verification.made_differences(made[graded.file.name], graded)
                 tally.add(graded, expected=not wrong)
+                if graded.report is not None:
+                    reports[graded.file.name] = graded.report
                 differences[graded.file.name] += [f"seed {seed}: {line}" for line in wrong]
+        for name, wrong in notebook_differences(assignment, list(made.values()), reports).items():
+            tally.unexpected += bool(wrong)
+            differences[name] += wrong
         for name, wrong in differences.items():
             progress.print("\n     ".join([f"{'✗' if wrong else '✓'}  {name}", *wrong]), good=not wrong)
     for line in verification.made_summary(assignment, tally, len(seeds), whole=not arguments.only and not faults):

@@ -55,6 +55,44 @@ REFERENCE = [
     ),
 ]
 
+KINDS = [
+    Breakage(
+        "the student's own error replaces the exact standard deviation of an estimate",
+        "exercises/kit/ecp/kinds/random.py",
+        """unit, limit = truth["sd"] / seen["value"].shape[1] ** 0.5""",
+        """unit, limit = seen.get("error", truth["sd"][:, None]).mean(axis=1) / seen["value"].shape[1] ** 0.5""",
+        ("tests/exercises/kinds/test_random.py::test_an_inflated_error_does_not_excuse_a_wrong_estimate",),
+    ),
+    Breakage(
+        "the correlation of rare events is judged by a normal distribution",
+        "exercises/kit/ecp/kinds/random.py",
+        "NORMAL = 1000",
+        "NORMAL = 0",
+        ("tests/exercises/kinds/test_random.py::test_two_rare_events_in_succession_are_no_correlation",),
+    ),
+    Breakage(
+        "a seed is not passed again",
+        "exercises/kit/ecp/kinds/random.py",
+        "again = once(row, 0)",
+        "again = runs[0] or once(row, 0)",
+        ("tests/exercises/kinds/test_random.py::test_samples_with_an_integer_seed",),
+    ),
+    Breakage(
+        "a series of sympy is evaluated without summing it",
+        "exercises/kit/ecp/kinds/expression.py",
+        "if (form := simpler()).has(sympy.Sum, sympy.Product):",
+        "if (form := simpler()).has(sympy.Product):",
+        ("tests/exercises/kinds/test_expression.py::test_an_equivalent_form_is_right",),
+    ),
+    Breakage(
+        "a fit's tolerance is relative to the parameter, not to its standard deviation",
+        "exercises/kit/ecp/kinds/fit.py",
+        """deviation = np.sqrt(np.einsum("rii->ri", truth[0]["covariance"]))""",
+        """deviation = 1e9 * np.abs(truth[0]["parameters"])""",
+        ("tests/exercises/kinds/test_fit.py",),
+    ),
+]
+
 RIGID_BODY = [
     Breakage(
         "the safety factor of the motions' tolerance is ten times as large",
@@ -1316,5 +1354,5 @@ WORKERS = [
 ]
 
 BREAKAGES = [
-    *REFERENCE, *RIGID_BODY, *KIT, *SANDBOX, *GRADING, *COMMANDS, *TELLINGS, *GRADES, *STORE, *WEB, *WORKERS,
+    *REFERENCE, *KINDS, *RIGID_BODY, *KIT, *SANDBOX, *GRADING, *COMMANDS, *TELLINGS, *GRADES, *STORE, *WEB, *WORKERS,
 ]  # fmt: skip

@@ -48,3 +48,23 @@ notebook.exercise(
         mistakes=[mistake("sp.diff(w, z)", "sp.diff(w, z, 2)", "missing-term", "it is the second derivative")],
     ),
 )
+
+
+def kinetic_energy():
+    m, r, v, omega = sp.symbols("m r v omega", positive=True)
+    T = m * (v**2 + r**2 * omega**2) / 2
+    return T
+
+
+notebook.exercise(
+    "3",
+    "An expression in a cell",
+    expression(
+        kinetic_energy,
+        ask={"m": symbol(0.5, 2), "r": symbol(0.5, 2), "v": symbol(-2, 2), "omega": symbol(-2, 2)},
+        truth=lambda m, r, v, omega: 0.5 * m * abs(complex(v, r * omega)) ** 2,
+        agree=Tolerance(rtol=1e-13, reason="rounding"),
+        variable="T",
+        mistakes=[mistake("r**2 * omega**2", "r * omega**2", "wrong-power", "the radius is not squared")],
+    ),
+)

@@ -15,6 +15,7 @@ from exercises.kinds.ode import ode
 from exercises.kinds.random import estimate, generator, samples
 from exercises.kinds.stepper import rk4, stepper
 from exercises.kinds.values import values
+from exercises.kinds.variables import claim, variables
 
 ROUNDING = "a few rounding errors of the summed terms"
 
@@ -390,6 +391,43 @@ notebook.exercise(
             mistake("absolute_sigma=True", "absolute_sigma=False", "constant-factor", "the covariance is scaled by χ²/(n − p)"),
             mistake("return p, C", "return p, np.diag(np.diag(C))", "missing-term", "the covariances are missing"),
             mistake("return p, C", "return p, np.sqrt(abs(C))"),
+        ],
+    ),
+)
+
+
+def spins():
+    moments = np.array([1.0, 2.0, 3.0])
+    nudge = 1e-3
+    first, second, third = moments
+    rate = np.sqrt((second - first) * (third - second) / (first * third))
+    growth_middle = nudge * np.cosh(4 * rate)
+    growth_extreme = nudge * np.sqrt(2)
+    axes = np.array([first, second, third]) / moments.sum()
+    return rate, growth_middle, growth_extreme, axes
+
+
+notebook.exercise(
+    "11",
+    "Numbers computed in a cell",
+    variables(
+        spins,
+        truth={"rate": 3**-0.5, "axes": lambda: [1 / 6, 1 / 3, 1 / 2]},
+        agree={
+            "rate": Tolerance(rtol=1e-12, reason=ROUNDING),
+            "axes": Value(Tolerance(rtol=1e-12, reason=ROUNDING), label="the moments are fractions of their sum"),
+        },
+        claims=[
+            claim(
+                "growth_extreme < 0.003 < growth_middle",
+                "spin is stable about the extreme axes, unstable about the middle axis",
+                reason="three times the nudge",
+            )
+        ],
+        mistakes=[
+            mistake("(first * third)", "(first * second)", "wrong-index", "the second moment stands for the third"),
+            mistake("np.cosh(4 * rate)", "np.cos(4 * rate)", "missing-term", "it oscillates instead of growing"),
+            mistake(" / moments.sum()", " / moments"),
         ],
     ),
 )

@@ -1,5 +1,6 @@
 """Expressions of sympy: equal at points, whatever their form; only numbers leave the sandbox."""
 
+import json
 import sys
 
 import pytest
@@ -10,7 +11,7 @@ from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose, with_packages
 from tests.support.assignments import known
-from tests.support.toolbox import FOLDER, Toolbox, mistaken, right
+from tests.support.toolbox import FOLDER, Toolbox, check_locally, mistaken, right
 
 
 @pytest.fixture(scope="module")
@@ -32,9 +33,11 @@ def report(symbolic, sandbox, source, seed=1):
 
 
 @pytest.mark.slow
-def test_the_right_solutions_pass_in_the_sandbox(symbolic, sympy_sandbox):
+def test_the_right_solutions_pass_in_the_sandbox_and_in_the_kit(symbolic, sympy_sandbox, tmp_path):
     found = report(symbolic, sympy_sandbox, right(symbolic))
     assert found.passed, found.text()
+    served = [outcome.line for outcome in found.outcomes() if not outcome.hidden]
+    assert json.loads(check_locally("symbolic", right(symbolic), tmp_path)) == served
 
 
 @pytest.mark.slow
@@ -68,7 +71,7 @@ def unmeasured(symbolic, answer):
         "sp.Derivative(U * (z + 1/z), z)",
         "U * (1 - z**-2) + sp.sin(z)**2 + sp.cos(z)**2 - 1",
         "U * (1 - sp.Integral(2 * x**-3, (x, z, sp.oo)))",
-        "U * (1 - z**-2 * sp.Sum(sp.Rational(1, 2)**k, (k, 1, sp.oo)))",
+        "U * (1 - z**-2) * sp.exp(-U) * sp.Sum(U**k / sp.factorial(k), (k, 0, sp.oo))",
         "U * sp.Limit((1 - z**-2) * sp.sin(x) / x, x, 0)",
         "sp.expand(U * (1 - 1/z) * (1 + 1/z)).rewrite(sp.exp)",
         "(U * (1 - z**-2)).subs(z, sp.Symbol('z', positive=True))",
@@ -76,6 +79,7 @@ def unmeasured(symbolic, answer):
 )
 def test_an_equivalent_form_is_right(symbolic, velocity):
     assert unmeasured(symbolic, f"U * (z + 1/z), {velocity}") is None
+    assert unmeasured(symbolic, f"[U * (z + 1/z), {velocity}]") is None
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ecp.author_errors import AuthorError
 from exercises.author import Tolerance, uniform
 from exercises.kinds.ode import ode
 from exercises.question_errors import question_errors
@@ -76,7 +77,9 @@ def test_a_closed_form_of_the_wrong_shape_is_the_authors_error():
 
     tolerance = Tolerance(limit=1e-9, reason="integration")
     question = ode(decay, {"y": uniform(1, 2), "k": uniform(0, 1)}, tolerance, motion=lambda y, k: y, t_end=3.0, follow=tolerance)
-    with pytest.raises(ValueError, match=r"the closed form returned shape \(1, 1\), not \(k, 201\) with k ≤ 1"):
+    with pytest.raises(
+        AuthorError, match=r"test_ode.py line \d+: .* the closed form returned shape \(1, 1\), not \(k, 201\) with k ≤ 1"
+    ):
         judged(question, decay)
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays, Check
 from ecp.exercise import Animation, Exercise, Figure
 from ecp.judge import Verdict
-from ecp.kinds import animation, expression, fit, ode, random, stepper, values
+from ecp.kinds import animation, expression, fit, ode, random, stepper, values, variables
 from ecp.kinds.alignment import aligned
 from ecp.kinds.values import compare
 from ecp.outcome import Diagnosis, Tolerance
@@ -31,6 +31,7 @@ KINDS: Mapping[str, ModuleType] = {
     "random": random,
     "stepper": stepper,
     "values": values,
+    "variables": variables,
 }
 NEW_INPUTS = " (new inputs)"  # ends the label of a check with random inputs
 
@@ -95,5 +96,6 @@ def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hi
     checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
     figures = [figure for q in asked for figure in question_figures(q, q["scenes"]["public"])]
     sheets = [sheet for q in asked for sheet in question_animations(q, q["scenes"]["public"])]
-    functions = tuple(dict.fromkeys(q["function"] for q in asked))
-    return Exercise(number, title, functions, tuple(checks), tuple(figures), tuple(sheets))
+    names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])
+    variables = tuple(dict.fromkeys(name for q in asked for name in q["variables"]))
+    return Exercise(number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables)

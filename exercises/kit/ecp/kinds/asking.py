@@ -65,7 +65,7 @@ def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping
     name, parameters = question["function"], tuple(question["parameters"])
     function = student[name]
     if text := question.get("call"):
-        return eval(_code(text), {**MATHEMATICS, **given, name: function})  # noqa: S307 -- the author's text
+        return evaluate(text, {**given, name: function})
     check_signature(function, parameters, name)
     copies = {key: value.copy() if isinstance(value, np.ndarray) else value for key, value in given.items()}
     try:
@@ -78,6 +78,11 @@ def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping
         if isinstance(value, np.ndarray) and not np.array_equal(value, given[key], equal_nan=value.dtype.kind == "f"):
             raise WrongAnswer("mutates-input", f"{name} changes its argument {key}: work on a copy, or build a new array")
     return answer
+
+
+def evaluate(text: str, names: Mapping[str, Any]) -> Any:
+    """Return the value of an author's expression, which may use ``names`` and MATHEMATICS."""
+    return eval(_code(text), {**MATHEMATICS, **names})  # noqa: S307
 
 
 def returned(question: Mapping[str, Any], answer: Any) -> dict[str, NDArray[np.float64]]:

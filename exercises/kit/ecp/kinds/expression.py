@@ -19,19 +19,13 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     for row in each_row(rows):
         given = {name: value for name, value in row.items() if name not in question["symbols"]}
         if (key := repr(given)) not in found:
-            found[key] = _parts(question, call(question, student, arguments(question, row)))
+            answer = call(question, student, arguments(question, row))
+            several = len(question["returns"]) > 1 and isinstance(answer, tuple | list)
+            found[key] = list(answer) if several else [answer]
         point = {name: complex(*value) if np.ndim(value) else value for name, value in row.items() if name in question["symbols"]}
         parts = [_evaluated(part, point, question["function"]) for part in found[key]]
-        answers.append(returned({**question, "keys": False}, parts[0] if len(parts) == 1 else parts))
+        answers.append(returned(question, parts[0] if len(parts) == 1 else parts))
     return stacked(answers)
-
-
-def _parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
-    """Return the expressions of an answer by the names of ``returns``; what they are is checked by ``returned``."""
-    names = [value["name"] for value in question["returns"]]
-    if question["keys"] and isinstance(answer, dict) and set(names) <= set(answer):
-        return [answer[name] for name in names]
-    return [answer] if len(names) == 1 or not isinstance(answer, tuple | list) else list(answer)
 
 
 def _evaluated(value: Any, point: Mapping[str, complex], name: str) -> NDArray[np.complex128]:
@@ -54,12 +48,14 @@ def _number(part: Any, point: Mapping[str, complex], name: str) -> complex:
     if unknown := sorted({symbol.name for symbol in expression.free_symbols} - set(point)):
         raise WrongAnswer(None, f"{name} contains {', '.join(unknown)}; it may contain only {', '.join(point)}")
     symbols = {symbol: _exactly(point[symbol.name]) for symbol in expression.free_symbols}
-    for form in (expression, expression.doit()) if not expression.has(sympy.Sum, sympy.Product) else (expression.doit(),):
+    for simpler in (lambda: expression, expression.doit):
+        if (form := simpler()).has(sympy.Sum, sympy.Product):  # sympy's numbers of a series are unreliable
+            continue
         try:
             value = complex(form.subs(symbols).evalf(DIGITS))
         except (TypeError, ValueError):
             continue
-        if np.isfinite(value) and not form.has(sympy.Sum, sympy.Product):  # sympy's numbers of a series are unreliable
+        if np.isfinite(value):
             return value
     at = ", ".join(f"{key} = {value:.6g}" for key, value in point.items())
     raise WrongAnswer(None, f"{name} has no value at {at}: {str(expression)[:200]}")

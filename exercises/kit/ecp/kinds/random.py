@@ -19,6 +19,7 @@ from ecp.kinds.asking import arguments, call, describe, each_row, returned, stac
 from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
+NORMAL = 1000
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
@@ -111,7 +112,8 @@ def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> J
 def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
     """Judge the rank correlation of successive samples of a call, or of single samples of successive calls.
 
-    It has the standard deviation 1/√N for N independent pairs.
+    It has the standard deviation 1/√N for N independent pairs, and is nearly normal if ``NORMAL`` pairs differ from the most
+    frequent one; otherwise it is not judged.
     """
     import scipy.stats
 
@@ -119,7 +121,9 @@ def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> J
     samples = np.swapaxes(samples, 1, 2) if samples.shape[2] == 1 else samples
     ranks = scipy.stats.rankdata(samples.reshape(len(samples), -1), axis=1).reshape(samples.shape)
     first, second = (ranks[:, :, part].reshape(len(samples), -1) for part in (slice(None, -1), slice(1, None)))
-    found = np.array([np.corrcoef(a, b)[0, 1] if np.ptp(a) and np.ptp(b) else 1.0 for a, b in zip(first, second, strict=True)])
+    other = [1 - np.unique(row, return_counts=True)[1].max() / row.size for row in ranks]
+    judged = [share**2 * first.shape[1] >= NORMAL for share in other]
+    found = np.array([np.corrcoef(a, b)[0, 1] if ok else 0.0 for a, b, ok in zip(first, second, judged, strict=True)])
     limit = _deviations(question) / first.shape[1] ** 0.5
     return _judged(np.abs(found), limit, f"correlation {{:.3g}} of successive samples (limit {limit:.3g})")
 

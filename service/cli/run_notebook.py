@@ -1,0 +1,53 @@
+"""A program for ``polhode verify``: run a published notebook with each of several solutions and print what ``ecp.check`` finds.
+
+It runs apart from polhode, with the students' kit. Arguments: the folder of the kit, and a JSON file with the notebook's ``cells``
+(source and tags), the ``names`` of the solutions and the ``samples`` (name, source and exercises). Prints JSON: for each sample the
+verdict and line of each check by its id, or the ``error`` that a cell raised.
+"""
+
+import contextlib
+import io
+import json
+import os
+import sys
+import types
+from typing import Any
+
+
+def main() -> None:
+    """Run the notebook for each sample."""
+    kit, job = sys.argv[1:]
+    sys.path.insert(0, kit)
+    os.environ["MPLBACKEND"] = "agg"
+    with open(job, encoding="utf-8") as file:
+        document = json.load(file)
+    found = {sample["name"]: _run(document["cells"], document["slug"], sample) for sample in document["samples"]}
+    print(json.dumps(found))
+
+
+def _run(cells: list[dict[str, Any]], slug: str, sample: dict[str, Any]) -> dict[str, Any]:
+    """Run the cells, those that hold a solution replaced by the sample's, and check its exercises."""
+    import ecp
+
+    module = sys.modules["__main__"] = types.ModuleType("__main__")
+    names = vars(module)
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        try:
+            solved = False
+            for number, cell in enumerate(cells, 1):
+                if cell["solution"]:
+                    if not solved:
+                        exec(compile(sample["source"], "sample", "exec"), names)
+                    solved = True
+                elif not cell["skipped"]:
+                    exec(compile(cell["source"], f"cell {number}", "exec"), names)
+            names["ecp"] = ecp
+            names["slug"], names["asked"] = slug, sample["ask"]
+            exec("report = ecp.check(*asked, assignment=slug)", names)
+        except BaseException as error:
+            return {"error": f"{type(error).__name__}: {error}"}
+    return {outcome.id: [outcome.verdict, outcome.line] for outcome in names["report"].outcomes()}
+
+
+if __name__ == "__main__":
+    main()

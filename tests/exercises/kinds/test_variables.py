@@ -1,0 +1,75 @@
+"""Variables that a cell assigns, and claims about several of them: in the sandbox, and their declaration."""
+
+import pytest
+
+from ecp.judge import Verdict
+from ecp.outcome import Tolerance
+from exercises.kinds.variables import claim, variables
+from exercises.question_errors import question_errors
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.toolbox import mistaken
+
+CLOSE = Tolerance(rtol=1e-9, reason="rounding")
+
+
+def cells(toolbox):
+    return next(q for q in toolbox.notebook.questions() if q.kind == "variables")
+
+
+def report(toolbox, sandbox, source):
+    return grade(Submission(source), toolbox.assignment, sandbox, 1, ["11"]).report
+
+
+@pytest.mark.parametrize(("number", "failed"), [(0, {"11-rate"}), (1, {"11-claim-1"}), (2, {"11-axes"})])
+def test_a_mistake_fails_its_check(toolbox, sandbox, number, failed):
+    found = report(toolbox, sandbox, mistaken(toolbox, "rate", number))
+    assert {o.id for o in found.outcomes() if o.verdict is Verdict.FAIL} == failed, found.text()
+
+
+def test_a_claim_shows_its_numbers(toolbox, sandbox):
+    found = report(toolbox, sandbox, cells(toolbox).source)
+    assert found.passed, found.text()
+    assert found.outcomes()[-1].detail == "growth_extreme = 0.001414, growth_middle = 0.005084"
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ("rate = None", "rate is not defined"),
+        ("del rate", "rate is not defined"),
+        ("del axes", "axes is not defined"),
+        ("rate = 'fast'", "rate must be a number; it is of type str"),
+        ("rate = float('nan')", "rate must be a number; it is nan"),
+        ("rate = axes", "rate must be a number; it is an array of shape (3,) and dtype float64"),
+        ("axes = axes[:2]", "axes must be an array of shape (3,); it is an array of shape (2,) and dtype float64"),
+        ("axes = [[1], [1, 2]]", "axes must be an array of shape (3,); it is of type list"),
+    ],
+)
+def test_another_value_is_unmeasured_with_its_reason(toolbox, sandbox, change, reason):
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\n{change}")
+    assert {outcome.verdict for outcome in found.outcomes()} == {Verdict.UNMEASURED}
+    assert all(reason in outcome.line for outcome in found.outcomes()), found.text()
+
+
+def test_numbers_of_other_types_are_accepted(toolbox, sandbox):
+    changed = "rate, axes = np.float32(3)**-0.5 * 0 + np.array(3**-0.5), [1/6, 1/3, 1/2]"
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\n{changed}")
+    assert found.passed, found.text()
+
+
+def free_fall():
+    g_fit = 9.81
+    error = 0.02
+    return g_fit, error
+
+
+def test_the_errors_of_a_declaration():
+    right = variables(
+        free_fall, {"g_fit": 9.81}, agree={"g_fit": CLOSE}, claims=[claim("error < 0.1", "it is small", reason="1 %")]
+    )
+    assert list(question_errors(right)) == [] and right.source == "g_fit = 9.81\nerror = 0.02"
+    wrong = variables(free_fall, {}, agree={"g_fit": CLOSE, "h_fit": CLOSE})
+    found = [error.partition(": ")[2] for error in question_errors(wrong)]
+    no_truth = "has no truth: give a number or a function that computes it"
+    assert found == ["the cell does not assign h_fit", f"g_fit {no_truth}", f"h_fit {no_truth}"]

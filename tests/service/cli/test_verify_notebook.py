@@ -1,0 +1,65 @@
+"""The published notebook, run with the students' kit, agrees with the server."""
+
+import json
+
+import pytest
+
+from service.cli.verify_notebook import notebook_differences
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.assignments import known
+
+DECLARED = """
+from exercises.author import Notebook, Tolerance, mistake, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Doubling", notebook="one.ipynb")
+
+
+def double(x):
+    return 2 * x
+
+
+NEAR = Tolerance(limit=1e-12, reason="rounding")
+wrong = [mistake("2 *", "3 *", "constant-factor", "it triples")]
+notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR, mistakes=wrong))
+"""
+
+
+@pytest.fixture
+def doubling(tmp_path, sandbox):
+    """Return a function that runs the notebook with these cells, and the assignment's reports by sample."""
+
+    def run(*cells, swapped=False):
+        folder = tmp_path / "doubling"
+        folder.mkdir()
+        (folder / "assignment.py").write_text(DECLARED)
+        written = [{"cell_type": "code", "source": cell, "metadata": {}, "outputs": [], "execution_count": None} for cell in cells]
+        (folder / "one.ipynb").write_text(json.dumps({"cells": written, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}))
+        with known(folder) as catalogue:
+            assignment = catalogue.valid["doubling"]
+            samples = list(assignment.made_samples())
+            reports = [grade(Submission(sample.source), assignment, sandbox, 1, sample.ask).report for sample in samples]
+            named = zip([sample.name for sample in samples], reports[::-1] if swapped else reports, strict=True)
+            return notebook_differences(assignment, samples, dict(named))
+
+    return run
+
+
+SETUP, SOLUTION = "%matplotlib inline\nimport numpy as np", "def double(x):\n    return 2 * x\nk = 1"
+
+
+def test_right_and_wrong_solutions_get_the_verdicts_of_the_server(doubling):
+    found = doubling(SETUP, SOLUTION, "assert double(2) in (4, 6)")
+    assert found == {"right_all.py": [], "wrong_1_1_constant_factor.py": []}
+
+
+def test_another_verdict_than_the_servers_is_reported(doubling):
+    found = doubling(SETUP, SOLUTION, swapped=True)
+    assert ["✓  double is right" in line and "on the server: ✗" in line for line in found["right_all.py"]] == [True]
+    assert len(found["wrong_1_1_constant_factor.py"]) == 1
+
+
+def test_a_cell_that_fails_with_the_right_solution_is_reported(doubling):
+    found = doubling(SETUP, SOLUTION, "assert double(2) == 5")
+    assert found["right_all.py"] == ["in the notebook: AssertionError: "]

@@ -98,9 +98,9 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     figure = anim._fig  # type: ignore[attr-defined]
     listed = length_hint(getattr(anim, "_tee_from", ()))
     values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
+    anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
     with _borrowed(figure) as canvas, _clearing() as cleared:
         canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
-        anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
         visibility, sequence = Visibility(figure, canvas), anim.new_frame_seq()
         known = max(listed, length_hint(sequence))  # 0 for a generator
@@ -130,8 +130,6 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
     kept = [pictures[k] for k in sorted(pictures)]
     stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
-    if not stills.size:
-        raise WrongAnswer("no-animation", "the figure has no pixels: give it a positive size")
     named = {"tracks": tracks, "owners": owners, "labels": labelled(figure), "visible": np.array([visibility.moves, invisible])}
     return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
 
@@ -201,6 +199,8 @@ def _borrowed(figure: Any) -> Iterator[Any]:
 
     own, dpi = figure.canvas, figure.dpi
     wide, high = figure.get_size_inches()
+    if not min(wide, high) > 0:
+        raise WrongAnswer("no-animation", "the figure has no pixels: give it a positive size")
     canvas = FigureCanvasAgg(figure)
     figure.set_dpi(min(WIDTH / wide, HEIGHT / high))
     try:

@@ -1,7 +1,6 @@
 """Recording an animation: what matplotlib cannot draw is the student's mistake."""
 
 import matplotlib.pyplot as plt
-import numpy as np
 import pytest
 from matplotlib.animation import FuncAnimation
 
@@ -25,6 +24,6 @@ def animation(title="", size=(3, 2)):
     ],
 )
 def test_what_matplotlib_cannot_draw_has_a_sentence(drawing, code, sentence):
-    with np.errstate(all="ignore"), pytest.raises(WrongAnswer, match=sentence) as caught:
+    with pytest.raises(WrongAnswer, match=sentence) as caught:
         record(lambda: animation(**drawing), 5.0)
     assert caught.value.code == code

@@ -151,13 +151,6 @@ RIGID_BODY = [
         ("tests/exercises/rigid_body/public/test_animation_checks.py",),
     ),
     Breakage(
-        "each trajectory may have its own scale and origin",
-        "exercises/kit/ecp/kinds/animation/trajectories.py",
-        "if misfit[worst] <= limit:",
-        "if True:",
-        ("tests/exercises/kinds/test_animation.py::test_a_wrong_drawing_fails_with_its_reason",),
-    ),
-    Breakage(
         "a trajectory passes that is drawn upside down",
         "exercises/kit/ecp/kinds/animation/trajectories.py",
         "if fit and fit.coefficients[0, 0] > 0:",

@@ -138,17 +138,24 @@ RIGID_BODY = [
     ),
     Breakage(
         "a still picture passes as a moving one",
-        "exercises/rigid_body/public/common_checks.py",
-        "return share > STILL, f",
+        "exercises/kit/ecp/kinds/animation/shown.py",
+        "return share > still, f",
         "return share >= 0, f",
         ("tests/exercises/rigid_body/test_hidden_checks.py",),
     ),
     Breakage(
         "a drawing in which nothing moves is not judged",
-        "exercises/rigid_body/public/animation_checks.py",
+        "exercises/kit/ecp/kinds/animation/shown.py",
         "Shown(None if painted else False, code,",
         "Shown(None, code,",
         ("tests/exercises/rigid_body/public/test_animation_checks.py",),
+    ),
+    Breakage(
+        "a trajectory passes that is drawn upside down",
+        "exercises/kit/ecp/kinds/animation/trajectories.py",
+        "if fit and fit.coefficients[0, 0] > 0:",
+        "if fit:",
+        ("tests/exercises/kinds/test_animation.py::test_a_wrong_drawing_fails_with_its_reason",),
     ),
     Breakage(
         "an artist that changes no pixel counts as visible",
@@ -159,8 +166,8 @@ RIGID_BODY = [
     ),
     Breakage(
         "a picture in which nothing changes but text passes as a moving one",
-        "exercises/rigid_body/public/common_checks.py",
-        'if share > STILL and not seen["visible"][0]:',
+        "exercises/kit/ecp/kinds/animation/shown.py",
+        'if share > still and not seen["visible"][0]:',
         "if False:",
         ("tests/exercises/rigid_body/test_hidden_checks.py::test_a_picture_whose_text_changes_does_not_move",),
     ),
@@ -445,7 +452,7 @@ SANDBOX = [
     ),
     Breakage(
         "a submission may replace the recorder of its animation",
-        "exercises/rigid_body/plays.py",
+        "exercises/kit/ecp/animation_recording.py",
         "    checked()\n",
         "",
         ("tests/service/sandbox/guest/test_seal.py",),

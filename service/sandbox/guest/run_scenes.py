@@ -150,8 +150,8 @@ def _play(
 def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has been replaced.
 
-    plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. It gets the function too, by
-    the name ``unchanged``.
+    plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. The recorder gets the function
+    too, by the name ``unchanged``.
     """
     names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
     public = {name: importlib.import_module(name) for name in names}
@@ -165,9 +165,10 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
         private = [vars(importlib.import_module(name)) for name in names]
         for space in private:
             space["np"] = own
+            if "unchanged" in space:
+                space["unchanged"] = seal.check
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
-        plays["unchanged"] = seal.check
         seal.close([plays, *private, vars(own)], ["plays", *names])
     finally:
         sys.modules |= public

@@ -2,11 +2,14 @@
 
 from math import pi, sqrt
 
+import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
+from matplotlib.animation import FuncAnimation
 from scipy.optimize import curve_fit
 
 from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
+from exercises.kinds.animation import animation
 from exercises.kinds.fit import fit
 from exercises.kinds.ode import ode
 from exercises.kinds.random import estimate, generator, samples
@@ -17,9 +20,11 @@ from exercises.kinds.variables import claim, variables
 ROUNDING = "a few rounding errors of the summed terms"
 
 SETUP = """
+import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
 from math import pi, sqrt
+from matplotlib.animation import FuncAnimation
 from scipy.optimize import curve_fit
 """
 notebook = Notebook("Tools of computational physics", setup=SETUP)
@@ -488,5 +493,43 @@ notebook.exercise(
         agree={"halved": Tolerance(rtol=1e-12, reason=ROUNDING)},
         uses=[heun_step],
         mistakes=[mistake("0.5)", "0.25)", "constant-factor", "the step is half as long")],
+    ),
+)
+
+
+def animate_pendulums(t, a, b):
+    fig, ax = plt.subplots()
+    ax.set(xlim=(-1.8, 1.8), ylim=(-1.2, 0.2), aspect="equal")
+    (bobs,) = ax.plot([], [], "o")
+
+    def update(k):
+        bobs.set_data([a[k, 0], b[k, 0]], [a[k, 1], b[k, 1]])
+        return (bobs,)
+
+    plt.close(fig)
+    return FuncAnimation(fig, update, frames=len(t), blit=True)
+
+
+def swing(x, angle):
+    """Return the positions (n, 2) of a pendulum of length 1 that hangs at x."""
+    return np.column_stack([x + np.sin(angle), -np.cos(angle)])
+
+
+SECONDS = np.linspace(0, 6, 50)
+TOGETHER, OPPOSED = 0.35 * np.cos(2 * SECONDS), 0.35 * np.cos(2.7 * SECONDS)
+
+notebook.exercise(
+    "20",
+    "Two coupled pendulums",
+    animation(
+        animate_pendulums,
+        ask={"t": SECONDS, "a": swing(-0.7, TOGETHER + OPPOSED), "b": swing(0.7, TOGETHER - OPPOSED)},
+        follow=("a", "b"),
+        agree=Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"),
+        mistakes=[
+            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "a[k, 0]], [a[k, 1], a[k, 1]]", "wrong-motion", "a is drawn twice"),
+            mistake("(k):\n", "(k):\n        k = k * k // len(t)\n", "wrong-frames", "the samples are not shown at an even rate"),
+            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "b[0, 0]], [a[k, 1], b[0, 1]]", "wrong-motion", "b stays where it begins"),
+        ],
     ),
 )

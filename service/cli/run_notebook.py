@@ -31,6 +31,7 @@ def _run(cells: list[dict[str, Any]], slug: str, sample: dict[str, Any]) -> dict
 
     module = sys.modules["__main__"] = types.ModuleType("__main__")
     names = vars(module)
+    names["ecp"] = ecp  # as the cell that installs the kit imports it
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         try:
             solved = False
@@ -41,7 +42,6 @@ def _run(cells: list[dict[str, Any]], slug: str, sample: dict[str, Any]) -> dict
                     solved = True
                 elif not cell["skipped"]:
                     exec(compile(cell["source"], f"cell {number}", "exec"), names)
-            names["ecp"] = ecp
             names["slug"], names["asked"] = slug, sample["ask"]
             exec("report = ecp.check(*asked, assignment=slug)", names)
         except BaseException as error:

@@ -51,10 +51,9 @@ def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: st
 def compare(got: Any, want: Any, tolerance: Tolerance) -> Judgement:
     """Judge values against exact ones, rows along the first index.
 
-    ``limit`` is relative to the largest exact value of the row; ``rtol`` and ``atol`` hold for each number alone.
+    ``limit`` is relative to the largest exact number of all rows, or 1 if all are zero: where terms cancel in one row, rounding
+    errors are those of the terms. ``rtol`` and ``atol`` hold for each number alone.
     """
     if tolerance.limit is None:
         return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
-    largest = np.abs(want).reshape(len(want), -1).max(axis=1)
-    scale = np.broadcast_to(largest.reshape(-1, *[1] * (want.ndim - 1)), want.shape)
-    return judge.within(got, want, scale, tolerance.limit)
+    return judge.within(got, want, np.abs(want).max() or 1.0, tolerance.limit)

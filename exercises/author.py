@@ -16,7 +16,7 @@ from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment
 from exercises.author_notebook import Cell, InvalidNotebook
-from exercises.mistakes import Variant, made_samples, source_before, variants_of
+from exercises.mistakes import made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
 from exercises.question_errors import question_errors, uses_errors
 
@@ -139,7 +139,8 @@ class Notebook:
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
             ),
-            variants=self._variants,
+            variants=lambda id: variants_of(*self._with_source_before(id)),
+            source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
@@ -154,11 +155,11 @@ class Notebook:
     def _numbered(self) -> list[tuple[str, Question]]:
         return [(number, question) for number, _, questions in self.exercises for question in questions]
 
-    def _variants(self, id: str) -> list[Variant]:
-        """Return the variants of the question ``id``, the right solution first."""
+    def _with_source_before(self, id: str) -> tuple[Question, str]:
+        """Return the question ``id`` and the source of the right solutions of those before it."""
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
-        return variants_of(numbered[k][1], source_before(numbered, k))
+        return numbered[k][1], source_before(numbered, k)
 
 
 def _document(question: Question) -> Mapping[str, Any]:

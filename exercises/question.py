@@ -122,7 +122,6 @@ class Question:
     sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
-    twice: bool = True
     uses: tuple[Callable[..., Any], ...] = ()
     line: int = 0
     id: str = ""
@@ -267,7 +266,6 @@ class Question:
                 name=f"{self.id}-hidden",
                 inputs=lambda rng: self.draw(rng, hidden),
                 returns=self._specs(hidden),
-                twice=self.twice and not self.variables,
             )
 
     def part_scene(self, public: Scene, name: str, part: Part) -> Scene:

@@ -77,7 +77,6 @@ def animation(
         mistakes=tuple(mistakes),
         rows=(1, 1),
         budget_s=budget_s,
-        twice=False,
         errors=lambda: _errors(made),
         line=calling_line(),
     )

@@ -115,6 +115,5 @@ def _question(
             "tolerance": {"reason": reason},
         },
         rows=rows,
-        twice=False,
         **{**given, "mistakes": tuple(given["mistakes"])},
     )

@@ -45,10 +45,8 @@ def play_chains(assignment: Assignment, played: PlayedJob, crossed: CrossCheck, 
         replaced = set[str]().union(*(needed.get(name, ()) for name in question.get("uses", ())))
         may_pass = question["function"] in played.result.defined or played.result.cells
         if passed < len(checks) and replaced and may_pass:
-            source = assignment.right_submission(question["function"])
-            assert source is not None
             scenes = tuple(scene for scene in played.job.scenes if scene.name in names)
-            reference = ReferenceFunctions(tuple(sorted(replaced)), source)
+            reference = ReferenceFunctions(tuple(sorted(replaced)), assignment.source_before(question["id"]))
             again = play(replace(played.job, scenes=scenes, reference=reference))
             found = sum(passes(check, *again) for check in checks)
             if found < passed:

@@ -130,9 +130,10 @@ class Assignment:
 
     An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
     are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
-    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), and ``made_samples`` the samples
-    that follow from the declaration (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook as
-    published from the declaration; without it the folder may hold notebook.ipynb.
+    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right
+    solutions of the questions before it, and ``made_samples`` the samples that follow from the declaration
+    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook as published from the declaration;
+    without it the folder may hold notebook.ipynb.
     """
 
     slug: str
@@ -153,6 +154,7 @@ class Assignment:
     notebook: Callable[[], str] | None = None
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
     variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
+    source_before: Callable[[str], str] = field(default=lambda question: "")
     made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
 
     def source(self, name: str) -> str:

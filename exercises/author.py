@@ -16,9 +16,9 @@ from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment
 from exercises.author_notebook import Cell, InvalidNotebook
-from exercises.mistakes import Variant, made_samples, source_before, variants_of
+from exercises.mistakes import made_samples, source_before, variants_of
 from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
-from exercises.question_errors import question_errors
+from exercises.question_errors import question_errors, uses_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
 
@@ -104,7 +104,9 @@ class Notebook:
 
     def errors(self, folder: Path) -> list[str]:
         """Return the errors of all questions and of the author's notebook, each with its file."""
-        declared = [error for question in self.questions() for error in question_errors(question)]
+        questions = self.questions()
+        declared = [error for question in questions for error in question_errors(question)]
+        declared += [error for k, question in enumerate(questions) for error in uses_errors(question, questions[:k])]
         if self.notebook and self.setup is not None:
             declared.append(f"line {self.line}: both notebook= and setup= are given: the Setup is the notebook's; remove setup=")
         found = [f"assignment.py {error}" for error in declared]
@@ -137,7 +139,8 @@ class Notebook:
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
             ),
-            variants=self._variants,
+            variants=lambda id: variants_of(*self._with_source_before(id)),
+            source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
@@ -152,11 +155,11 @@ class Notebook:
     def _numbered(self) -> list[tuple[str, Question]]:
         return [(number, question) for number, _, questions in self.exercises for question in questions]
 
-    def _variants(self, id: str) -> list[Variant]:
-        """Return the variants of the question ``id``, the right solution first."""
+    def _with_source_before(self, id: str) -> tuple[Question, str]:
+        """Return the question ``id`` and the source of the right solutions of those before it."""
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
-        return variants_of(numbered[k][1], source_before(numbered, k))
+        return numbered[k][1], source_before(numbered, k)
 
 
 def _document(question: Question) -> Mapping[str, Any]:

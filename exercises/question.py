@@ -143,7 +143,7 @@ class Question:
     sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
-    twice: bool = True
+    uses: tuple[Callable[..., Any], ...] = ()
     line: int = 0
     id: str = ""
 
@@ -211,6 +211,7 @@ class Question:
             "scenes": {"public": f"{self.id}-public", "hidden": f"{self.id}-hidden" if self.drawn and self.rows[1] else None},
             "parts": list(self.parts),
             "returns": [self._returned(name, value) for name, value in self.values.items()],
+            **({"uses": [earlier.__name__ for earlier in self.uses]} if self.uses else {}),
             **self.data,
         }
 
@@ -287,7 +288,6 @@ class Question:
                 name=f"{self.id}-hidden",
                 inputs=lambda rng: self.draw(rng, hidden),
                 returns=self._specs(hidden),
-                twice=self.twice and not self.variables,
             )
 
     def part_scene(self, public: Scene, name: str, part: Part) -> Scene:

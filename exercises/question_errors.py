@@ -6,7 +6,7 @@ import inspect
 import keyword
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ecp.checks import points_errors
 from ecp.kinds.alignment import UP_TO
@@ -22,6 +22,16 @@ def question_errors(question: Question) -> Iterator[str]:
     """Yield the errors of one question as sentences with their lines."""
     yield from (f"line {question.line}: {error}" for error in _of_question(question))
     yield from (f"line {mistake.line}: {error}" for mistake in question.mistakes for error in _of_mistake(question, mistake))
+
+
+def uses_errors(question: Question, earlier: Sequence[Question]) -> Iterator[str]:
+    """Yield the errors of the functions that a question uses, which must be solutions of ``earlier`` ones."""
+    for used in question.uses:
+        name, found = getattr(used, "__name__", repr(used)), [other for other in earlier if other.solution is used]
+        if not found or used is question.solution:
+            yield f"line {question.line}: {question.function} uses {name}, which is not the solution of an earlier question"
+        elif isinstance(used, type) or found[0].variables:
+            yield f"line {question.line}: {question.function} uses {name}, a class or a cell; only a function can be replaced"
 
 
 def _of_question(question: Question) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Questions about a fit of a model to data: the parameters and their covariance."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ def fit(
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (2, 8),
     budget_s: float = 10.0,
+    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for a function ``(x, y, sigma)``, by any names, that returns fitted parameters and their covariance.
 
@@ -59,6 +60,7 @@ def fit(
         mistakes=tuple(mistakes),
         rows=rows,
         budget_s=budget_s,
+        uses=tuple(uses),
         line=calling_line(),
     )
 

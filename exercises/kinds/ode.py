@@ -2,7 +2,7 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -50,6 +50,7 @@ def ode(
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
     budget_s: float = 5.0,
+    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for a right-hand side: its values at points, and with ``t_end`` also its motion from t = 0 to ``t_end``.
 
@@ -98,6 +99,7 @@ def ode(
         mistakes=tuple(mistakes),
         rows=rows,
         budget_s=budget_s,
+        uses=tuple(uses),
         line=calling_line(),
     )
 

@@ -1,6 +1,6 @@
 """Questions about random output: samples of a distribution, and Monte Carlo estimates."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -45,6 +45,7 @@ def samples(
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (1, 2),
     budget_s: float = 10.0,
+    uses: Sequence[Callable[..., Any]] = (),
     **parameters: Any,
 ) -> Question:
     """Return the question for a function that returns independent samples, an array or a single number.
@@ -54,7 +55,9 @@ def samples(
     generator of its own. Each row of arguments is asked ``repetitions`` times: about 1e5 samples detect a difference of the
     cumulative distributions of 1 %. ``call`` is an expression to evaluate instead, such as ``"walk(100, rng)[-1]"``.
     """
-    question = _question(solution, ask, call=call, repetitions=repetitions, mistakes=mistakes, rows=rows, budget_s=budget_s)
+    question = _question(
+        solution, ask, call=call, repetitions=repetitions, mistakes=mistakes, rows=rows, budget_s=budget_s, uses=tuple(uses)
+    )
     data = {"distribution": distribution, "shape_parameters": list(parameters)}
     return replace(question, known=parameters, data={**question.data, **data}, line=calling_line())
 
@@ -72,6 +75,7 @@ def estimate(
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (1, 2),
     budget_s: float = 10.0,
+    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for a function that returns an estimate, nearly normally distributed, of a known standard deviation.
 
@@ -80,7 +84,9 @@ def estimate(
     ``bias``, ``atol`` and ``rtol``, is allowed. With ``error`` the function returns an estimate and its error: the root mean square
     of error/sd − 1 is at most the ``limit`` of that tolerance, for N samples in an estimate at least 5/√N.
     """
-    question = _question(solution, ask, call=call, repetitions=repetitions, mistakes=mistakes, rows=rows, budget_s=budget_s)
+    question = _question(
+        solution, ask, call=call, repetitions=repetitions, mistakes=mistakes, rows=rows, budget_s=budget_s, uses=tuple(uses)
+    )
     allowed = {name: number for name, number in vars(bias).items() if number is not None} if bias else {}
     reason = "; ".join(filter(None, (allowed.get("reason"), question.data["tolerance"]["reason"])))
     data = {"tolerance": {**allowed, "reason": reason}}
@@ -109,6 +115,5 @@ def _question(
             "tolerance": {"reason": reason},
         },
         rows=rows,
-        twice=False,
         **{**given, "mistakes": tuple(given["mistakes"])},
     )

@@ -64,6 +64,7 @@ def stepper(
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
     budget_s: float = 5.0,
+    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for one step, such as ``step(f, t, y, h)`` or ``verlet(force, x, v, h)``.
 
@@ -108,6 +109,7 @@ def stepper(
         mistakes=tuple(mistakes),
         rows=rows,
         budget_s=budget_s,
+        uses=tuple(uses),
         line=calling_line(),
     )
 

@@ -1,6 +1,6 @@
 """Questions about the values of a function at points."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ecp.outcome import Tolerance
@@ -23,13 +23,15 @@ def values(
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
     budget_s: float = 5.0,
+    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question what ``solution`` returns for the arguments ``ask``.
 
     ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order, of a dict with
     ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` are those of ``Value``, for a single value. ``calls`` limits
     the calls of the function arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its
-    parameters, such as ``"Pendulum(l, g).period()"``. ``rows`` are the numbers of public and of hidden inputs.
+    parameters, such as ``"Pendulum(l, g).period()"``. ``rows`` are the numbers of public and of hidden inputs. ``uses`` are
+    solutions of earlier questions that ``solution`` calls.
     """
     limit = {"calls": {"limit": calls.limit, "reason": calls.reason}} if calls else {}
     return Question(
@@ -44,5 +46,6 @@ def values(
         mistakes=tuple(mistakes),
         rows=rows,
         budget_s=budget_s,
+        uses=tuple(uses),
         line=calling_line(),
     )

@@ -1,7 +1,7 @@
 """Questions about variables that a cell assigns, and claims about several of them."""
 
 import ast
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,6 +39,7 @@ def variables(
     claims: tuple[Claim, ...] | list[Claim] = (),
     mistakes: tuple[Mistake, ...] | list[Mistake] = (),
     budget_s: float = 5.0,
+    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for the variables that a cell assigns: the body of ``solution`` without its return statement.
 
@@ -62,6 +63,7 @@ def variables(
         },
         mistakes=tuple(mistakes),
         budget_s=budget_s,
+        uses=tuple(uses),
         line=calling_line(),
     )
 

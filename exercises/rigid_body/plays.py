@@ -8,15 +8,13 @@ integrator, bound before the submission runs, so that replacing ``solve_ivp`` ch
 import math
 import re
 import time
-import traceback
 import types
 
 import numpy as np
-from matplotlib.animation import Animation
 from scipy.integrate import solve_ivp
 
 import ecp.animate
-from ecp.animation_recording import watch
+from ecp.animation_recording import record
 from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
 
 # The notebook's settings. A right submission needs under 4000 calls on every scene.
@@ -148,42 +146,14 @@ def precession(student, inputs):
 
 
 def animation(student, inputs):
-    """Record the animation of the function that ``inputs`` names, frame by frame: returned, or else shown,
-    saved or rendered.
-
-    An animation that a cell showed comes with the numbers it may have been drawn from.
+    """Record the animation of the function that ``inputs`` names. One that a cell showed comes with the numbers it may have been
+    drawn from.
     """
     name, arguments = inputs["function"], inputs["arguments"]
-    check_signature(student[name], tuple(arguments), name)
-    ecp.animate.shown.clear()
-    ecp.animate.made.clear()
-    unkept, record, checked = False, watch, unchanged
-    try:
-        anim = student[name](*(np.array(inputs[argument]) for argument in arguments))
-    except Exception as error:
-        if len(ecp.animate.made) != 1 or not _lacks_a_file(error):
-            raise
-        anim, unkept = ecp.animate.made[0], True
-    if not isinstance(anim, Animation) and ecp.animate.shown:
-        anim = ecp.animate.shown[-1]
-    own = getattr(student[name], "own", None) if isinstance(student[name], FromCell) else None
-    checked()
-    seen = record(anim, float(inputs["seconds"]))
-    return seen | {"cost": np.array([*seen["cost"], unkept])} | (own or NOT_OWN)
-
-
-def unchanged():
-    """Do nothing. In the sandbox this is a check that a submission has replaced nothing of this module."""
-
-
-def _lacks_a_file(error):
-    """Return whether an animation failed because it wrote, rendered or read a file: the sandbox has none, and
-    its motion may be right.
-    """
-    if isinstance(error, OSError) or (isinstance(error, AssertionError) and ecp.animate.shown):
-        return True
-    frames = traceback.walk_tb(error.__traceback__)
-    return any(frame.f_globals.get("__name__") == "matplotlib.animation" for frame, _ in frames)
+    function = student[name]
+    check_signature(function, tuple(arguments), name)
+    own = function.own if isinstance(function, FromCell) else NOT_OWN
+    return record(lambda: function(*(np.array(inputs[argument]) for argument in arguments)), float(inputs["seconds"])) | own
 
 
 class FromCell:

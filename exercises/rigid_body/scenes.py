@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import reference
 from exercises.assignment import ArraySpec, Inputs, Scene
+from exercises.kinds.animation import RECORDING
 from exercises.rigid_body import probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
@@ -164,14 +165,7 @@ def _film(name: str, function: str, w0: tuple[float, ...], I: Any, last: str) ->
 
 FILMED = (1.25, 1.25, 2.0)  # not the course's: |L| must differ from the rate at which ê₃ goes round L
 TILT = Rotation.from_rotvec([-2.0, 1.0, 0.0]).as_matrix()
-FILM = {
-    "frames": ArraySpec((24, 360, 480, 3), "uint8", up_to=True),
-    "tracks": ArraySpec((600, 256, 3), up_to=True),
-    "owners": ArraySpec((256, 3), up_to=True),
-    "labels": ArraySpec((64, 3), up_to=True),
-    "at": ArraySpec((600, 3), up_to=True),
-    "visible": ArraySpec((2,)),
-    "cost": ArraySpec((6,)),
+FILM = RECORDING | {
     "own_R": ArraySpec((4000, 3, 3), up_to=True),
     "own_t": ArraySpec((4000, 1), up_to=True),
     "own_I": ArraySpec((8, 3), up_to=True),

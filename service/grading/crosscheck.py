@@ -33,7 +33,7 @@ class PlayedJob:
 
     job: Job
     inputs: Mapping[str, Inputs]
-    truths: Mapping[str, Arrays]
+    truths: dict[str, Arrays]
     result: PlayResult
     budget: TimeBudget
 

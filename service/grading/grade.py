@@ -19,6 +19,7 @@ from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
 from service.grading.author_errors import author_errors, play
+from service.grading.chains import play_chains, with_used
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
@@ -84,17 +85,25 @@ def _grade(
         raise SystemFault(absent)
     asked = select(assignment, numbers)
     wanted = {s for e in asked for s in e.scenes()}
-    inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in _with_precursors(assignment, wanted)}
+    needed = _with_precursors(assignment, with_used(assignment, wanted))
+    inputs = {s.name: draw_inputs(s, seed) for s in assignment.scenes if s.name in needed}
     job = job_of(submission, assignment, [s for s in assignment.scenes if s.name in inputs], inputs)
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
-    result, truths = _play(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
-    on_progress("judging", len(job.scenes), len(job.scenes))
-    played = PlayedJob(job, inputs, truths, result, budget)
-    crossed = cross_check(assignment, played, sandbox, seed)
-    _add_known_arrays(assignment, result, truths)
+
+    def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
+        result, truths = _play(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
+        on_progress("judging", len(job.scenes), len(job.scenes))
+        played = PlayedJob(job, inputs, truths, result, budget)
+        crossed = cross_check(assignment, played, sandbox, seed)
+        _add_known_arrays(assignment, result, truths)
+        return played, crossed
+
+    played, crossed = play_and_check(job, on_progress)
+    chains = play_chains(assignment, played, crossed, play_and_check, functools.partial(_passes, assignment))
+    result = played.result
     covered = asked if numbers is not None else attempted(asked, result.defined)
     causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays, sandbox))
-    sections = [_judge(e, assignment, played, crossed, causes) for e in covered]
+    sections = [_judge(e, assignment, played, crossed, causes, remarks=chains.remarks) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}
     figures, animations = pictures(covered, shown)
@@ -108,7 +117,7 @@ def _grade(
         scene_ends=[*result.cells.values(), *(e for e in result.scene_ends.values() if e.scene in reported)],
         stdout=result.stdout,
         notebook_checks=_notebook_checks(result),
-        provenance=Provenance(seed=seed, versions=versions(), isolation=sandbox.isolation.name, motions=crossed.how),
+        provenance=Provenance(seed, versions(), sandbox.isolation.name, motions=crossed.how, chains=chains.used),
         not_attempted=missed,
     )
     report.total = assignment.max_points([e.number for e in asked], result.defined)
@@ -226,7 +235,15 @@ def _add_known_arrays(assignment: Assignment, result: PlayResult, truths: Mappin
         arrays |= {known: truths[name][known] for known in assignment.scene(name).known}
 
 
-def _judge(exercise: Exercise, assignment: Assignment, played: PlayedJob, crossed: CrossCheck, causes: Causes) -> ExerciseReport:
+def _judge(
+    exercise: Exercise,
+    assignment: Assignment,
+    played: PlayedJob,
+    crossed: CrossCheck,
+    causes: Causes,
+    *,
+    remarks: Mapping[str, list[str]],
+) -> ExerciseReport:
     outcomes, result = [], played.result
     for check in exercise.applicable_checks(result.defined, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
@@ -238,6 +255,7 @@ def _judge(exercise: Exercise, assignment: Assignment, played: PlayedJob, crosse
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _diagnose_failure(scenes, result, causes)
         outcome.hidden = assignment.hidden(check)
+        outcome.remarks = remarks.get(check.scenes[0], [])
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
 
@@ -248,6 +266,13 @@ def _unsteady(scene: Scene) -> Diagnosis:
         "it must not use the clock, random numbers or results of earlier calls"
     )
     return Diagnosis(code="not-deterministic", sentence=sentence, confidence=1.0)
+
+
+def _passes(assignment: Assignment, check: Check, played: PlayedJob, crossed: CrossCheck) -> bool:
+    scenes = [assignment.scene(name) for name in check.scenes]
+    steady = not any({s.name, s.after} & crossed.unsteady for s in scenes)
+    outcome = _outcome(check, scenes, played.result, played.truths)
+    return steady and (outcome.verdict is Verdict.PASS or not outcome.counted)
 
 
 def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 from ecp.checks import Arrays
-from ecp.kinds import reproduces
+from ecp.kinds import diagnose, reproduces
 from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Inputs, Scene
 from exercises.mistakes import Variant
@@ -29,11 +29,14 @@ def diagnose_question(
     """Return the diagnosis of the variant that alone reproduces the ``arrays`` of the question's scenes, else none.
 
     An author's mistake takes precedence over a generated variant. Parts of a question, such as a motion, follow from its
-    values. Raises SystemFault if the sandbox fails.
+    values. A kind that diagnoses its arrays itself needs no variant. Raises SystemFault if the sandbox fails.
     """
     left: list[Variant] | None = None
     asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
     for scene in [s for s, question in asked if question["id"] == id and not question.get("part")]:
+        own = diagnose(scene.question or {}, arrays[scene.name], scene.truth(inputs[scene.name]))
+        if own is not None:
+            return own
         predicted = _predict(assignment, scene, inputs[scene.name], sandbox, left)
         assert scene.question is not None
         left = [v for v in predicted if reproduces(scene.question, arrays[scene.name], predicted[v])]

@@ -46,6 +46,17 @@ class SceneRequest:
 
 
 @dataclass(frozen=True)
+class ReferenceFunctions:
+    """Functions ``names`` that ``source``, run after the setup, defines, in place of those of the submission with the same names.
+
+    The source is right solutions, so another process holds it than the one that runs the submission.
+    """
+
+    names: tuple[str, ...]
+    source: str
+
+
+@dataclass(frozen=True)
 class Job:
     """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
 
@@ -62,6 +73,7 @@ class Job:
     load_budget_s: float = LOAD_BUDGET_S
     variables: tuple[str, ...] = ()
     data: Mapping[str, Path] = field(default_factory=dict)
+    reference: ReferenceFunctions | None = None
 
     def without(self, done: set[str]) -> "Job":
         """Return this job without the scenes in ``done``."""
@@ -88,9 +100,19 @@ class Job:
             "variables": self.variables,
             "load_budget_s": self.load_budget_s,
             "scenes": scenes,
+            "reference": self.reference.names if self.reference else (),
         }
-        text = json.dumps(document, default=_listed, allow_nan=False).encode()
-        return LENGTH.pack(len(text)) + text
+        return _encoded(document)
+
+    def encode_reference(self) -> bytes:
+        """Return the job of the process with the reference functions."""
+        assert self.reference is not None
+        return _encoded({"setup": self.setup, "source": self.reference.source, "names": self.reference.names})
+
+
+def _encoded(document: Any) -> bytes:
+    text = json.dumps(document, default=_listed, allow_nan=False).encode()
+    return LENGTH.pack(len(text)) + text
 
 
 def _listed(value: Any) -> Any:

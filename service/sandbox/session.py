@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
+from service.sandbox.guest.calls import MALFORMED
 from service.sandbox.guest.run_scenes import CLOCK_FACTOR
 from service.sandbox.guest.wire import LENGTH, pack
 from service.sandbox.guest.zygote import REAPED
@@ -42,9 +43,10 @@ class Pipes:
 
 
 class ChildExit(NamedTuple):
-    """The wait ``status`` of a child and the seconds of CPU time that it used."""
+    """The wait ``status`` of a child, that of the child with its ``reference`` functions, and the seconds of CPU time of both."""
 
     status: int
+    reference: int
     cpu_s: float
 
     @classmethod
@@ -227,6 +229,8 @@ class PlaySession:
 
     def _by_status(self) -> Ended | None:
         assert self.ended is not None
+        if os.waitstatus_to_exitcode(self.ended.reference) == MALFORMED:
+            return Ended.PROTOCOL
         if self.ended.signal == signal.SIGXCPU or (self.ended.signal and not self.budget.cpu_left()):
             return Ended.TIMED_OUT
         if self.ended.signal:

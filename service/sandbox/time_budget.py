@@ -62,19 +62,25 @@ class TimeBudget:
 
 
 class ProcessorWait:
-    """The time that a process, given by its ``pidfd``, was ready to run and had no processor.
+    """The time that processes, given by their ``pidfds``, were ready to run and had no processor.
 
     Source: the second number of /proc/PID/schedstat (Linux, Documentation/scheduler/sched-stats.rst). Where the kernel does not
     report it the time is zero, so that a process without a processor looks like one that sleeps.
     """
 
-    def __init__(self, pidfd: int) -> None:
-        self.seconds = 0.0
-        found = re.search(r"^Pid:\s*(\d+)$", Path(f"/proc/self/fdinfo/{pidfd}").read_text(), re.MULTILINE)
-        self._path = Path(f"/proc/{found[1]}/schedstat") if found else None
+    def __init__(self, *pidfds: int) -> None:
+        self._seconds: dict[Path, float] = {}
+        for pidfd in pidfds:
+            if found := re.search(r"^Pid:\s*(\d+)$", Path(f"/proc/self/fdinfo/{pidfd}").read_text(), re.MULTILINE):
+                self._seconds[Path(f"/proc/{found[1]}/schedstat")] = 0.0
+
+    @property
+    def seconds(self) -> float:
+        """The time of all processes together at the last update."""
+        return sum(self._seconds.values())
 
     def update(self) -> None:
-        """Read the time. It stays as it was once the process has been reaped."""
-        if self._path is not None:
+        """Read the time. That of a process stays as it was once it has been reaped."""
+        for path in self._seconds:
             with contextlib.suppress(OSError, ValueError, IndexError):
-                self.seconds = int(self._path.read_text().split()[1]) / 1e9
+                self._seconds[path] = int(path.read_text().split()[1]) / 1e9

@@ -86,16 +86,18 @@ class Zygote:
 
     def _play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> bool:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        own, theirs = (job_w, result_r, output_r), (job_r, result_w, output_w)
+        own, theirs = (job_w, result_r, output_r), [job_r, result_w, output_w]
         try:
             try:
-                child = self._fork(theirs, budget.cpu_left())
+                if job.reference:
+                    theirs.append(_file(job.encode_reference()))
+                children = self._fork(theirs, budget.cpu_left())
             finally:
                 _close(*theirs)
         except BaseException:
             _close(*own)
             raise
-        began, waited = time.monotonic(), ProcessorWait(child)
+        began, waited = time.monotonic(), ProcessorWait(*children)
         session = PlaySession(job, budget, Reader(job, result, on_scene), Pipes(self._control, *own), waited, self._cancelled)
         try:
             session.run()
@@ -103,8 +105,8 @@ class Zygote:
             raise ZygoteLost(f"the sandbox process was lost: {error}") from error
         finally:
             with contextlib.suppress(ProcessLookupError):
-                signal.pidfd_send_signal(child, signal.SIGKILL)  # no child of this job survives it
-            os.close(child)
+                signal.pidfd_send_signal(children[0], signal.SIGKILL)  # no child of this job survives it
+            _close(*children)
         if session.ended is None:
             session.ended = self._wait_for_exit()
         budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
@@ -132,17 +134,21 @@ class Zygote:
             for path in folder.iterdir():
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
 
-    def _fork(self, fds: tuple[int, int, int], cpu_s: float) -> int:
-        """Start a child with these descriptors and this limit of CPU time, and return its pidfd."""
+    def _fork(self, fds: list[int], cpu_s: float) -> list[int]:
+        """Start a child with these descriptors and this limit of CPU time, and return its pidfd.
+
+        With four descriptors there is a second child, with the reference functions, and its pidfd follows.
+        """
         self._control.settimeout(ANSWER_S)
         try:
             socket.send_fds(self._control, [PLAY.pack(max(1, math.ceil(cpu_s)))], fds)
-            word, handles, _, _ = socket.recv_fds(self._control, 16, 1)
+            word, handles, _, _ = socket.recv_fds(self._control, 16, 2)
         except OSError as error:
             raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
-        if word != b"child" or len(handles) != 1:
+        if word != b"child" or len(handles) != len(fds) - 2:
+            _close(*handles)
             raise ZygoteLost("the sandbox process stopped unexpectedly")
-        return handles[0]
+        return handles
 
     def _wait_for_exit(self) -> ChildExit:
         """Return what the zygote reports of a killed child."""
@@ -162,6 +168,15 @@ class Zygote:
             self._process.wait(timeout=10)
         except subprocess.TimeoutExpired as error:
             raise SystemFault("the sandbox process could not be killed") from error
+
+
+def _file(content: bytes) -> int:
+    """Return a descriptor of a file in memory, to read from its beginning."""
+    fd = os.memfd_create("job")
+    with os.fdopen(os.dup(fd), "wb") as file:
+        file.write(content)
+    os.lseek(fd, 0, os.SEEK_SET)
+    return fd
 
 
 def _close(*fds: int) -> None:

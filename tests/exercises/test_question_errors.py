@@ -68,6 +68,31 @@ def test_an_error_is_reported_with_its_line(tmp_path, question, error):
     assert found.startswith(f"assignment.py line {LINE}: ") and error in found
 
 
+@pytest.mark.parametrize(
+    ("used", "error"),
+    [
+        ("double", "double uses double, which is not the solution of an earlier question"),
+        ("exact", "double uses exact, which is not the solution of an earlier question"),
+        ("'double'", "double uses 'double', which is not the solution of an earlier question"),
+    ],
+)
+def test_a_question_uses_solutions_of_earlier_questions_only(tmp_path, used, error):
+    question = f"values(double, ask={{'x': uniform(0, 1)}}, truth=exact, agree={NEAR}, uses=[{used}])"
+    assert errors(tmp_path, question) == [f"assignment.py line {LINE}: {error}"]
+
+
+def test_a_question_may_use_functions_and_no_classes(tmp_path):
+    declared = f"""values(Box, ask={{'x': 1.0}}, call='Box().x', truth=itself('a'), agree={NEAR}), values(
+        double, ask={{'x': 1.0}}, truth=exact, agree={NEAR}, uses=[Box])"""
+    head = HEAD + "class Box:\n    x = 1.0\n"
+    (tmp_path / "one").mkdir()
+    (tmp_path / "one" / "assignment.py").write_text(f"{head}notebook.exercise('1', 'One', {declared})\n")
+    with known(tmp_path / "one") as catalogue:
+        assert [error.split(": ")[1] for error in catalogue.invalid["one"].errors] == [
+            "double uses Box, a class or a cell; only a function can be replaced"
+        ]
+
+
 def test_all_errors_are_reported_together(tmp_path):
     found = errors(tmp_path, "values(double, ask={'y': 1.0}, agree=Tolerance(reason=''), mistakes=[mistake('5', '6')])")
     assert len(found) == 5

@@ -106,7 +106,7 @@ def test_the_example_for_authors_passes_its_own_checks(example, sandbox):
     right = next(iter(example.made_samples()))
     assert right.unexpected(graded(right, example, sandbox)) == []
     codes = {sample.code for sample in example.made_samples()} - {None}
-    assert len(example.exercises) == 5 and len(codes) >= 4 and codes <= documented_codes()
+    assert len(example.exercises) >= 6 and len(codes) >= 4 and codes <= documented_codes()
 
 
 @pytest.mark.slow
@@ -115,7 +115,7 @@ def test_each_mistake_of_the_example_for_authors_is_named(example, sandbox):
         assert sample.unexpected(graded(sample, example, sandbox)) == [], sample.name
 
 
-COMMON = "`solution`, `ask`, `truth`, `mistakes` and `budget_s`"
+COMMON = "`solution`, `ask`, `truth`, `mistakes`, `uses` and `budget_s`"
 
 
 def test_the_guide_for_authors_names_what_an_author_imports():

@@ -48,6 +48,7 @@ def watched() -> Iterator[None]:
 
     def make(anim: Any, *args: Any, **kwargs: Any) -> None:
         originals["__init__"](anim, *args, **kwargs)
+        anim._draw_was_started = True  # or matplotlib warns when it is deleted, although no window shows it here
         made.append(anim)
 
     for name, text in RENDERING.items():

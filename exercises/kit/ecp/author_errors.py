@@ -24,13 +24,15 @@ class AuthorError(NotebookError):
 def author_error(error: BaseException, own: Callable[[str], bool]) -> str | None:
     """Return file, line and message of an exception that the student's code did not raise itself, else None.
 
-    ``own(filename)`` is true for the student's code. Outside of the libraries, the innermost frame is then one of the assignment or
-    of the kit. The cause may still be a value that the student returned.
+    ``own(filename)`` is true for the student's code. Outside of the libraries, and of the kit if it serves the student, the
+    innermost frame is then one of the assignment; or all frames are of the kit. The cause may still be a value that the student
+    returned.
     """
     if isinstance(error, AuthorError):
         return str(error)
     frames = traceback.extract_tb(error.__traceback__)
-    ours = [f for f in frames if own(f.filename) or f.filename in SOURCES or KIT in Path(f.filename).parents]
+    ours = [f for f in frames if own(f.filename) or f.filename in SOURCES]
+    ours = ours or [f for f in frames if KIT in Path(f.filename).parents]  # the student may call the kit
     if isinstance(error, WrongAnswer | MemoryError) or not frames or (ours and own(ours[-1].filename)):
         return None
     return located(error, (ours or frames)[-1])

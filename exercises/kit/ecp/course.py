@@ -15,7 +15,7 @@ from ecp import KIT
 from ecp.checks import Arrays
 from ecp.errors import NotebookError
 from ecp.exercise import Exercise
-from ecp.kinds import exercise
+from ecp.kinds import diagnose, exercise
 from ecp.outcome import Diagnosis
 
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
@@ -82,6 +82,10 @@ class PublicAssignment:
     def variables(self) -> set[str]:
         """Return the names that stand for a value, not for a function."""
         return {name for e in self.exercises for name in e.variables}
+
+
+def _by_kind(scenes: Mapping[str, PublicScene]) -> Diagnose:
+    return lambda scene, inputs, seen, truth: diagnose(scenes[scene].question or {}, seen, truth) or []
 
 
 _connected: list[Course] = [Course()]
@@ -211,7 +215,7 @@ def _load(slug: str) -> PublicAssignment:
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
     if asked := declared.get("exercises"):
         exercises = tuple(exercise(e["number"], e["title"], e["questions"], False) for e in asked)
-        return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays)
+        return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays, _by_kind(scenes))
     module = importlib.import_module(f"ecp.assignments.{name}")
     diagnose = getattr(module, "diagnose", _no_diagnosis)
     return PublicAssignment(slug, declared["version"], declared["hidden"], module.EXERCISES, scenes, plays, diagnose)

@@ -170,6 +170,11 @@ def _outcome(check: Check, known: PublicAssignment, played: SceneRun) -> Outcome
         outcome = check.judge([played.arrays[name] for name in check.scenes], truths)
     if outcome.verdict is not Verdict.PASS:
         outcome.diagnosis = _likely(check, known, played)
+        absent = played.scene_ends[check.scenes[0]].ended is Ended.MISSING
+        uses = () if absent else (known.scenes[check.scenes[0]].question or {}).get("uses", ())
+        outcome.remarks = [
+            f"checked with your own {name}: where that is wrong or missing, the server uses the reference" for name in uses
+        ]
     return outcome
 
 

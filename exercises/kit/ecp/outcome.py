@@ -64,7 +64,8 @@ class Outcome:
 
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
-    ``points`` is what the check is worth; ``partial`` is given for a ✗ with partial credit.
+    ``remarks`` say what it rests on besides the student's code, such as a reference function. ``points`` is what the
+    check is worth; ``partial`` is given for a ✗ with partial credit.
     """
 
     id: str
@@ -81,6 +82,7 @@ class Outcome:
     hints: list[str] = field(default_factory=list)
     hidden: bool = False
     counted: bool = True
+    remarks: list[str] = field(default_factory=list)
     points: int = 1
     partial: RowsRight | None = None
 
@@ -101,10 +103,10 @@ class Outcome:
         return min(self.points * self.partial.right // self.partial.rows, self.points - 1)
 
     def notes(self) -> list[str]:
-        """Return the place of a ✗'s worst value, how far off it is, and its partial credit."""
+        """Return the remarks, the place of a ✗'s worst value, how far off it is, and its partial credit."""
         if self.verdict is not Verdict.FAIL:
-            return []
-        found = [f"worst at {self.where}"] if self.where else []
+            return list(self.remarks)
+        found = [*self.remarks, *([f"worst at {self.where}"] if self.where else [])]
         if self.margin:
             found.append(f"{1 / self.margin:.3g} times the allowed difference")
             if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
@@ -128,15 +130,13 @@ class Outcome:
         return [] if self.verdict is Verdict.PASS else [d for d in self.diagnosis if d.sentence not in (self.cause or "")]
 
     def text(self, numbers: Mapping[str, int] | None = None) -> str:
-        """Return the line and, for a ✗ or –, notes, likely causes and hints, indented below it.
+        """Return the line and notes, likely causes and hints, indented below it.
 
         ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for
         them.
         """
         above = numbers or {}
         hints = [f"hint: {hint}" for hint in self.hints]
-        if self.verdict is Verdict.PASS:
-            return "\n".join([self.line, *(f"     {hint}" for hint in hints)])
         causes = [
             f"cause {above[d.sentence]}: {d.code}" if d.sentence in above else f"likely {d.code}: {d.sentence}"
             for d in self.causes()

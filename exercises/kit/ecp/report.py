@@ -22,13 +22,15 @@ def pictures(exercises: Sequence[Exercise], shown: Collection[str]) -> tuple[lis
 
 @dataclass
 class Provenance:
-    """What a regrade needs to give the same report: seed and versions; what stood around the code; and by scene, what makes a
-    motion the student's function's own."""
+    """What a regrade needs to give the same report: seed and versions; what stood around the code; by scene, what makes a
+    motion the student's function's own; and which functions of earlier questions each question used, by its id.
+    """
 
     seed: int
     versions: dict[str, str]
     isolation: str = field(metadata={"formerly": "walls"})
     motions: dict[str, str] = field(default_factory=dict)
+    chains: dict[str, str] = field(default_factory=dict)
     phases_ms: dict[str, float] = field(default_factory=dict)
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from ecp.animation_recording import moving_share
 from ecp.checks import Arrays
+from ecp.kinds.animation.shown import standstill
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.rigid_body.public.animation_checks import INVISIBLE, NOTHING, STILL, body_shown
+from exercises.rigid_body.public.animation_checks import body_shown
 from exercises.rigid_body.public.momentum import momentum_shown
 
 
@@ -15,11 +15,7 @@ def causes_of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
     other than the body.
     """
     t, R = np.asarray(inputs["t"]), np.asarray(inputs["R"])
-    if moving_share(seen["frames"]) <= STILL:
-        sentence = "the picture stays the same from frame to frame: does the update function change any artist?"
-        return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
-    if not seen["visible"][0]:
-        sentence = INVISIBLE if seen["visible"][1] else NOTHING
+    if sentence := standstill(seen):
         return [Diagnosis(code="static", sentence=sentence, confidence=1.0)]
     tumble = "L" not in inputs
     L = None if tumble else np.asarray(inputs["L"])

@@ -9,22 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.checks import Arrays
+from ecp.kinds.animation import cameras
+from ecp.kinds.animation.matching import Match, fewer, matched
+from ecp.kinds.animation.pictures import Picture, directions, origins
+from ecp.kinds.animation.shown import Shown, judged, samples
 
-from . import boxes, cameras, timing
-from .followed_direction import PARALLEL, Shown, read, samples
-from .matching import Match, Motion, fewer, matched
+from . import boxes
+from .compared_motion import Motion
+from .followed_direction import PARALLEL, read
 from .mistakes import TRANSPOSED, mistimed, otherwise, spin, transposed
 from .own_view import by_own_camera, unlabelled
-from .pictures import Picture, changed, directions, is_consistent, origins, pictures
 from .resembling import resembling
 
 Array = NDArray[np.float64]
 
-STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
-INVISIBLE = "nothing that moves can be seen: draw it within the limits of the axes, in front, in a visible colour and width"
-NOTHING = "nothing drawn moves but text: does update change lines, arrows, polygons or markers?"
 _last: list[tuple[Arrays, list[object], tuple[Motion, Shown]]] = []  # of ``comparison``: arrays, the other arguments, result
-RARELY = 0.03  # share of the frames or samples; a drawing that changes at fewer shows no motion
 
 
 def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | None = None, *, half: Array | None = None) -> Shown:
@@ -34,23 +33,12 @@ def body_shown(seen: Arrays, t: Array, R: Array, axis: int | None, L: Array | No
     If L (3,) is given, a drawing along it must fit the same camera. If the body is a box with half edges
     ``half`` (3,), its corners may be drawn in any order, and a drawn box must have its proportions.
     """
-    if not is_consistent(seen):
-        return Shown(False, None, "the returned arrays do not fit together")
-    drawn, painted, invisible = pictures(seen), seen["cost"][4] > 0, seen["visible"][1]
-    if not any(picture.paths for picture in drawn):
-        code = "static" if (any(picture.still for picture in drawn) or invisible) and not painted else None
-        return Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING)
-    if len(seen["at"]) < timing.LEAST_FRAMES:
-        return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
-    motion, shown = comparison(seen, drawn, t, R, L, axis=axis, half=half)
-    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(seen["at"]), motion.n):
-        sentence = f"the drawing changes at only {changes} of {len(seen['at'])} frames: is each frame drawn from its own sample?"
-        return Shown(False, "static", sentence)
-    if painted and not shown.found:
-        shown = Shown(None, None, "the picture is painted as pixels, and nothing else that moves shows the body")
-    if invisible and not shown.found:
-        shown = shown._replace(sentence=f"{shown.sentence}; artists that cannot be seen do not count")
-    return shown
+
+    def compare(drawn: list[Picture]) -> tuple[int, Shown]:
+        motion, shown = comparison(seen, drawn, t, R, L, axis=axis, half=half)
+        return motion.n, shown
+
+    return judged(seen, "the body", compare)
 
 
 def comparison(

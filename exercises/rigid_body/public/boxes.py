@@ -12,9 +12,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from . import cameras, timing
-from .matching import MISFIT, Match
-from .pictures import Picture
+from ecp.kinds.animation import cameras, timing
+from ecp.kinds.animation.matching import MISFIT, Match
+from ecp.kinds.animation.pictures import Picture
 
 Array = NDArray[np.float64]
 

@@ -4,16 +4,15 @@ exact motion.
 
 import numpy as np
 
-from ecp.animation_recording import moving_share
-from ecp.checks import Arrays, Check, holds, shows, within
+from ecp.checks import Arrays, Check, shows, within
+from ecp.kinds.animation.shown import moves
 
-from .animation_checks import STILL, body_shown
+from .animation_checks import body_shown
 from .tolerance import as_closely
 
 NOTEBOOK = "the notebook's own tolerance"
 DRIVE = "the integrator, at rtol 1e-11, stays within 1e-9 of the exact motion on this scene"
 
-SLOW = 0.3  # share of the drawing time spent in clearing axes above which a hint says so
 PRODUCT = "rtol × (sensitivity + angle turned) × safety, computed for each scene"
 
 
@@ -69,14 +68,7 @@ def film(number: str, scene: str, function: str, axis: int | None, what: str) ->
         return shown.found, shown.sentence
 
     return (
-        holds(
-            f"{number}-moves",
-            f"{function} draws a moving picture",
-            scene,
-            claim=_moves,
-            reason="a picture in which fewer than one pixel in ten thousand changes does not move",
-            hint=_cost,
-        ),
+        moves(f"{number}-moves", f"{function} draws a moving picture", scene),
         shows(
             f"{number}-follows",
             f"{function} draws something that follows {what}",
@@ -85,23 +77,3 @@ def film(number: str, scene: str, function: str, axis: int | None, what: str) ->
             reason="a direction from a fixed point or points of the body, to 3 % of the path; samples within 1.5 of an even run",
         ),
     )
-
-
-def _moves(seen: Arrays) -> tuple[bool, str]:
-    share = moving_share(seen["frames"])
-    if share > STILL and not seen["visible"][0]:
-        return False, f"{len(seen['frames'])} stills, in which nothing changes but text"
-    return share > STILL, f"{len(seen['frames'])} stills, up to {share:.2%} of the picture changes"
-
-
-def _cost(seen: Arrays) -> list[str]:
-    frames, drawing, clearing, left_open, _, unkept = seen["cost"]
-    hints = []
-    if clearing > SLOW * drawing and clearing > 1e-3 * frames:
-        part = "more than half" if clearing > drawing / 2 else "about a third"
-        hints.append(f"clearing the axes takes {part} of the drawing time: keep the artists and set their data instead")
-    if left_open:
-        hints.append("the figure stays open, so a notebook shows an extra still: call plt.close(fig) before you return")
-    if unkept:
-        hints.append("the sandbox has no files: your function stopped at one, so the animation it had made was graded")
-    return hints

@@ -1,31 +1,20 @@
 """What the points that follow a motion show: the body axis, the body, or another direction of it."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
-from . import boxes, cameras, timing
-from .matching import Match, Motion
+from ecp.kinds.animation import cameras
+from ecp.kinds.animation.matching import Match
+from ecp.kinds.animation.shown import Shown, samples
+
+from . import boxes
+from .compared_motion import Motion
 
 Array = NDArray[np.float64]
 
 PARALLEL = 0.03  # sine of the angle from the body axis
 SPAN = 0.1  # of the length of two directions that show the body's attitude together
 NAMES = "₁₂₃"
-
-
-class Shown(NamedTuple):
-    """``found``: True if the body is followed, False if not, None if the drawing cannot be judged.
-
-    ``code`` and ``sentence`` say what is followed instead; ``cameras`` are those found for each picture, or
-    None.
-    """
-
-    found: bool | None
-    code: str | None
-    sentence: str
-    cameras: tuple[Array | None, ...] = ()
 
 
 def read(match: Match, motion: Motion) -> Shown:
@@ -88,10 +77,3 @@ def _other_direction(unit: Array, motion: Motion) -> Shown:
         return Shown(False, "moving-angular-momentum", sentence)
     inside = ", ".join(f"{round(float(x), 2) + 0.0:.2f}" for x in unit)
     return Shown(False, "wrong-axis", f"the drawing follows the direction ({inside}) of the body, not ê{wanted}")
-
-
-def samples(times: Array, n: int) -> str:
-    """Return which of ``n`` samples the ``times`` (f,) cover, for a report."""
-    step = max(timing.SLACK, float(np.diff(np.sort(times)).max()) + 0.5)
-    low, high = times.min(), times.max()
-    return f"all {n} samples" if low <= step and high >= n - 1 - step else f"samples {low:.0f}–{high:.0f} of {n}"

@@ -5,10 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from . import cameras, timing
-from .followed_direction import NAMES, Shown, read
-from .matching import Motion, along, at_any_time, matched
-from .pictures import Picture
+from ecp.kinds.animation import cameras, timing
+from ecp.kinds.animation.matching import along, at_any_time, matched
+from ecp.kinds.animation.pictures import Picture
+from ecp.kinds.animation.shown import Shown
+
+from .compared_motion import Motion
+from .followed_direction import NAMES, read
 
 Array = NDArray[np.float64]
 

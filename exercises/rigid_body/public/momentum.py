@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.checks import Arrays
+from ecp.kinds.animation import cameras, timing
+from ecp.kinds.animation.matching import along
+from ecp.kinds.animation.pictures import Picture, directions, is_consistent, origins, pictures
+from ecp.kinds.animation.shown import INCONSISTENT, Shown
 
-from . import cameras, timing
 from .animation_checks import comparison
-from .followed_direction import PARALLEL, Shown
-from .matching import Motion, along
-from .pictures import Picture, directions, is_consistent, origins, pictures
+from .compared_motion import Motion
+from .followed_direction import PARALLEL
 
 Array = NDArray[np.float64]
 
@@ -21,7 +23,7 @@ def momentum_shown(seen: Arrays, t: Array, R: Array, L: Array, axis: int | None 
     space is.
     """
     if not is_consistent(seen):
-        return Shown(None, None, "the returned arrays do not fit together")
+        return Shown(None, None, INCONSISTENT)
     drawn, unit = pictures(seen), L / np.linalg.norm(L)
     enough = len(seen["at"]) >= timing.LEAST_FRAMES and any(picture.paths for picture in drawn)
     found: tuple[Array | None, ...] = ()

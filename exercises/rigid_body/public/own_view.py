@@ -1,15 +1,23 @@
 """A drawing by the student's own camera: turned, not mirrored, and the same for the body, L and the labels."""
 
+from collections import Counter
+
 import numpy as np
 from numpy.typing import NDArray
 
-from . import cameras, timing
-from .followed_direction import PARALLEL, Shown, read, samples
-from .matching import Motion, matched_at, own_camera
-from .pictures import Picture, directions
+from ecp.kinds.animation import cameras, timing
+from ecp.kinds.animation.matching import matched_at, timed
+from ecp.kinds.animation.pictures import Path, Picture, directions
+from ecp.kinds.animation.shown import Shown, samples
+
+from .compared_motion import Motion
+from .followed_direction import PARALLEL, read
 
 Array = NDArray[np.float64]
 
+REFINED = 3  # rounds in which times and perspective are fitted in turn
+NEAREST = 0.5  # inverse of the distance of a camera from the centre, in lengths of the axis
+SKEW = 0.1  # sine of the angle between the line of sight and the normal of the drawing
 UNAMBIGUOUS = 0.45  # of the motion: some camera makes a shorter arc of any curve look like one of ê₃
 SIGNS, SWAPS = ((-1, 1, 1), (1, -1, 1), (1, 1, -1)), ([1, 0, 2], [2, 1, 0], [0, 2, 1])
 MIRRORS = [np.diag(signs) for signs in SIGNS] + [np.eye(3)[swap] for swap in SWAPS]
@@ -78,3 +86,67 @@ def _swapped(camera: Array) -> str:
         return ""
     moved = [k for k in range(3) if not whole[k, k]]
     return f": {' and '.join('xyz'[k] for k in moved)} are swapped" if len(moved) == 2 else ": the sign of a coordinate is wrong"
+
+
+def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Array, list[Array]] | None:
+    """Return a camera, the times of the frames and the origins, found from a drawn direction or from the points of a body."""
+    for path in picture.paths if motion.axis is not None else []:
+        fit = timed(motion.R[:, None, :, motion.axis], path.places[:, None, :], laws)
+        camera = cameras.straightened(fit.coefficients.T) if fit else None
+        if fit is not None and camera is not None:
+            return camera, fit.times, [path.origin] if path.bound else []
+    for path in picture.paths if motion.axis is not None and picture.dimensions == 2 else []:
+        if path.bound and (seen := _in_perspective(motion, path.places, laws)):
+            return *seen, [path.origin]
+    nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
+    for paths in _bodies(picture):
+        values = np.stack([path.places for path in paths], axis=1)
+        fit = timed(nine, values.reshape(len(values), 1, -1), laws)
+        camera = cameras.of_body(fit.coefficients, nine[fit.grid, 0, :9], values) if fit else None
+        if fit is not None and camera is not None:
+            return camera, fit.times, []
+    return None
+
+
+def _in_perspective(motion: Motion, drawn: Array, laws: Array) -> tuple[Array, Array] | None:
+    """Return a camera (2, 3) and the times of the axis, whose tip p is ``drawn`` (f, 2) as M p / (1 − q·p).
+
+    q points towards the viewer, which excludes mirror images. On the cone p·L is constant, so a multiple of L
+    may be added to q and M scaled.
+    """
+    if motion.L is None:
+        return None
+    curve = motion.R[:, :, motion.axis]
+    law = laws[int(np.argmin(timing.screened(curve[:, None], drawn[:, None, :], laws).sum(axis=1)))]
+    times, none = law, np.zeros((len(drawn), 3))
+    camera: Array | None = None
+    for _ in range(REFINED):
+        tip = curve[timing.on_grid(times, len(curve))]
+        rows = [np.column_stack([*(tip if k == row else none for k in (0, 1)), drawn[:, [row]] * tip]) for row in (0, 1)]
+        q = np.linalg.lstsq(np.concatenate(rows), drawn.T.ravel(), rcond=None)[0][6:]
+        fit = timed(curve[:, None], (drawn * (1 - tip @ q)[:, None])[:, None, :], law[None])
+        camera = cameras.straightened(fit.coefficients.T) if fit else None
+        if fit is None or camera is None:
+            return None
+        times = fit.times
+    assert camera is not None
+    L = motion.L / np.linalg.norm(motion.L)
+    design = np.column_stack([L, np.cross(camera[0], camera[1])])
+    along, near = np.linalg.lstsq(design, q, rcond=None)[0]
+    scale = 1 - along * float(np.mean(curve @ L))
+    if np.linalg.norm(design @ [along, near] - q) > SKEW * np.linalg.norm(q) or not 0 < near / scale < NEAREST:
+        return None
+    return camera, times
+
+
+def _bodies(picture: Picture) -> list[list[Path]]:
+    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with
+    one or two paths.
+    """
+    groups: dict[tuple[str, int], list[Path]] = {}
+    free = [path for path in picture.paths if not path.bound]
+    owned = Counter(path.artist for path in free)
+    for path in free:
+        count = owned[path.artist]
+        groups.setdefault(("artist", path.artist) if count > 2 else ("each", count), []).append(path)
+    return [paths for paths in groups.values() if len(paths) > 2]

@@ -5,9 +5,10 @@ to noise.
 import numpy as np
 from numpy.typing import NDArray
 
-from . import timing
-from .matching import Motion
-from .pictures import Picture
+from ecp.kinds.animation import timing
+from ecp.kinds.animation.pictures import Picture
+
+from .compared_motion import Motion
 
 Array = NDArray[np.float64]
 

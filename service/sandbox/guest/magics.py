@@ -1,9 +1,11 @@
 """Notebook cells as plain Python: magics and shell commands are removed."""
 
+import ast
 import itertools
 import re
 import types
 import warnings
+from typing import Any
 
 MARK = re.compile(r"^# %%", re.MULTILINE)
 MOST_PIECES = 500
@@ -13,13 +15,24 @@ TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
 
 def runnable(source: str, name: str) -> types.CodeType:
     """Compile a cell under the file name ``name``. Magics are removed only from a cell that is not valid Python."""
+    return _compiled(source, name, 0)
+
+
+def statements(source: str, name: str) -> list[types.CodeType]:
+    """Compile each top-level statement of a cell."""
+    nodes = _compiled(source, name, ast.PyCF_ONLY_AST).body
+    future = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.module == "__future__"]
+    return [compile(ast.Module([*future, node], []), name, "exec") for node in nodes]
+
+
+def _compiled(source: str, name: str, flags: int) -> Any:
     try:
-        return compile(source, name, "exec")
+        return compile(source, name, "exec", flags)
     except SyntaxError:
         cleaned = _without_magics(source)
         if cleaned == source:
             raise
-        return compile(cleaned, name, "exec")
+        return compile(cleaned, name, "exec", flags)
 
 
 def pieces(source: str) -> list[str]:

@@ -13,12 +13,13 @@ import numpy as np
 from matplotlib.animation import Animation
 
 from ecp import animate
-from ecp.author_errors import SOURCES, author_error, checked_arrays
+from ecp.author_errors import SOURCES, AuthorError, author_error, checked_arrays
 from ecp.return_value import describe_exception, is_written, missing
 
+from .calls import LOADED, Channel
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
-from .magics import last_name, pieces, runnable
+from .magics import last_name, pieces, runnable, statements
 from .seal import Seal
 from .wire import Questions, Writer
 
@@ -53,26 +54,47 @@ class Budget:
         return f"your code did not finish within {CLOCK_FACTOR * self.seconds:g} s (of which it may compute {self.seconds:g} s)"
 
 
-def run(job_fd: int, result_fd: int) -> None:
-    """Play the job. Each scene's arrays and scene end are sent before the next scene starts."""
+def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
+    """Play the job. Each scene's arrays and scene end are sent before the next scene starts.
+
+    With ``calls_fd`` another process holds functions that stand for those of the submission with the same names.
+    """
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
     try:
-        (plays, unchanged), student = _load_plays(job["plays"]), _prepare(job["setup"])
+        (plays, unchanged), student = _load_plays(job["plays"]), prepare(job["setup"])
+        reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
         raise
     write.event("prepared")
     with animate.watched():
-        _run(job, plays, student, questions, write, unchanged=unchanged)
+        _run(job, plays, student, questions, write, unchanged=unchanged, reference=reference)
+
+
+class Reference:
+    """Functions of another process by name, in place of those of the submission. Raises AuthorError if they cannot be loaded."""
+
+    def __init__(self, calls_fd: int, names: list[str]) -> None:
+        self.channel = Channel(calls_fd)
+        if error := self.channel.call(LOADED):
+            raise AuthorError(error)
+        self.functions = {name: self.channel.proxy(name, name) for name in names}
 
 
 def _run(
-    job: dict[str, Any], plays: Names, student: Names, questions: Questions, write: Writer, *, unchanged: Callable[[], None]
+    job: dict[str, Any],
+    plays: Names,
+    student: Names,
+    questions: Questions,
+    write: Writer,
+    *,
+    unchanged: Callable[[], None],
+    reference: Reference | None,
 ) -> None:
     recorder = Recorder()
     with recorder.recording():
-        shows = _load_submission(student, job, recorder, write)
+        shows = _load_submission(student, job, recorder, write, reference.functions if reference else {})
     student |= _adopt(plays, student, shows)
     names = [name for name in job["functions"] if is_written(student.get(name), name in job["variables"])]
     write.event("defined", names=names, claims_left_out=recorder.left_out)
@@ -87,6 +109,8 @@ def _run(
             write.event("scene", scene=scene["name"], ended="missing-function", code="missing-function", sentence=absent)
         elif _play(scene, plays, student, questions, write, unchanged=unchanged):
             finished.add(scene["name"])
+        if reference is not None and reference.channel.lost:
+            break  # the host plays the scenes that are left in another pair of processes
     write.event("done")
 
 
@@ -126,8 +150,8 @@ def _play(
 def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has been replaced.
 
-    plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. It gets the function too, by
-    the name ``unchanged``.
+    plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. The recorder gets the function
+    too, by the name ``unchanged``.
     """
     names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
     public = {name: importlib.import_module(name) for name in names}
@@ -141,9 +165,10 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
         private = [vars(importlib.import_module(name)) for name in names]
         for space in private:
             space["np"] = own
+            if "unchanged" in space:
+                space["unchanged"] = seal.check
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
-        plays["unchanged"] = seal.check
         seal.close([plays, *private, vars(own)], ["plays", *names])
     finally:
         sys.modules |= public
@@ -153,7 +178,7 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     return plays, seal.check
 
 
-def _prepare(setup: str) -> Names:
+def prepare(setup: str) -> Names:
     """Return the namespace of a notebook after its setup cell."""
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
@@ -172,12 +197,14 @@ def _adopt(plays: Names, student: Names, shows: str) -> Names:
     return {name: function for name, function in made.items() if not is_written(student.get(name))}
 
 
-def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer) -> str:
+def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer, kept: Names) -> str:
     """Run the cells in order, as a notebook does, and report those that fail. A failure does not stop the next cell.
 
-    Return the source of the last cell that showed an animation, or an empty string.
+    Names in ``kept`` keep their values, whatever the cells assign to them. Return the source of the last cell that showed an
+    animation, or an empty string.
     """
     budget, shows = Budget(job["load_budget_s"]), ""
+    student |= kept
     for name, source in job["cells"]:
         recorder.cell = name
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
@@ -185,7 +212,9 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
         for piece in pieces(source):
 
             def load(name: str = name, piece: str = piece) -> None:
-                exec(runnable(piece, name), student)
+                for code in statements(piece, name) if kept else [runnable(piece, name)]:
+                    exec(code, student)
+                    student.update(kept)
 
             before = animate.shown[:]
             ended = _run_limited(load, budget)

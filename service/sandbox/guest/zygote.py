@@ -3,14 +3,18 @@
 It reads no submission and has no secret.
 
 For each play the host sends three descriptors (job, result, output) and the child's limit of CPU time. The zygote returns a pidfd,
-with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. Its first message
-is READY and its identity as JSON.
+with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. With a fourth
+descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
+same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
+READY and its identity as JSON.
 """
 
 import gc
 import importlib
 import json
 import os
+import select
+import signal
 import socket
 import struct
 import sys
@@ -20,11 +24,13 @@ from typing import Any
 LOCKDOWN_FAILED = 97
 READY = b"ready"
 PLAY = struct.Struct("<i")  # limit of CPU time in seconds
-REAPED = struct.Struct("<id")  # wait status, CPU time in seconds
+REAPED = struct.Struct("<iid")  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
+END_S = 0.5  # for the child with the reference functions to read what is left and to exit
 WARM = (
     "ecp.animation_recording",
     "ecp.kinds",
     "guest.lockdown",
+    "guest.reference",
     "guest.run_scenes",
     "matplotlib.animation",
     "matplotlib.backends.backend_agg",
@@ -53,19 +59,24 @@ def main(
     gc.freeze()
     control.send(READY + json.dumps(identity()).encode())
     while True:
-        play, fds, _, _ = socket.recv_fds(control, PLAY.size, 3)
+        play, fds, _, _ = socket.recv_fds(control, PLAY.size, 4)
         if len(fds) < 3:
             return
-        child = os.fork()
-        if child == 0:
-            _child(prepared, *PLAY.unpack(play), *fds)
+        (cpu_s,) = PLAY.unpack(play)
+        job, result, output, *reference = fds
+        places: dict[int, int | None] = {1: output, 2: output, 3: job, 4: result}
+        children = []
+        if reference:
+            ends = [end.detach() for end in socket.socketpair()]
+            fds += ends
+            children.append(_fork("reference", prepared, {1: None, 2: None, 3: reference[0], 4: ends[0]}, cpu_s))
+            places[5] = ends[1]
+        children.insert(0, _fork("run_scenes", prepared, places, cpu_s))
         for fd in fds:
             os.close(fd)
-        handle = os.pidfd_open(child)
-        socket.send_fds(control, [b"child"], [handle])
-        os.close(handle)
-        _, status, used = os.wait4(child, 0)
-        control.send(REAPED.pack(status, used.ru_utime + used.ru_stime))
+        handles = [os.pidfd_open(child) for child in children]
+        socket.send_fds(control, [b"child"], handles)
+        control.send(_reap(children, handles))
 
 
 def _warm_up() -> None:
@@ -75,15 +86,36 @@ def _warm_up() -> None:
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
 
 
-def _child(layers: Any, cpu_s: int, job: int, result: int, output: int) -> None:
+def _reap(children: list[int], handles: list[int]) -> bytes:
+    """Wait until all children have exited: the others soon after the first. Close their handles."""
+    statuses, cpu_s = list[int](), 0.0
+    for child, handle in zip(children, handles, strict=True):
+        if statuses and not select.select([handle], [], [], END_S)[0]:
+            os.kill(child, signal.SIGKILL)
+        _, status, used = os.wait4(child, 0)
+        os.close(handle)
+        statuses.append(status)
+        cpu_s += used.ru_utime + used.ru_stime
+    return REAPED.pack(*[*statuses, 0][:2], cpu_s)
+
+
+def _fork(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> int:
+    """Start a child that runs a program of this package with descriptors at ``places``, from 3 on, None for /dev/null."""
+    child = os.fork()
+    if child == 0:
+        _child(program, layers, places, cpu_s)
+    return child
+
+
+def _child(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> None:
     code = LOCKDOWN_FAILED
     try:
-        devnull = os.open(os.devnull, os.O_RDONLY)
-        layers.apply({0: devnull, 1: output, 2: output, 3: job, 4: result}, cpu_s)
-        from . import run_scenes
+        devnull = os.open(os.devnull, os.O_RDWR)
+        layers.apply({0: devnull} | {place: devnull if fd is None else fd for place, fd in places.items()}, cpu_s)
+        run = importlib.import_module(f"guest.{program}").run
 
         code = 1
-        run_scenes.run(3, 4)
+        run(*sorted(places)[2:])
         code = 0
     except BaseException:
         if code == LOCKDOWN_FAILED:

@@ -2,11 +2,14 @@
 
 from math import pi, sqrt
 
+import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
+from matplotlib.animation import FuncAnimation
 from scipy.optimize import curve_fit
 
 from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
+from exercises.kinds.animation import animation
 from exercises.kinds.fit import fit
 from exercises.kinds.ode import ode
 from exercises.kinds.random import estimate, generator, samples
@@ -17,9 +20,11 @@ from exercises.kinds.variables import claim, variables
 ROUNDING = "a few rounding errors of the summed terms"
 
 SETUP = """
+import matplotlib.pyplot as plt
 import numpy as np
 import scipy.linalg
 from math import pi, sqrt
+from matplotlib.animation import FuncAnimation
 from scipy.optimize import curve_fit
 """
 notebook = Notebook("Tools of computational physics", setup=SETUP)
@@ -425,6 +430,108 @@ notebook.exercise(
             mistake("(first * third)", "(first * second)", "wrong-index", "the second moment stands for the third"),
             mistake("np.cosh(4 * rate)", "np.cos(4 * rate)", "missing-term", "it oscillates instead of growing"),
             mistake(" / moments.sum()", " / moments"),
+        ],
+    ),
+)
+
+
+def heun_step(f, t, y, h):
+    slope = f(t, y)
+    return y + h / 2 * (slope + f(t + h, y + h * slope))
+
+
+def integrate(f, y, T, n):
+    h = T / n
+    for k in range(n):
+        y = heun_step(f, k * h, y, h)
+    return y
+
+
+def error_estimate(f, y, T, n):
+    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3
+
+
+def growth(z):
+    """Return the factor by which a step of Heun's method for y' = λy changes y, with z = λh."""
+    return 1 + z + z**2 / 2
+
+
+def halved_step():
+    halved = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)
+    return halved
+
+
+DECAY = family("-k * y", "t", "y", k=uniform(0.5, 2))
+CHAINED = {"y": uniform(-1, 1, 2), "T": uniform(0.5, 2), "n": integers(4, 9)}
+notebook.exercise(
+    "12",
+    "An integration of several steps",
+    values(
+        heun_step,
+        ask={"f": DECAY, "t": 0.0, "y": uniform(-1, 1, 2), "h": uniform(0.05, 0.2)},
+        truth=lambda k, y, h: y * growth(-k * h),
+        agree=Tolerance(limit=1e-13, reason=ROUNDING),
+        mistakes=[mistake("h / 2 * (slope + f(t + h, y + h * slope))", "h * slope", "wrong-quantity", "this is Euler's step")],
+    ),
+    values(
+        integrate,
+        ask={"f": DECAY, **CHAINED},
+        truth=lambda k, y, T, n: y * growth(-k * T / n) ** n,
+        agree=Tolerance(limit=1e-12, reason=ROUNDING),
+        uses=[heun_step],
+        mistakes=[mistake("range(n)", "range(n - 1)", "off-by-one", "the last step is missing")],
+    ),
+    values(
+        error_estimate,
+        ask={"f": DECAY, **CHAINED},
+        truth=lambda k, y, T, n: y * (growth(-k * T / n / 2) ** (2 * n) - growth(-k * T / n) ** n) / 3,
+        agree=Tolerance(atol=1e-12, reason=ROUNDING),
+        uses=[integrate],
+        mistakes=[mistake("/ 3", "/ 4", "constant-factor", "the error is divided by 4")],
+    ),
+    variables(
+        halved_step,
+        truth={"halved": 0.625},
+        agree={"halved": Tolerance(rtol=1e-12, reason=ROUNDING)},
+        uses=[heun_step],
+        mistakes=[mistake("0.5)", "0.25)", "constant-factor", "the step is half as long")],
+    ),
+)
+
+
+def animate_pendulums(t, a, b):
+    fig, ax = plt.subplots()
+    ax.set(xlim=(-1.8, 1.8), ylim=(-1.2, 0.2), aspect="equal")
+    (bobs,) = ax.plot([], [], "o")
+
+    def update(k):
+        bobs.set_data([a[k, 0], b[k, 0]], [a[k, 1], b[k, 1]])
+        return (bobs,)
+
+    plt.close(fig)
+    return FuncAnimation(fig, update, frames=len(t), blit=True)
+
+
+def swing(x, angle):
+    """Return the positions (n, 2) of a pendulum of length 1 that hangs at x."""
+    return np.column_stack([x + np.sin(angle), -np.cos(angle)])
+
+
+SECONDS = np.linspace(0, 6, 50)
+TOGETHER, OPPOSED = 0.35 * np.cos(2 * SECONDS), 0.35 * np.cos(2.7 * SECONDS)
+
+notebook.exercise(
+    "20",
+    "Two coupled pendulums",
+    animation(
+        animate_pendulums,
+        ask={"t": SECONDS, "a": swing(-0.7, TOGETHER + OPPOSED), "b": swing(0.7, TOGETHER - OPPOSED)},
+        follow=("a", "b"),
+        agree=Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it"),
+        mistakes=[
+            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "a[k, 0]], [a[k, 1], a[k, 1]]", "wrong-motion", "a is drawn twice"),
+            mistake("(k):\n", "(k):\n        k = k * k // len(t)\n", "wrong-frames", "the samples are not shown at an even rate"),
+            mistake("b[k, 0]], [a[k, 1], b[k, 1]]", "b[0, 0]], [a[k, 1], b[0, 1]]", "wrong-motion", "b stays where it begins"),
         ],
     ),
 )

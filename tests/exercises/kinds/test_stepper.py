@@ -156,7 +156,7 @@ def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
         ("def rk4_step(f, t, y, h): return np.sum(y)", "rk4_step must return shape (3,); it returned shape ()"),
         ("def rk4_step(f, t, y, h): return y[:, None] + h * f(t, y)", "must return shape (3,); it returned shape (3, 3)"),
         ("def rk4_step(f, t, y, h):\n    y += h * f(t, y)\n    return y", "rk4_step changes its argument y"),
-        ("def verlet(force, x, v, h): return x", "verlet must return 2 values (x, v); it returned a ndarray"),
+        ("def verlet(force, x, v, h): return x", "verlet (x) must return shape (2,); it returned shape ()"),
         ("def verlet(force, x, v, h): return x, v * np.nan", "verlet (v) returned a value that is not finite"),
     ],
 )

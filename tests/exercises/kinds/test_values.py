@@ -2,12 +2,15 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from ecp.judge import Verdict
+from ecp.kinds.values import compare
+from ecp.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from tests.support.toolbox import check_locally, mistaken, right
+from tests.support.toolbox import check_locally, failed, judged, mistaken, question_of, right
 
 
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, 4))])
@@ -17,7 +20,7 @@ def test_the_right_solutions_pass_with_every_seed(toolbox, sandbox, seed):
 
 
 @pytest.mark.parametrize(
-    ("function", "number", "failed"),
+    ("function", "number", "ids"),
     [
         ("find_root", 0, ["1-value"]),
         ("find_root", 1, ["1-value"]),
@@ -28,10 +31,10 @@ def test_the_right_solutions_pass_with_every_seed(toolbox, sandbox, seed):
         ("Pendulum", 0, ["3-value"]),
     ],
 )
-def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, sandbox, function, number, failed):
+def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, sandbox, function, number, ids):
     report = grade(Submission(mistaken(toolbox, function, number)), toolbox.assignment, sandbox, 1).report
     found = {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL}
-    assert found == {id for name in failed for id in (name, name.replace("-", "-new-"))}
+    assert found == {id for name in ids for id in (name, name.replace("-", "-new-"))}
 
 
 @pytest.mark.parametrize(
@@ -42,7 +45,8 @@ def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, san
         ("def find_root(f, a, b, tol): return float('nan')", "find_root returned a value that is not finite"),
         ("def find_root(f, a): return 1.0", "the checks call `find_root(f, a, b, tol)`"),
         ("def find_root(f, a, b, tol):\n    while True: f(a)", "it called f more than 600 times"),
-        ("def normal_modes(M, K): return M", "normal_modes must return 2 values (omega, X); it returned a ndarray"),
+        ("def normal_modes(M, K): return 1.0", "normal_modes must return 2 values (omega, X); it returned a float"),
+        ("def normal_modes(M, K): return M", "normal_modes must return 2 values (omega, X); it returned 3 values"),
         ("def normal_modes(M, K):\n    M[0, 0] = 0\n    return M[0], M", "normal_modes changes its argument M"),
         ("def normal_modes(M, K): return np.ones((3, 1)), M", "normal_modes (omega) must return shape (3,)"),
     ],
@@ -95,3 +99,16 @@ def test_the_kit_prints_the_lines_of_the_server(toolbox, sandbox, tmp_path, wron
     local = json.loads(check_locally("toolbox", source, tmp_path))
     unseeded = "end_point"  # draws other numbers each time
     assert [line for line in local if unseeded not in line] == [line for line in served if unseeded not in line]
+
+
+def test_several_values_may_come_in_one_array(toolbox):
+    right_answer = question_of(toolbox, "verlet").solution
+    assert failed(judged(question_of(toolbox, "verlet"), lambda force, x, v, h: np.array(right_answer(force, x, v, h)))) == set()
+
+
+@pytest.mark.parametrize("exact", [[[1.0, 2.0], [1e-9, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], ids=["one row cancels", "all are zero"])
+def test_rounding_errors_are_relative_to_the_largest_number(exact):
+    tolerance = Tolerance(limit=1e-13, reason="rounding")
+    want = np.array(exact)
+    assert compare(want + 1e-16, want, tolerance).verdict is Verdict.PASS
+    assert compare(want + 1e-12, want, tolerance).verdict is Verdict.FAIL

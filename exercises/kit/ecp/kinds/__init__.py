@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.checks import Arrays, Check
-from ecp.exercise import Exercise, Figure
+from ecp.exercise import Animation, Exercise, Figure
 from ecp.judge import Verdict
-from ecp.kinds import expression, fit, ode, random, stepper, values, variables
+from ecp.kinds import animation, expression, fit, ode, random, stepper, values, variables
 from ecp.kinds.alignment import aligned
 from ecp.kinds.values import compare
-from ecp.outcome import Tolerance
+from ecp.outcome import Diagnosis, Tolerance
 
 KINDS: Mapping[str, ModuleType] = {
+    "animation": animation,
     "expression": expression,
     "fit": fit,
     "ode": ode,
@@ -52,6 +53,12 @@ def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> li
     return found
 
 
+def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis] | None:
+    """Return the likely cause behind a scene's arrays, or None if the kind finds causes by reproducing them."""
+    diagnosed = getattr(kind_module(question), "diagnose", None)
+    return diagnosed(question, seen, truth) if diagnosed else None
+
+
 def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
     """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, others exactly."""
     values = {value["name"]: value for value in question["returns"]}
@@ -72,6 +79,12 @@ def question_figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
     return figures(question, scene) if figures else []
 
 
+def question_animations(question: Mapping[str, Any], scene: str) -> list[Animation]:
+    """Return the contact sheets of what a question's public scene recorded."""
+    animations = getattr(kind_module(question), "animations", None)
+    return animations(question, scene) if animations else []
+
+
 def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
     """Return an exercise of these questions with the checks of its public scenes, and of its hidden ones if ``hidden``."""
     asked = list(questions)
@@ -82,6 +95,7 @@ def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hi
     scenes += [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
     checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
     figures = [figure for q in asked for figure in question_figures(q, q["scenes"]["public"])]
+    sheets = [sheet for q in asked for sheet in question_animations(q, q["scenes"]["public"])]
     names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])
     variables = tuple(dict.fromkeys(name for q in asked for name in q["variables"]))
-    return Exercise(number, title, tuple(names), tuple(checks), tuple(figures), variables=variables)
+    return Exercise(number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables)

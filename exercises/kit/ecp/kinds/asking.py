@@ -117,8 +117,8 @@ def describe(question: Mapping[str, Any], seen: Mapping[str, Any], row: int) -> 
 def _by_key(name: str, answer: Any, keys: list[str]) -> list[Any]:
     if answer is None:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
-    if not isinstance(answer, dict) or set(keys) - set(answer):
-        had = f"the keys {', '.join(map(str, answer))}" if isinstance(answer, dict) else f"a {type(answer).__name__}"
+    if not isinstance(answer, Mapping) or set(keys) - set(answer):
+        had = f"the keys {', '.join(map(str, answer))}" if isinstance(answer, Mapping) else f"a {type(answer).__name__}"
         raise WrongAnswer("wrong-shape", f"{name} must return a dict with the keys {', '.join(keys)}; it returned {had}")
     return [answer[key] for key in keys]
 
@@ -126,8 +126,9 @@ def _by_key(name: str, answer: Any, keys: list[str]) -> list[Any]:
 def _in_order(name: str, answer: Any, names: list[str]) -> list[Any]:
     if answer is None:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
-    if not isinstance(answer, tuple | list) or len(answer) != len(names):
-        had = f"{len(answer)} values" if isinstance(answer, tuple | list) else f"a {type(answer).__name__}"
+    is_sequence = isinstance(answer, tuple | list) or (isinstance(answer, np.ndarray) and answer.ndim > 0)  # it can be unpacked
+    if not is_sequence or len(answer) != len(names):
+        had = f"{len(answer)} values" if is_sequence else f"a {type(answer).__name__}"
         raise WrongAnswer("wrong-shape", f"{name} must return {len(names)} values ({', '.join(names)}); it returned {had}")
     return list(answer)
 

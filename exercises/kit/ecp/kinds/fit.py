@@ -40,6 +40,6 @@ def _word(value: Mapping[str, Any]) -> Any:
         deviation = np.sqrt(np.einsum("rii->ri", truth[0]["covariance"]))
         scale = deviation if name == "parameters" else deviation[:, :, None] * deviation[:, None, :]
         got, want = seen[0][name], truth[0][name]
-        return credited(value, lambda rows: judge.within(got[rows], want[rows], scale[rows], limit), len(want))
+        return credited(value, lambda given: judge.within(given, want, scale, limit), got, want)
 
     return word

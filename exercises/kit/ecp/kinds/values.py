@@ -43,10 +43,7 @@ def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: st
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         got, want = seen[0][value["name"]], truth[0][value["name"]]
 
-        def compared(rows: slice) -> Judgement:
-            return compare(aligned(got[rows], want[rows], value.get("up_to")), want[rows], tolerance)
-
-        return credited(value, compared, len(want))
+        return credited(value, lambda given: compare(aligned(given, want, value.get("up_to")), want, tolerance), got, want)
 
     def locate(index: tuple[int, ...], seen: Arrays) -> str:
         return describe(question, seen, index[0])
@@ -54,22 +51,25 @@ def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: st
     return Check(id, value["label"] + suffix, (scene,), word, tolerance, locate, points=value.get("points", 1))
 
 
-def credited(value: Mapping[str, Any], compared: Callable[[slice], Judgement], rows: int) -> Judgement:
-    """Return ``compared`` of all rows; for a ✗ of a value with partial credit, each row is also judged alone."""
-    whole = compared(slice(None))
+def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got: Any, want: Any) -> Judgement:
+    """Return ``compared(got)``; for a ✗ of a value with partial credit, each row is also judged with the others exact."""
+    whole = compared(got)
     if not value.get("partial") or whole.verdict is not Verdict.FAIL or whole.misshapen:
         return whole
-    right = sum(compared(slice(k, k + 1)).verdict is Verdict.PASS for k in range(rows))
-    return replace(whole, partial=RowsRight(right, rows))
+    right = 0
+    for k in range(len(want)):
+        alone = want.copy()
+        alone[k] = got[k]
+        right += compared(alone).verdict is Verdict.PASS
+    return replace(whole, partial=RowsRight(right, len(want)))
 
 
 def compare(got: Any, want: Any, tolerance: Tolerance) -> Judgement:
     """Judge values against exact ones, rows along the first index.
 
-    ``limit`` is relative to the largest exact value of the row; ``rtol`` and ``atol`` hold for each number alone.
+    ``limit`` is relative to the largest exact number of all rows, or 1 if all are zero: where terms cancel in one row, rounding
+    errors are those of the terms. ``rtol`` and ``atol`` hold for each number alone.
     """
     if tolerance.limit is None:
         return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
-    largest = np.abs(want).reshape(len(want), -1).max(axis=1)
-    scale = np.broadcast_to(largest.reshape(-1, *[1] * (want.ndim - 1)), want.shape)
-    return judge.within(got, want, scale, tolerance.limit)
+    return judge.within(got, want, np.abs(want).max() or 1.0, tolerance.limit)

@@ -18,6 +18,9 @@ def plays():
         frame = frame.f_back
     return frame.f_globals
 
+def recorder():
+    return plays()["record"].__globals__
+
 def replaced_in_private_memory(name, **parts):
     for f in gc.get_objects():
         if isinstance(f, types.FunctionType) and f.__name__ == name and f is not forged:
@@ -31,15 +34,14 @@ def animate_precession(t, R, L):
     return FuncAnimation(fig, lambda k: line.set_data([0, R[k, 0, 2]], [0, R[k, 1, 2]]), frames=12)
 """
 INSIDE = {
-    "the recorder": ("plays()['watch'] = forged", "watch"),
-    "the check itself": ("plays()['watch'] = plays()['unchanged'] = lambda *args: None", "unchanged|watch"),
+    "the recorder": ("plays()['record'] = forged", "record"),
+    "the check itself": ("recorder()['watch'] = recorder()['unchanged'] = lambda *args: None", "unchanged|watch"),
     "a helper that restores itself": (
-        "own = plays()['watch'].__globals__; real = own['_tracks']\n"
-        "    own['_tracks'] = lambda paths: own.update(_tracks=real) or real(paths)",
+        "own = recorder(); real = own['_tracks']\n    own['_tracks'] = lambda paths: own.update(_tracks=real) or real(paths)",
         "_tracks",
     ),
-    "code": ("plays()['watch'].__code__ = forged.__code__", "watch"),
-    "a helper": ("plays()['watch'].__globals__['_tracks'] = forged", "_tracks"),
+    "code": ("recorder()['watch'].__code__ = forged.__code__", "watch"),
+    "a helper": ("recorder()['_tracks'] = forged", "_tracks"),
     "numpy of the recorder": ("plays()['np'].stack = forged", "stack"),
     "defaults": ("plays()['solve_ivp'].__defaults__ = ('RK23',)", "solve_ivp"),
     "a method": ("plays()['FromCell'].__call__ = forged", "__call__"),

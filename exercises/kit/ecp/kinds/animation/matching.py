@@ -1,81 +1,54 @@
-"""Finding the body in a picture: points that follow it, a direction, or the camera it is seen by."""
+"""Finding curves in a picture: the paths that follow them, and the times of the frames."""
 
-from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import cameras, timing
-from .pictures import MOVES, Path, Picture
+from ecp.kinds.animation import timing
+from ecp.kinds.animation.pictures import MOVES, Path, Picture
 
 Array = NDArray[np.float64]
 
 MISFIT = 0.03  # root mean square, relative to the path's: 1 % of ê₃'s length here; linear interpolation costs a tenth of it
 HOPEFUL = 0.5  # the same before times are fitted: 1.5 samples of the fastest turn here cost a third
 TRIES = 6  # paths whose times are fitted, the best first
-REFINED = 3  # rounds in which times and perspective are fitted in turn
-NEAREST = 0.5  # inverse of the distance of a camera from the centre, in lengths of the axis
-SKEW = 0.1  # sine of the angle between the line of sight and the normal of the drawing
 MOST_SAMPLES = 400  # of a motion: laws grow with their square
 MOST_PATHS = 64  # that are compared with a curve at any time, which only explains a verdict
 
 
-class Motion:
-    """R (n, 3, 3) at times ``t`` (n,), with the curves and laws that an animation is compared with.
-
-    L (3,) and the half edges ``half`` (3,) of the box are given if they are drawn.
-    """
-
-    def __init__(self, at: Array, t: Array, R: Array, L: Array | None, axis: int | None, *, half: Array | None = None) -> None:
-        from scipy.interpolate import CubicSpline
-
-        n = len(t)
-        spline, samples = CubicSpline(np.arange(n), R.reshape(n, 9)), np.arange((n - 1) * timing.PER + 1) / timing.PER
-        self.L, self.axis, self.half, self.n = L, axis, half, n
-        self.R = spline(samples).reshape(-1, 3, 3)
-        spin = np.swapaxes(self.R, 1, 2) @ spline(samples, 1).reshape(-1, 3, 3)
-        self.w = np.einsum("gij,gj->gi", self.R, spin[:, [2, 0, 1], [1, 2, 0]])  # in space, up to its unit
-        self.turned = self._turns(R[:, :, axis], L) if L is not None and axis is not None else self._angle()
-        self.laws = timing.laws(at, t, self.turned)
-
-    def _turns(self, tips: Array, L: Array) -> Array:
-        """Return the turns of the axis about L since the start (n,)."""
-        z = L / np.linalg.norm(L)
-        across = tips - np.outer(tips @ z, z)
-        if np.linalg.norm(across, axis=1).min() < 1e-6:
-            return self._angle()
-        x = across[0] / np.linalg.norm(across[0])
-        angle = np.unwrap(np.arctan2(across @ np.cross(z, x), across @ x))
-        return np.asarray(np.maximum.accumulate(np.abs(angle)) / (2 * np.pi))
-
-    def _angle(self) -> Array:
-        """Return the turns of the body since the start (n,)."""
-        speed = np.linalg.norm(self.w, axis=1)
-        angle = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)])[:: timing.PER]
-        return np.asarray(angle / (2 * np.pi * timing.PER))
-
-
 class Match(NamedTuple):
-    """Body points p (3, v) that ``paths`` follow, at ``times`` (f,)."""
+    """Points p (3, v) of a body that ``paths`` follow, at ``times`` (f,)."""
 
     times: Array
     points: Array
     paths: list[Path]
 
 
-def fewer(at: Array, t: Array, R: Array) -> tuple[Array, Array, Array]:
-    """Return a motion of at most MOST_SAMPLES at even steps of its sample numbers, and the frames counted in these."""
+def finely(values: Array) -> tuple[Array, Array]:
+    """Return values (n, …) on the grid of times, and their rates of change per sample."""
+    from scipy.interpolate import CubicSpline
+
+    n = len(values)
+    spline, samples = CubicSpline(np.arange(n), values.reshape(n, -1)), np.arange((n - 1) * timing.PER + 1) / timing.PER
+    return spline(samples).reshape(-1, *values.shape[1:]), spline(samples, 1).reshape(-1, *values.shape[1:])
+
+
+def fewer(at: Array, t: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Return a motion, ``values`` (n, …) at times (n,), at MOST_SAMPLES even steps of its sample numbers if it has more, and the
+    frames counted in these.
+    """
     from scipy.interpolate import CubicSpline
 
     n = len(t)
     if n <= MOST_SAMPLES:
-        return at, t, R
+        return at, t, values
     kept, share = np.linspace(0, n - 1, MOST_SAMPLES), (MOST_SAMPLES - 1) / (n - 1)
     number, value, total = at.T
     indices = bool(np.all(value == np.rint(value)))
     counted = np.column_stack([number * share, value * share if indices else value, 1 + (total - 1) * share])
-    return counted, np.interp(kept, np.arange(n), t), CubicSpline(np.arange(n), R.reshape(n, 9))(kept).reshape(-1, 3, 3)
+    few = CubicSpline(np.arange(n), values.reshape(n, -1))(kept).reshape(-1, *values.shape[1:])
+    return counted, np.interp(kept, np.arange(n), t), few
 
 
 def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
@@ -178,71 +151,8 @@ def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
     return None
 
 
-def own_camera(picture: Picture, motion: Motion, laws: Array) -> tuple[Array, Array, list[Array]] | None:
-    """Return a camera, the times of the frames and the origins, found from a drawn direction or from the points of a body."""
-    for path in picture.paths if motion.axis is not None else []:
-        fit = _timed(motion.R[:, None, :, motion.axis], path.places[:, None, :], laws)
-        camera = cameras.straightened(fit.coefficients.T) if fit else None
-        if fit is not None and camera is not None:
-            return camera, fit.times, [path.origin] if path.bound else []
-    for path in picture.paths if motion.axis is not None and picture.dimensions == 2 else []:
-        if path.bound and (seen := _in_perspective(motion, path.places, laws)):
-            return *seen, [path.origin]
-    nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
-    for paths in _bodies(picture):
-        values = np.stack([path.places for path in paths], axis=1)
-        fit = _timed(nine, values.reshape(len(values), 1, -1), laws)
-        camera = cameras.of_body(fit.coefficients, nine[fit.grid, 0, :9], values) if fit else None
-        if fit is not None and camera is not None:
-            return camera, fit.times, []
-    return None
-
-
-def _in_perspective(motion: Motion, drawn: Array, laws: Array) -> tuple[Array, Array] | None:
-    """Return a camera (2, 3) and the times of the axis, whose tip p is ``drawn`` (f, 2) as M p / (1 − q·p).
-
-    q points towards the viewer, which excludes mirror images. On the cone p·L is constant, so a multiple of L
-    may be added to q and M scaled.
-    """
-    if motion.L is None:
-        return None
-    curve = motion.R[:, :, motion.axis]
-    law = laws[int(np.argmin(timing.screened(curve[:, None], drawn[:, None, :], laws).sum(axis=1)))]
-    times, none = law, np.zeros((len(drawn), 3))
-    camera: Array | None = None
-    for _ in range(REFINED):
-        tip = curve[timing.on_grid(times, len(curve))]
-        rows = [np.column_stack([*(tip if k == row else none for k in (0, 1)), drawn[:, [row]] * tip]) for row in (0, 1)]
-        q = np.linalg.lstsq(np.concatenate(rows), drawn.T.ravel(), rcond=None)[0][6:]
-        fit = _timed(curve[:, None], (drawn * (1 - tip @ q)[:, None])[:, None, :], law[None])
-        camera = cameras.straightened(fit.coefficients.T) if fit else None
-        if fit is None or camera is None:
-            return None
-        times = fit.times
-    assert camera is not None
-    L = motion.L / np.linalg.norm(motion.L)
-    design = np.column_stack([L, np.cross(camera[0], camera[1])])
-    along, near = np.linalg.lstsq(design, q, rcond=None)[0]
-    scale = 1 - along * float(np.mean(curve @ L))
-    if np.linalg.norm(design @ [along, near] - q) > SKEW * np.linalg.norm(q) or not 0 < near / scale < NEAREST:
-        return None
-    return camera, times
-
-
-def _bodies(picture: Picture) -> list[list[Path]]:
-    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with
-    one or two paths.
-    """
-    groups: dict[tuple[str, int], list[Path]] = {}
-    free = [path for path in picture.paths if not path.bound]
-    owned = Counter(path.artist for path in free)
-    for path in free:
-        count = owned[path.artist]
-        groups.setdefault(("artist", path.artist) if count > 2 else ("each", count), []).append(path)
-    return [paths for paths in groups.values() if len(paths) > 2]
-
-
-def _timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:
+def timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:
+    """Return the fit of all paths (f, e, v) together, at the best of the times that ``laws`` allow; None if there is none."""
     share, whole = timing.screened(basis, drawn, laws), np.linalg.norm(timing.spread(drawn))
     k = int(np.argmin(np.linalg.norm(share, axis=1)))
     if np.linalg.norm(share[k]) > HOPEFUL * whole:

@@ -1,0 +1,147 @@
+"""Questions that use functions of earlier ones: graded with the student's own, or with the reference where that is wrong."""
+
+import json
+
+import pytest
+
+from ecp.document import document, read
+from ecp.judge import Verdict
+from ecp.report import Report
+from ecp.report_html import html
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from tests.support.assignments import known
+from tests.support.toolbox import FOLDER, check_locally
+
+STEP = """
+def heun_step(f, t, y, h):
+    slope = f(t, y)
+    return y + h / 2 * (slope + f(t + h, y + h * slope))
+"""
+EULER = "\ndef heun_step(f, t, y, h):\n    return y + h * f(t, y)\n"
+INTEGRATE = """
+def integrate(f, y, T, n):
+    h = T / n
+    for k in range(n):
+        y = heun_step(f, k * h, y, h)
+    return y
+"""
+ESTIMATE = "\ndef error_estimate(f, y, T, n):\n    return (integrate(f, y, T, 2 * n) - integrate(f, y, T, n)) / 3\n"
+HALVED = "halved = heun_step(lambda t, y: -y, 0.0, 1.0, 0.5)\n"
+REMARK = "used the reference {}, because yours does not pass its checks"
+
+
+@pytest.fixture(scope="module")
+def chain():
+    with known(FOLDER) as catalogue:
+        assert not catalogue.invalid
+        yield catalogue.valid["toolbox"]
+
+
+@pytest.fixture
+def graded(chain, sandbox):
+    def graded(*sources):
+        return grade(Submission("\n".join(sources)), chain, sandbox, 1, [number(chain)]).report
+
+    return graded
+
+
+def number(chain):
+    return next(exercise.number for exercise in chain.exercises if "heun_step" in exercise.functions)
+
+
+def used(report):
+    """What the questions used, by function."""
+    return {id.partition("-")[2]: text for id, text in report.provenance.chains.items()}
+
+
+def passed(report):
+    """The functions whose checks all pass."""
+    found = {}
+    for outcome in report.outcomes():
+        name = outcome.label.split()[0]
+        found[name] = found.get(name, True) and outcome.verdict is Verdict.PASS
+    return {name for name, right in found.items() if right}
+
+
+def remarks(report):
+    return {outcome.label.split()[0]: outcome.remarks for outcome in report.outcomes() if outcome.remarks}
+
+
+def test_right_functions_of_the_student_are_used(graded):
+    report = graded(STEP, INTEGRATE, ESTIMATE, HALVED)
+    assert report.passed and not remarks(report), report.text()
+    step = "the submission's heun_step"
+    assert used(report) == {"integrate": step, "error_estimate": "the submission's integrate", "halved": step}
+
+
+def test_a_wrong_earlier_function_does_not_cost_the_later_ones(graded):
+    report = graded(EULER, INTEGRATE, ESTIMATE)
+    assert passed(report) == {"integrate", "error_estimate"}, report.text()
+    assert remarks(report) == {name: [REMARK.format("heun_step")] for name in ("integrate", "error_estimate")}
+    assert "✓  integrate is right   [max|Δ|" in report.text() and f"\n     {REMARK.format('heun_step')}\n" in report.text()
+    assert used(report)["integrate"] == "the reference heun_step"
+    assert used(report)["error_estimate"] == "the submission's integrate, the reference heun_step"
+
+
+def test_a_missing_earlier_function_does_not_cost_the_later_one(graded):
+    for source in (INTEGRATE, "def heun_step(f, t, y, h):\n    '''Return the next state.'''\n" + INTEGRATE):
+        report = graded(source)
+        assert passed(report) == {"integrate"}, report.text()
+        assert remarks(report)["integrate"] == ["used the reference heun_step, because you have not written it"]
+
+
+def test_a_later_function_of_its_own_is_diagnosed_where_both_are_wrong(graded):
+    report = graded(EULER, INTEGRATE.replace("range(n)", "range(n - 1)"))
+    diagnosed = {outcome.label.split()[0]: [d.code for d in outcome.diagnosis] for outcome in report.outcomes()}
+    assert passed(report) == set()
+    assert diagnosed["heun_step"] == ["wrong-quantity"] and diagnosed["integrate"] == ["off-by-one"], report.text()
+    assert remarks(report)["integrate"] == [REMARK.format("heun_step")]
+
+
+def test_a_later_function_that_is_right_on_its_own_is_not_played_again(graded):
+    own = INTEGRATE.replace("y = heun_step(f, k * h, y, h)", "y = y + h * (f(k * h, y) + f(k * h + h, y + h * f(k * h, y))) / 2")
+    report = graded(EULER, own)
+    assert passed(report) == {"integrate"} and not remarks(report), report.text()
+    assert used(report)["integrate"] == "the submission's heun_step"
+
+
+def test_a_wrong_later_function_is_judged_with_the_students_own_right_one(graded):
+    report = graded(STEP, INTEGRATE.replace("range(n)", "range(n - 1)"), ESTIMATE)
+    assert passed(report) == {"heun_step", "error_estimate"}, report.text()
+    assert remarks(report) == {"error_estimate": [REMARK.format("integrate")]}
+
+
+def test_values_computed_in_a_cell_come_from_the_reference(graded):
+    computed = f"\ndef kept(y: Unknown): ...\n{HALVED}assert halved == 0.625\n"
+    report = graded("from __future__ import annotations\n", EULER, computed, INTEGRATE)
+    assert passed(report) == {"integrate", "halved"}, report.text()
+    assert passed(graded(EULER, HALVED)) == {"halved"}
+
+
+def test_a_result_with_more_checks_passed_stays(graded):
+    """A later function that agrees with the student's own step is not judged worse with the reference."""
+    swapped = "\ndef heun_step(y, t, f, h):\n    slope = f(t, y)\n    return y + h / 2 * (slope + f(t + h, y + h * slope))\n"
+    later = INTEGRATE.replace("heun_step(f, k * h, y, h)", "heun_step(y, k * h, f, h)").replace(
+        "return y", "return y if n > 4 else -y"
+    )
+    report = graded(swapped, later)
+    assert report.score == 1 and not remarks(report), report.text()
+
+
+def test_the_kit_uses_the_students_function_and_says_what_the_server_does(chain, tmp_path):
+    told = json.loads(check_locally("toolbox", EULER + INTEGRATE, tmp_path, "outcome.remarks"))
+    assert (
+        told == [[], ["checked with your own heun_step: where that is wrong or missing, the server uses the reference"]] + [[]] * 2
+    )
+
+
+def test_only_the_asked_exercises_are_reported(chain, sandbox):
+    report = grade(Submission(INTEGRATE), chain, sandbox, 1).report
+    assert [exercise.number for exercise in report.exercises] == [number(chain)]
+
+
+def test_reports_keep_the_remarks(graded):
+    report = graded(EULER, INTEGRATE)
+    assert remarks(read(Report, document(report))) == remarks(report)
+    assert f"<p>{REMARK.format('heun_step')}</p>" in html(report)

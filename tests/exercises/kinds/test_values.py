@@ -1,11 +1,15 @@
 """Values of functions at points: in the sandbox, and the same lines in the students' kit."""
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import numpy as np
 import pytest
 
-from ecp.judge import Verdict
+from ecp.judge import RowsRight, Verdict
+from ecp.kinds.values import compare, credited
+from ecp.outcome import Tolerance
 from ecp.kinds.values import compare
 from ecp.outcome import Tolerance
 from service.grading.grade import grade
@@ -82,9 +86,18 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
     assert list(local) == [[o.line, o.earned, o.points, o.notes()] for o in report.outcomes() if not o.hidden]
 
 
+def test_a_row_is_right_for_partial_credit_if_the_whole_check_would_accept_it():
+    """A limit is relative to the largest number of all rows, also for a row that is judged alone."""
+    want, limit = np.array([1e-3, 1.0, 0.5]), Tolerance(limit=1e-3, reason="rounding")
+    got = np.array([1.5e-3, 2.0, 0.5])
+    found = credited({"partial": True}, lambda given: compare(given, want, limit), got, want)
+    assert found.partial == RowsRight(2, 3) and credited({}, lambda given: compare(given, want, limit), got, want).partial is None
+
+
 def test_answers_that_differ_between_runs_earn_no_partial_credit(toolbox, sandbox):
     unsteady = "import random\n" + PARTLY.replace("a + 1e-3", "a + random.random()")
-    report = grade(Submission(unsteady), toolbox.assignment, sandbox, 1).report
+    scenes = tuple(replace(scene, twice=scene.name == "1-hidden") for scene in toolbox.assignment.scenes)
+    report = grade(Submission(unsteady), replace(toolbox.assignment, scenes=scenes), sandbox, 1).report
     assert [(o.earned, o.diagnosis[0].code) for o in report.outcomes() if o.id == "1-new-value"] == [(0, "not-deterministic")]
 
 

@@ -4,13 +4,10 @@ import json
 from dataclasses import replace
 
 import numpy as np
-import numpy as np
 import pytest
 
 from ecp.judge import RowsRight, Verdict
 from ecp.kinds.values import compare, credited
-from ecp.outcome import Tolerance
-from ecp.kinds.values import compare
 from ecp.outcome import Tolerance
 from service.grading.grade import grade
 from service.grading.submission import Submission

@@ -521,7 +521,7 @@ SECONDS = np.linspace(0, 6, 50)
 TOGETHER, OPPOSED = 0.35 * np.cos(2 * SECONDS), 0.35 * np.cos(2.7 * SECONDS)
 
 notebook.exercise(
-    "20",
+    "13",
     "Two coupled pendulums",
     animation(
         animate_pendulums,

@@ -277,7 +277,7 @@ def test_an_author_gets_the_errors_of_a_declaration():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "failed"), [(0, {"20-b"}), (1, {"20-a", "20-b"}), (2, {"20-b"})])
+@pytest.mark.parametrize(("number", "failed"), [(0, {"13-b"}), (1, {"13-a", "13-b"}), (2, {"13-b"})])
 def test_a_mistake_fails_its_checks(toolbox, sandbox, number, failed):
     report = grade(Submission(mistaken(toolbox, "animate_pendulums", number)), toolbox.assignment, sandbox, 1).report
     assert {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL} == failed, report.text()
@@ -286,5 +286,5 @@ def test_a_mistake_fails_its_checks(toolbox, sandbox, number, failed):
 def test_the_right_solution_in_the_sandbox_and_in_the_kit(toolbox, sandbox, tmp_path):
     source = question(toolbox).source
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
-    assert report.passed and [sheet.name for sheet in report.animations] == ["20-public"], report.text()
+    assert report.passed and [sheet.name for sheet in report.animations] == ["13-public"], report.text()
     assert json.loads(check_locally("toolbox", source, tmp_path)) == [outcome.line for outcome in report.outcomes()]

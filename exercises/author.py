@@ -5,6 +5,7 @@ The file makes one ``Notebook`` and adds its exercises, each of one or more ques
 """
 
 import functools
+import inspect
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -114,9 +115,12 @@ class Notebook:
             cells = self._cells(folder)
         except InvalidNotebook as error:
             return [*found, str(error)]
-        return (
-            [*found, *(f"{self.notebook}: {error}" for error in author_notebook.errors(cells, self._names()))] if cells else found
-        )
+        functions = [
+            question.solution for question in questions if inspect.isfunction(question.solution) and not question.variables
+        ]
+        parameters = {function.__name__: list(inspect.signature(function).parameters) for function in functions}
+        wrong = author_notebook.errors(cells, self._names(), parameters) if cells else ()
+        return [*found, *(f"{self.notebook}: {error}" for error in wrong)]
 
     def assignment(self, folder: Path) -> Assignment:
         """Return the assignment that grading reads, of a declaration without errors. Runs nothing of the author's solutions."""

@@ -1,5 +1,6 @@
 """The author's notebook beside ``assignment.py``: its cells, its Setup and its errors."""
 
+import ast
 import hashlib
 import json
 import re
@@ -68,13 +69,22 @@ def read(path: Path) -> list[Cell]:
     return cells
 
 
-def errors(cells: Sequence[Cell], names: Collection[str]) -> Iterator[str]:
-    """Yield the errors of a notebook whose solutions are ``names``, without the file's name."""
+def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield the errors of a notebook whose solutions are ``names``, without the file's name.
+
+    ``parameters`` are those of the solutions that are functions. A function of the notebook must have the same.
+    """
     bound = set()
     for number, cell in enumerate((cell for cell in cells if cell.kind == "code"), 1):
         bound |= cell.bound()
         if python_of(cell.source) is None and not cell.source.lstrip().startswith("%%"):
             yield f"code cell {number} is not valid Python: {_syntax_error(cell.source)}"
+        for node in [s.node for s in statements_of(cell.source)]:
+            if isinstance(node, ast.FunctionDef) and (expected := parameters.get(node.name)) is not None:
+                own = [a.arg for a in (*node.args.posonlyargs, *node.args.args)]
+                if own[: len(expected)] != list(expected):
+                    declared = f"{node.name}({', '.join(expected)})"
+                    yield f"code cell {number} defines {node.name}({', '.join(own)}), but assignment.py has {declared}"
     yield from (f"no cell defines {name}" for name in dict.fromkeys(names) if name not in bound)
 
 

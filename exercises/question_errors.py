@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from ecp.checks import points_errors
 from ecp.kinds.alignment import UP_TO
-from ecp.kinds.asking import MATHEMATICS
+from ecp.kinds.asking import KNOWN
 from ecp.outcome import Tolerance
 from exercises.question import Family, Itself, Mistake, Question, Value
 
@@ -54,6 +54,8 @@ def _of_question(question: Question) -> Iterator[str]:
         nodes = ast.walk(ast.parse(question.source))
         assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         yield from (f"the cell does not assign {variable}" for variable in question.variables if variable not in assigned)
+    if calls := question.data.get("calls"):
+        yield from (f"calls of {name}: {error}" for error in tolerance_errors(Tolerance(**calls)))
     yield from _of_truth(question)
     yield from question.errors()
     for label, value in question.values.items():
@@ -78,7 +80,7 @@ def family_errors(family: Family) -> Iterator[str]:
     except SyntaxError as error:
         yield f"{family.text!r} is not an expression ({error.msg})"
         return
-    unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {*family.over, *family.given, *MATHEMATICS}
+    unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {*family.over, *family.given, *KNOWN}
     yield from (f"{family.text!r} uses {name}, which is neither a variable nor a parameter" for name in sorted(unknown))
 
 
@@ -107,7 +109,7 @@ def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
     numbers = [number for number in (tolerance.rtol, tolerance.atol, tolerance.limit) if number is not None]
     if not numbers:
         yield "the tolerance has no number: give rtol, atol or limit"
-    if any(not (number >= 0 and math.isfinite(number)) for number in numbers):
+    if any(not (isinstance(number, int | float) and number >= 0 and math.isfinite(number)) for number in numbers):
         yield "a tolerance must be a finite number ≥ 0"
     if not tolerance.reason.strip():
         yield "the tolerance has no reason"

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ecp.kinds.asking import MATHEMATICS
+from ecp.kinds.asking import KNOWN
 from ecp.outcome import Tolerance
 from exercises.question import Mistake, Question, Value, calling_line
 
@@ -23,7 +23,7 @@ class Claim:
     def names(self) -> list[str]:
         """Return the variables that the expression uses."""
         nodes = ast.walk(ast.parse(self.text, mode="eval"))
-        return list(dict.fromkeys(n.id for n in nodes if isinstance(n, ast.Name) and n.id not in MATHEMATICS))
+        return list(dict.fromkeys(n.id for n in nodes if isinstance(n, ast.Name) and n.id not in KNOWN))
 
 
 def claim(text: str, label: str, *, reason: str) -> Claim:

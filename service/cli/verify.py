@@ -170,7 +170,7 @@ def _verify_made(assignment: "Assignment", arguments: argparse.Namespace, isolat
             for graded in grade_files(requests, GradeOptions(assignment, seed), isolation, arguments.jobs):
                 if graded.fault:
                     faults += 1
-                    progress.print(f"?  {graded.file.name}   not graded (system fault): {graded.fault}", good=False)
+                    differences[graded.file.name].append(f"seed {seed}: not graded (system fault): {graded.fault}")
                     continue
                 wrong = verification.made_differences(made[graded.file.name], graded)
                 tally.add(graded, expected=not wrong)

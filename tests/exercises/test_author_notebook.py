@@ -2,7 +2,7 @@
 
 import pytest
 
-from exercises.author_notebook import Cell, read, setup
+from exercises.author_notebook import Cell, errors, read, setup
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import change, known
@@ -85,3 +85,10 @@ def test_an_error_of_the_notebook_is_one_of_the_declaration(tmp_path, spoil, err
 def test_an_indented_cell_and_a_list_of_lines_are_read(tmp_path):
     folder = write(tmp_path, [code(["  a = 1\n", "  b = 2"]), markdown(["# A\n", "b"])])
     assert [cell.source for cell in read(folder / "fall.ipynb")] == ["a = 1\nb = 2", "# A\nb"]
+
+
+def test_a_function_of_the_notebook_has_the_parameters_of_the_solution():
+    cell = Cell("code", "def step(f, y, t, h=1):\n    return y")
+    (error,) = errors([cell], ["step"], {"step": ["f", "t", "y"]})
+    assert error == "code cell 1 defines step(f, y, t, h), but assignment.py has step(f, t, y)"
+    assert list(errors([cell], ["step"], {"step": ["f", "y", "t"]})) == []

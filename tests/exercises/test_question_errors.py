@@ -51,6 +51,10 @@ def test_a_sound_declaration_has_no_errors(tmp_path):
         ("values(double, ask={'x': 1.0}, truth=exact, agree={'a': NEAR}, points=2)", "ValueError: points= and partial= are for"),
         ("values(double, ask={'x': family('a*', 't')}, truth=exact, agree=NEAR)", "the function x: 'a*' is not an expression"),
         ("values(double, ask={'x': family('a*t', 't')}, truth=exact, agree=NEAR)", "'a*t' uses a, which is neither a variable"),
+        (
+            "values(double, ask={'x': family('t', 't')}, truth=itself('a'), agree=NEAR, calls=Tolerance(limit=len, reason='a'))",
+            "calls of double: a tolerance must be a finite number ≥ 0",
+        ),
         ("values(min, ask={'x': 1.0}, truth=exact, agree=NEAR)", "the solution is named min, which Python or the kit already uses"),
         ("values(eval('lambda x: x'), ask={'x': 1.0}, truth=exact, agree=NEAR)", "the solution is named <lambda>"),
         ("values(double, ask={'x': 1.0}, truth=exact, agree=NEAR, mistakes=[mistake('5', '6')])", "replaces '5', which is not in"),

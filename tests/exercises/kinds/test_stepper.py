@@ -163,3 +163,24 @@ def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
 def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
     assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()
+
+
+def test_a_step_may_pass_a_list_as_the_state(toolbox):
+    def heun(f, t, y, h):
+        k1 = f(t, list(y))
+        k2 = f(t + h, [a + h * b for a, b in zip(y, k1, strict=True)])
+        return [a + h / 2 * (b + c) for a, b, c in zip(y, k1, k2, strict=True)]
+
+    found = judged(question_of(toolbox, "rk4_step"), heun)
+    assert found["6-stability"].measured == pytest.approx(2.0, rel=1e-6) and found["6-order"].measured == pytest.approx(
+        2.0, abs=0.1
+    )
+
+
+def test_an_exception_of_every_step_is_not_a_stability_limit(toolbox):
+    def broken(f, t, y, h):
+        raise ValueError("no step")
+
+    question = question_of(toolbox, "rk4_step")
+    with pytest.raises(ValueError, match="no step"):
+        question.play(broken, question.draw(np.random.default_rng(0), 1), "stability")

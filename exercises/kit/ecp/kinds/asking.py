@@ -1,6 +1,7 @@
 """Calls of a student's function: the arguments of each row, functions among them, and the values it returns."""
 
 import ast
+import builtins
 import functools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -13,10 +14,11 @@ from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
 MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
 NAMES = """
     abs arccos arcsin arctan arctan2 arcsinh arctanh array cos cosh cross dot exp expm1 heaviside hypot log log10 log1p maximum
-    minimum pi sign sin sinc sinh sqrt stack sum tan tanh where
+    minimum pi sign sin sinc sinh sqrt stack tan tanh where
 """
-MATHEMATICS = {name: getattr(np, name) for name in NAMES.split()}
-"""What the text of a function argument may use."""
+MATHEMATICS = {name: getattr(np, name) for name in NAMES.split()} | {"np": np}
+KNOWN = {*MATHEMATICS, *dir(builtins)}
+"""The names that an author's expressions may use: those of MATHEMATICS, and Python's own, such as sum."""
 
 
 class Counted:
@@ -152,9 +154,17 @@ def _code(text: str) -> Any:
 
 
 def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
-    """Return the function of the variables ``over`` that an expression is. It may use the values ``given`` and MATHEMATICS."""
+    """Return the function of the variables ``over`` that an expression is. It may use the values ``given`` and MATHEMATICS.
+
+    A list or tuple among its arguments is taken as an array.
+    """
     code, scope = _code(text), {**MATHEMATICS, **given}
-    return lambda *values: eval(code, scope, dict(zip(over, values, strict=True)))  # noqa: S307
+
+    def function(*values: Any) -> Any:
+        arrays = [np.array(value) if isinstance(value, list | tuple) else value for value in values]
+        return eval(code, scope, dict(zip(over, arrays, strict=True)))  # noqa: S307
+
+    return function
 
 
 def _symbol(name: str, assumptions: Mapping[str, bool]) -> Any:

@@ -83,7 +83,9 @@ def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
         starts = [split(question, given, unit) for unit in np.eye(flat(question, given).size)]
         try:
             columns = [flat(question, _step(question, student, given | start | {question["step"]: h})) for start in starts]
-        except Exception:  # a method that cannot do this step
+        except Exception:  # a method that cannot do this step, unless it can do none
+            if h == SMALLEST:
+                raise
             return True
         return bool(np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + GROWTH)
 

@@ -142,6 +142,7 @@ def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(se
     assert TAGS in cleo.locator("#points").inner_text() and "(graded " in inert(cleo)
 
 
+@pytest.mark.slow
 def test_nothing_runs_on_the_pages_that_show_most(seen_by, server, paths):
     page = seen_by("prof")
     for what in ("class", "people", "queue", "audit", "failed", "changed", "applied"):

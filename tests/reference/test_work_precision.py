@@ -2,6 +2,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import pytest
 
 from reference.methods import METHODS, Scene
 from reference.work_precision import SCENES, measure, rows
@@ -22,6 +23,7 @@ def test_points_tell_error_over_the_whole_run_cost_and_invariants():
     assert rows(points)[0]["scene"] == "exercise 6"
 
 
+@pytest.mark.slow
 def test_a_blow_up_has_infinite_error_and_no_number():
     long = Scene("long", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 2000.0)
     coarsest = replace(BY_NAME["Euler"], settings=BY_NAME["Euler"].settings[:1])

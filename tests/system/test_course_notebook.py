@@ -115,6 +115,7 @@ def test_an_animation_built_in_a_cell_is_judged_by_the_motion_behind_it(last, ch
     assert verdicts["6-follows"] == verdict and verdicts["6-drawn-momentum"] == "pass", report.text()
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_not_recognized_is_not_judged(rigid_body, sandbox):
     odd = animation(("I_sym = (1.0, 1.0, 1.6)", "I_sym = (1.0, 1.0, 1.7)"), "I_sym = None; show(anim)")
     report = graded(odd, "a.ipynb", rigid_body, sandbox, ["6"])

@@ -230,6 +230,7 @@ def test_right_solutions_that_cannot_be_loaded_are_a_system_fault(sandboxes):
         played(sandboxes["process"], LATER, reference="missing")
 
 
+@pytest.mark.slow
 def test_both_processes_are_charged_and_each_has_the_limit(sandboxes):
     """The submission computes for 0.4 s, then the reference until the kernel ends it after about a second."""
     reference = ReferenceFunctions(("step",), "def step(f, x):\n    for _ in iter(int, 1): pass\n")

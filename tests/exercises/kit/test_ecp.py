@@ -145,6 +145,7 @@ def _moving(frames, **options):
     return FuncAnimation(figure, update, frames=frames, cache_frame_data=False, **options), calls
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blit", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_stills_are_at_most_24_spread_over_all_frames_and_each_frame_is_computed_once(blit):
     anim, calls = _moving(100, blit=blit)

@@ -231,6 +231,7 @@ def test_a_kernel_in_the_hub_submits_with_the_hubs_own_token(server, url, hub):
     assert ADVISED in OPERATING.read_text(), "what the owner of a hub is told is what this hub runs with"
 
 
+@pytest.mark.slow
 def test_the_kit_gives_the_hubs_token_to_the_server_the_hub_names_and_to_no_other(server, url, hub, kit, tmp_path):
     def attempts(named):
         environment = hub.kernel("ann") | {"PYTHONPATH": str(kit), "HOME": str(tmp_path), "PATH": os.environ["PATH"]}

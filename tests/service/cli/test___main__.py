@@ -59,6 +59,7 @@ def test_what_is_wrong_is_told_in_a_sentence(monkeypatch, arguments, environment
     assert_one_sentence(polhode(*arguments), words)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arguments", "environment", "words"), WRONG_FOR_LONG, ids=ids(WRONG_FOR_LONG))
 def test_a_server_or_worker_that_cannot_start_says_why_in_a_sentence(arguments, environment, words):
     command = [sys.executable, "-m", "service.cli", *arguments]

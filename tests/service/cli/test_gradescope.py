@@ -38,6 +38,7 @@ def test_a_submission_gets_its_points(home, rigid_body):
     assert code == 0 and results[:2] == (2, 5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("files", "said"),
     [

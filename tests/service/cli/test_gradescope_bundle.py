@@ -82,6 +82,7 @@ def sample(rigid_body):
     return lambda name: (rigid_body.folder / "samples" / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_the_zip_holds_programs_that_install_by_hashes_and_run_the_harness_on_the_exercises_asked_for(rigid_body, tmp_path):
     """In a container run test_a_submission_gets_its_points and those below; here there is no /autograder."""
     with zipfile.ZipFile(io.BytesIO(bundle(rigid_body, ["2", "6"]))) as archive:

@@ -148,6 +148,7 @@ def kits_home(course):
     return course.parent
 
 
+@pytest.mark.slow
 def test_its_public_side_is_in_the_kit_and_gives_the_servers_lines(course, kits_home, polhode):
     home = kits_home / "kit" / "ecp" / "assignments" / "driven_pendulum"
     assert {p.name for p in home.iterdir()} == {

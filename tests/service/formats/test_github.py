@@ -1,5 +1,6 @@
 """Workflow commands read back by the runner's own rules: no text of a student's starts one."""
 
+import pytest
 from hypothesis import example as with_example
 from hypothesis import given
 from hypothesis import strategies as st
@@ -135,6 +136,7 @@ def test_nothing_breaks_out_of_a_summary(rigid_body):
             assert page.count(tag) == plain.count(tag), (evil, tag)
 
 
+@pytest.mark.slow
 def test_there_is_an_end_to_a_summary(rigid_body):
     many = report([failed(f"2-{k}", label="é" * 100) for k in range(300)])
     files = [graded_file(many, f"samples/{k}/" + "`" * 150 + ".py") for k in range(3000)]

@@ -3,6 +3,8 @@
 import json
 from dataclasses import replace
 
+import pytest
+
 from service.formats.source_lines import SourceLines
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.sandbox.select import choose
@@ -21,6 +23,7 @@ def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, t
     assert "not a text file" in refused.refused and refused.fault is None and refused.points == 0
 
 
+@pytest.mark.slow
 def test_a_notebook_with_outputs_is_graded_as_without_and_its_lines_are_those_of_the_file(rigid_body, tmp_path):
     content = (rigid_body.folder / "samples" / "right_notebook.ipynb").read_bytes()
     files = [tmp_path / "plain" / "mine.ipynb", tmp_path / "full" / "mine.ipynb"]

@@ -168,6 +168,7 @@ def test_rules_and_extensions(looks, url):
     assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, due="", grace="0", most="")[0] == 200
 
 
+@pytest.mark.slow
 def test_the_class_is_swept_once_and_drawn(looks, url):
     """Jobs for who has not been swept, however often it is asked for; the chart is of who has."""
     asked = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"

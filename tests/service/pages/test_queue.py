@@ -159,6 +159,7 @@ def test_students_are_kept_out(server, url, people):
     assert people["prof"].send(f"/queue/{sent}/retry", "/audit")[0] == 403, "without the token of a form"
 
 
+@pytest.mark.slow
 def test_a_regrade_by_a_real_worker(server, url, people, worker):
     sent = post(server, people["ben"], GOOD)
     wait_for(lambda: people["ben"].json(f"/v1/submissions/{sent}")["status"] == "graded")

@@ -384,6 +384,7 @@ def zygote_pid(sandbox):
     return pid
 
 
+@pytest.mark.slow
 def test_a_zygote_is_recycled_after_many_plays_and_after_an_odd_one(monkeypatch, sandbox):
     monkeypatch.setattr("service.sandbox.sandbox.MOST_PLAYS", 2)
     sandbox.close()

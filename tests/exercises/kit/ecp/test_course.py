@@ -61,6 +61,7 @@ def test_with_one_kit_neither_server_nor_assignment_has_to_be_named(installed):
     assert report.endswith("2 of 2 public checks ✓\n") and (server, slug) == (SERVER, "damped-oscillator")
 
 
+@pytest.mark.slow
 def test_a_second_kit_leaves_the_first_as_it_was(installed):
     checks = ('ecp.check("1", assignment="damped-oscillator")', 'ecp.check("2", assignment="rigid-body")')
     alone = kernel(installed("damped-oscillator"), checks[0])

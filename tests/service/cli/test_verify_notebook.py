@@ -8,6 +8,7 @@ from service.cli.verify_notebook import notebook_differences
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
+from tests.support.toolbox import FOLDER
 
 DECLARED = """
 from exercises.author import Notebook, Tolerance, mistake, uniform
@@ -44,6 +45,21 @@ def doubling(tmp_path, sandbox):
             return notebook_differences(assignment, samples, dict(named))
 
     return run
+
+
+def test_only_the_server_has_a_reference(toolbox_samples, sandbox):
+    assignment, samples = toolbox_samples
+    reports = {one.name: grade(Submission(one.source), assignment, sandbox, 1, one.ask).report for one in samples}
+    assert any(outcome.remarks for report in reports.values() for outcome in report.outcomes())
+    assert notebook_differences(assignment, samples, reports) == {one.name: [] for one in samples}
+
+
+@pytest.fixture
+def toolbox_samples():
+    """The test assignment and the sample with a wrong function that later ones use."""
+    with known(FOLDER) as catalogue:
+        assignment = catalogue.valid["toolbox"]
+        yield assignment, [one for one in assignment.made_samples() if one.name.startswith("wrong_12-heun")]
 
 
 SETUP, SOLUTION = "%matplotlib inline\nimport numpy as np", "def double(x):\n    return 2 * x\nk = 1"

@@ -143,7 +143,7 @@ class Notebook:
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
             ),
-            variants=lambda id: variants_of(*self._with_source_before(id)),
+            variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
             made_samples=lambda: made_samples(self._numbered()),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},

@@ -182,8 +182,12 @@ class Question:
     @functools.cached_property
     def drawn(self) -> dict[str, Draw]:
         """The draws of the question by name: parameters, and parameters of function arguments."""
-        given = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
-        return {name: value for name, value in given.items() if callable(value)}
+        return {name: value for name, value in self._given.items() if callable(value)}
+
+    @functools.cached_property
+    def _given(self) -> dict[str, Any]:
+        """The constants and draws by name: parameters, and parameters of function arguments."""
+        return {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
 
     @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
@@ -196,13 +200,12 @@ class Question:
         """The question as data, with nothing of its solution and without the shapes of its answer."""
         functions = {name: v for name, v in self.ask.items() if isinstance(v, Family)}
         families = {name: {"text": v.text, "over": list(v.over), "given": list(v.given)} for name, v in functions.items()}
-        constants = {n: v for name, v in self.ask.items() for n, v in (v.given if isinstance(v, Family) else {name: v}).items()}
         return {
             "kind": self.kind,
             "id": self.id,
             "function": self.function,
             "parameters": self.parameters,
-            "constants": {name: _json(value) for name, value in constants.items() if not callable(value)},
+            "constants": {name: _json(value) for name, value in self._given.items() if not callable(value)},
             "families": families,
             "variables": list(self.variables),
             "drawn": list(self.drawn),

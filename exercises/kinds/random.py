@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ecp.outcome import Tolerance
-from exercises.question import Mistake, Question, Value, calling_line
+from exercises.question import Mistake, Question, Value, calling_line, tolerance_data
 
 RATE = 1e-6
 """The rate at which all tests of a question together reject a right solution, at most."""
@@ -87,7 +87,7 @@ def estimate(
     question = _question(
         solution, ask, call=call, repetitions=repetitions, mistakes=mistakes, rows=rows, budget_s=budget_s, uses=tuple(uses)
     )
-    allowed = {name: number for name, number in vars(bias).items() if number is not None} if bias else {}
+    allowed = tolerance_data(bias) if bias else {}
     reason = "; ".join(filter(None, (allowed.get("reason"), question.data["tolerance"]["reason"])))
     data = {"tolerance": {**allowed, "reason": reason}}
     if error:

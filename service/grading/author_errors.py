@@ -21,7 +21,7 @@ NO_SUBMISSION = """
 class {name}: pass
 def {function}(*values, **named): return {name}()
 """
-"""Replaces a right submission that nobody knows: what it returns has no properties, and no submission can return the same."""
+"""Replaces a right submission where none is known. What it returns has no properties, and a submission cannot return the same."""
 
 
 class AssignmentFault(SystemFault):

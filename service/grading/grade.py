@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 OnProgress = Callable[[str, int, int], None]
 """A function called with the phase, the number of the scene in order, and the number of scenes."""
 Causes = Callable[[str], list[Diagnosis]]
-"""A function that returns the diagnoses of a scene's results, given its name."""
+"""A function that returns the diagnoses of a scene's results, given its name, or of a question's, given its id."""
 VERSIONS_OF = ("polhode", "numpy", "scipy", "matplotlib")
 
 
@@ -102,7 +102,8 @@ def _grade(
     chains = play_chains(assignment, played, crossed, play_and_check, functools.partial(_passes, assignment))
     result = played.result
     covered = asked if numbers is not None else attempted(asked, result.defined)
-    causes = functools.cache(lambda scene: _diagnose(assignment, scene, inputs, result.arrays, sandbox))
+    reproduced = functools.cache(lambda question: diagnose_question(assignment, question, played, sandbox))
+    causes = functools.cache(lambda scene: _diagnose(assignment, scene, played, reproduced))
     sections = [_judge(e, assignment, played, crossed, causes, remarks=chains.remarks) for e in covered]
     reported = _with_precursors(assignment, {s for e in covered for s in e.scenes()})
     shown = {name: arrays for name, arrays in result.arrays.items() if name in reported}
@@ -299,14 +300,15 @@ def _failed_cell(result: PlayResult) -> SceneEnd | None:
     return next(iter(result.cells.values())) if len(result.cells) == 1 else None
 
 
-def _diagnose(
-    assignment: Assignment, scene: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays], sandbox: Sandbox
-) -> list[Diagnosis]:
-    """Return the diagnoses of a scene, or none if the assignment's diagnosis fails, which must not prevent a report."""
-    function = assignment.scene(scene).function
-    same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
+def _diagnose(assignment: Assignment, scene: str, played: PlayedJob, reproduced: Causes) -> list[Diagnosis]:
+    """Return the diagnoses of a scene, or none if the assignment's diagnosis fails, which must not prevent a report.
+
+    ``reproduced`` returns those of a question by its id.
+    """
     if (question := assignment.scene(scene).question) is not None:
-        return diagnose_question(assignment, question["id"], inputs, arrays, sandbox)
+        return reproduced(question["id"])
+    function, inputs, arrays = assignment.scene(scene).function, played.inputs, played.result.arrays
+    same = [s.name for s in assignment.scenes if s.function == function and s.name in arrays]
     try:
         with np.errstate(all="ignore"):
             found = assignment.diagnose_function(function, {name: (inputs[name], arrays[name]) for name in same})

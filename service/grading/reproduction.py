@@ -10,9 +10,9 @@ from weakref import WeakKeyDictionary
 from ecp.checks import Arrays
 from ecp.kinds import diagnose, reproduces
 from ecp.outcome import Diagnosis
-from exercises.assignment import Assignment, Inputs, Scene
+from exercises.assignment import Assignment, Scene
 from exercises.mistakes import Variant
-from service.sandbox.job import Job, SceneRequest
+from service.grading.crosscheck import PlayedJob
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 
@@ -23,22 +23,20 @@ Predictions = Mapping[Variant, Arrays]
 _public: WeakKeyDictionary[Scene, Predictions] = WeakKeyDictionary()
 
 
-def diagnose_question(
-    assignment: Assignment, id: str, inputs: Mapping[str, Inputs], arrays: Mapping[str, Arrays], sandbox: Sandbox
-) -> list[Diagnosis]:
-    """Return the diagnosis of the variant that alone reproduces the ``arrays`` of the question's scenes, else none.
+def diagnose_question(assignment: Assignment, id: str, played: PlayedJob, sandbox: Sandbox) -> list[Diagnosis]:
+    """Return the diagnosis of the variant that alone reproduces the arrays of the question's scenes, else none.
 
     An author's mistake takes precedence over a generated variant. Parts of a question, such as a motion, follow from its
     values. A kind that diagnoses its arrays itself needs no variant. Raises SystemFault if the sandbox fails.
     """
-    left: list[Variant] | None = None
+    arrays, left = played.result.arrays, None
     asked = [(s, s.question) for s in assignment.scenes if s.question is not None and s.name in arrays]
     for scene in [s for s, question in asked if question["id"] == id and not question.get("part")]:
-        own = diagnose(scene.question or {}, arrays[scene.name], scene.truth(inputs[scene.name]))
+        assert scene.question is not None
+        own = diagnose(scene.question, arrays[scene.name], played.truths[scene.name])
         if own is not None:
             return own
-        predicted = _predict(assignment, scene, inputs[scene.name], sandbox, left)
-        assert scene.question is not None
+        predicted = _predict(assignment, scene, played, sandbox, left)
         left = [v for v in predicted if reproduces(scene.question, arrays[scene.name], predicted[v])]
     for candidates in ([v for v in left or [] if v.declared], [v for v in left or [] if not v.declared]):
         if found := {(v.code, v.sentence) for v in candidates}:
@@ -47,7 +45,9 @@ def diagnose_question(
     return []
 
 
-def _predict(assignment: Assignment, scene: Scene, inputs: Inputs, sandbox: Sandbox, only: Sequence[Variant] | None) -> Predictions:
+def _predict(
+    assignment: Assignment, scene: Scene, played: PlayedJob, sandbox: Sandbox, only: Sequence[Variant] | None
+) -> Predictions:
     """Return the arrays of each variant (``only``: of these) that finishes the scene and differs from the right solution."""
     if only is not None and not only:
         return {}
@@ -56,9 +56,10 @@ def _predict(assignment: Assignment, scene: Scene, inputs: Inputs, sandbox: Sand
     assert scene.question is not None
     right, *variants = assignment.variants(scene.question["id"])
     chosen = [right, *(variants if only is None else only)]
-    one = SceneRequest(scene.name, scene.play, scene.function, inputs, scene.returns, VARIANT_S, None, question=scene.question)
+    (request,) = (request for request in played.job.scenes if request.name == scene.name)
+    one = replace(request, budget_s=VARIANT_S, after=None)
     requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(chosen))
-    job = Job(assignment.source("setup"), assignment.source("plays"), (), (), requests)
+    job = replace(played.job, cells=(), functions=(), variables=(), scenes=requests)
     found = sandbox.play(job, budget=TimeBudget(LIMITS)).arrays
     exact = found.get("0", {})
     differing = {

@@ -66,3 +66,31 @@ def test_a_mistake_that_holds_for_the_public_inputs_only_is_not_diagnosed(toolbo
 """
     report = grade(Submission(source), toolbox, sandbox, 1, ["3"]).report
     assert "constant-factor" not in {d.code for outcome in report.outcomes() for d in outcome.diagnosis}
+
+
+WITH_DATA = """
+from exercises.author import Notebook, Tolerance, mistake, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Data", setup="import numpy as np\\nFACTOR = np.loadtxt('factor.csv')", data=("factor.csv",))
+FACTOR = 2.0
+
+
+def scaled(x):
+    return FACTOR * x
+
+
+NEAR = Tolerance(limit=1e-12, reason="rounding")
+wrong = [mistake("FACTOR * x", "FACTOR + x", "wrong-operator", "the factor is added")]
+notebook.exercise("1", "Scaling", values(scaled, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR, mistakes=wrong))
+"""
+
+
+def test_a_mistake_is_diagnosed_where_the_setup_reads_a_data_file(tmp_path, sandbox):
+    folder = tmp_path / "scaling"
+    folder.mkdir()
+    (folder / "assignment.py").write_text(WITH_DATA)
+    (folder / "factor.csv").write_text("2.0\n")
+    with known(folder) as catalogue:
+        source = "def scaled(x): return x + FACTOR"
+        assert diagnoses(catalogue.valid["scaling"], sandbox, source, "1") == {("wrong-operator", "the factor is added")}

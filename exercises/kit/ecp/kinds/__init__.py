@@ -13,15 +13,13 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.checks import Arrays, Check
 from ecp.exercise import Animation, Exercise, Figure
 from ecp.judge import Verdict
 from ecp.kinds import animation, expression, fit, ode, random, stepper, values, variables
-from ecp.kinds.alignment import aligned
-from ecp.kinds.values import compare
-from ecp.outcome import Diagnosis, Tolerance
+from ecp.kinds.values import agreement
+from ecp.outcome import Diagnosis
 
 KINDS: Mapping[str, ModuleType] = {
     "animation": animation,
@@ -63,14 +61,9 @@ def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> 
     """Return whether a scene's arrays are the ``predicted`` ones: values to their tolerance, others exactly."""
     values = {value["name"]: value for value in question["returns"]}
     return all(
-        _agrees(values[name], seen[name], array) if name in values else np.array_equal(seen[name], array)
+        agreement(values[name], seen[name], array).verdict is Verdict.PASS if name in values else np.array_equal(seen[name], array)
         for name, array in predicted.items()
     )
-
-
-def _agrees(value: Mapping[str, Any], got: NDArray[Any], want: NDArray[Any]) -> bool:
-    tolerance = Tolerance(**value["tolerance"])
-    return compare(aligned(got, want, value.get("up_to")), want, tolerance).verdict is Verdict.PASS
 
 
 def question_figures(question: Mapping[str, Any], scene: str) -> list[Figure]:

@@ -38,16 +38,15 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
 
 def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: str, id: str, suffix: str) -> Check:
     """Return the check that one returned ``value`` equals the exact one, up to what the value leaves open."""
-    tolerance = Tolerance(**value["tolerance"])
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         got, want = seen[0][value["name"]], truth[0][value["name"]]
-
-        return credited(value, lambda given: compare(aligned(given, want, value.get("up_to")), want, tolerance), got, want)
+        return credited(value, lambda given: agreement(value, given, want), got, want)
 
     def locate(index: tuple[int, ...], seen: Arrays) -> str:
         return describe(question, seen, index[0])
 
+    tolerance = Tolerance(**value["tolerance"])
     return Check(id, value["label"] + suffix, (scene,), word, tolerance, locate, points=value.get("points", 1))
 
 
@@ -62,6 +61,11 @@ def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got
         alone[k] = got[k]
         right += compared(alone).verdict is Verdict.PASS
     return replace(whole, partial=RowsRight(right, len(want)))
+
+
+def agreement(value: Mapping[str, Any], got: Any, want: Any) -> Judgement:
+    """Judge a returned ``value`` against the exact one, up to what it leaves open."""
+    return compare(aligned(got, want, value.get("up_to")), want, Tolerance(**value["tolerance"]))
 
 
 def compare(got: Any, want: Any, tolerance: Tolerance) -> Judgement:

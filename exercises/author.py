@@ -17,8 +17,9 @@ from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment
 from exercises.author_notebook import Cell, InvalidNotebook
+from exercises.declared import Draw, Family, Itself, Mistake, Value
 from exercises.mistakes import made_samples, source_before, variants_of
-from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.question import Question, calling_line
 from exercises.question_errors import question_errors, uses_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]

@@ -47,7 +47,8 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
 
 def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> list[Check]:
     """Return the checks of a question for one of its scenes."""
-    found: list[Check] = kind_module(question).checks(question, scene, NEW_INPUTS if hidden else "")
+    asked = {**question, "id": f"{question['id']}-new"} if hidden else question
+    found: list[Check] = kind_module(question).checks(asked, scene, NEW_INPUTS if hidden else "")
     return found
 
 

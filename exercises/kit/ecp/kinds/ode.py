@@ -19,7 +19,7 @@ from ecp.checks import Arrays, Check
 from ecp.exercise import Figure
 from ecp.judge import Judgement
 from ecp.kinds import values
-from ecp.kinds.asking import Counted, arguments, describe, each_row, expression, returned, stacked
+from ecp.kinds.asking import arguments, describe, each, each_row, expression, flat, restart, returned, split, stacked
 from ecp.outcome import Tolerance
 from ecp.return_value import WrongAnswer
 
@@ -32,7 +32,7 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
     if question.get("part") is None:
         return values.play(question, student, rows)
     function, follow = student[question["function"]], {"motion": _motion, "sweep": _sweep}[question["part"]]
-    return stacked([follow(question, function, row) for row in each_row(rows)])
+    return each(rows, lambda row: follow(question, function, row))
 
 
 def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -69,24 +69,22 @@ def _integrated(
 ) -> Any:
     """Return the run of scipy's solver; counts the calls of the student's function in ``calls``."""
     given, name, most = arguments(question, row), question["function"], question["most_calls"]
-    shape, (value,) = np.shape(given[question["state"]]), (value["name"] for value in question["returns"])
-    counted = [value for value in given.values() if isinstance(value, Counted)]
+    state, (value,) = [question["state"]], (value["name"] for value in question["returns"])
 
     def rates(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
         calls[0] += 1
         if calls[0] > most:
             raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}")
-        for one in counted:
-            one.calls = 0
-        at = {**given, question["time"]: float(t), question["state"]: y.reshape(shape).copy() if shape else float(y[0])}
+        restart(given)
+        at = {**given, question["time"]: float(t), **split(state, given, y)}
         try:
             return returned(question, function(*(at[parameter] for parameter in question["parameters"])))[value].ravel()
         except WrongAnswer as error:
             raise WrongAnswer(error.code, f"{error} (at t = {t:.3g} of the integration)") from None
 
-    (solver, rtol), t, start = setting, times(question), np.ravel(given[question["state"]]).astype(float)
+    (solver, rtol), t = setting, times(question)
     atol = 1e-2 * rtol * np.asarray(question["scale"])
-    return solve_ivp(rates, (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
+    return solve_ivp(rates, (0.0, t[-1]), flat(state, given), method=solver, t_eval=t, rtol=rtol, atol=atol)
 
 
 def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, Any, Any]:
@@ -103,37 +101,36 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return the checks of the points, or those of the motion: the exact one, and each conserved quantity."""
     if question.get("part") is None:
         return values.checks(question, scene, suffix)
-    tolerance, name = Tolerance(**question["follow"]), question["function"]
+    tolerance, name, id = Tolerance(**question["follow"]), question["function"], question["id"]
 
     def follows(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         return judge.within(*deviation(question, seen[0]["motion"], truth[0]["motion"]), tolerance.limit or 0.0)
 
     def place(index: tuple[int, ...], seen: Arrays) -> str:
-        return f"t = {times(question)[index[-1]]:.4g}, {describe(_at_start(question), seen, index[0])}"
+        return f"t = {times(question)[index[-1]]:.4g}, {_at_start(question, seen, index[0])}"
 
-    made = [Check(f"{question['id']}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
-    for quantity, (text, limits) in question["conserved"].items():
-        drifts, allowed = partial(_drift, question, text, limits.get("limit", 0.0)), Tolerance(**limits)
-        label = f"{quantity} conserved along the motion of {name}"
-        made.append(Check(f"{question['id']}-{quantity}", label, (scene,), drifts, allowed, place))
+    made = [Check(f"{id}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
+    for quantity, (text, allowed) in question["conserved"].items():
+        label, word = f"{quantity} conserved along the motion of {name}", partial(_drift, question, text, allowed["limit"])
+        made.append(Check(f"{id}-{quantity}", label, (scene,), word, Tolerance(**allowed), place))
     return made
 
 
 def _drift(question: Mapping[str, Any], text: str, limit: float, seen: list[Arrays], truth: list[Arrays]) -> Judgement:
     """Judge an expression over state, time and parameters along the motions; the worst row counts."""
-    every, state, motions = [], question["state"], seen[0]["motion"]
-    for row, motion in enumerate(motions):
-        given = {**question["constants"], **{name: seen[0][f"at_{name}"][row] for name in question["drawn"]}}
-        value, shape = expression(text, (question["time"], state), given), np.shape(given[state])
+    every, state = [], question["state"]
+    for row, motion in zip(each_row({name: seen[0][f"at_{name}"] for name in question["drawn"]}), seen[0]["motion"], strict=True):
+        given = {**question["constants"], **row}
+        value = expression(text, (question["time"], state), given)
         with np.errstate(all="ignore"):
-            series = [float(value(t, y.reshape(shape))) for t, y in zip(times(question), motion.T, strict=True)]
-            every.append(judge.conserved(series, limit))
-    row = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
-    return replace(every[row], where=(row, *(every[row].where or (0,))))
+            series = [float(value(t, split([state], given, y)[state])) for t, y in zip(times(question), motion.T, strict=True)]
+        every.append(judge.conserved(series, limit))
+    worst = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
+    return replace(every[worst], where=(worst, *(every[worst].where or (0,))))
 
 
-def _at_start(question: Mapping[str, Any]) -> dict[str, Any]:
-    return {**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}
+def _at_start(question: Mapping[str, Any], seen: Arrays, row: int) -> str:
+    return describe({**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}, seen, row)
 
 
 def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
@@ -144,7 +141,7 @@ def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
         for k, curve in enumerate(seen[0]["motion"][0]):
             axes.plot(t, curve, color=f"C{k}", label=f"{question['state']}[{k}]")
         axes.plot(t, truth[0]["motion"][0].T, "k:", lw=1.2, label=["exact", *[None] * (truth[0]["motion"].shape[1] - 1)])
-        axes.set(xlabel=question["time"], ylabel=question["state"], title=describe(_at_start(question), seen[0], 0))
+        axes.set(xlabel=question["time"], ylabel=question["state"], title=_at_start(question, seen[0], 0))
         axes.legend(loc="upper right")
 
     name, function = f"{question['id']}-motion", question["function"]

@@ -32,7 +32,7 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return the check that the picture moves, and one for each trajectory."""
     from ecp.kinds.animation.shown import moves
 
-    id, function = question["id"] + ("-new" if suffix else ""), question["function"]
+    id, function = question["id"], question["function"]
     found = [moves(f"{id}-moves", f"{function} draws a moving picture{suffix}", scene, SMALL)]
     return found + [_follows(question, name, scene, f"{id}-{name}", suffix) for name in question["follow"]]
 

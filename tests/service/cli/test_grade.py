@@ -178,6 +178,7 @@ def test_a_reader_that_goes_away_gets_no_verdict(folder):
         assert running.wait(60) == 141 and running.stderr.read() == b""
 
 
+@pytest.mark.slow
 def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     files = [folder / "hostile_endless.py", folder / "hostile_memory.py", folder / "right_terms.py"]
     command = [*COMMAND, "grade", *files, "--exercise", "2", "--jobs", "2", "--json"]

@@ -11,6 +11,7 @@ from service.sandbox.select import choose
 from tests.support.big_notebook import with_outputs
 
 
+@pytest.mark.slow
 def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, tmp_path):
     (tmp_path / "setup.py").write_text("1 / 0")  # fails in the child before it reads the submission
     (tmp_path / "plays.py").write_bytes((rigid_body.folder / "plays.py").read_bytes())
@@ -40,6 +41,7 @@ def test_a_notebook_with_outputs_is_graded_as_without_and_its_lines_are_those_of
         assert "def euler_eqs" in lines[number - 1] and number != SourceLines(plain, rigid_body).line_of(outcome)
 
 
+@pytest.mark.slow
 def test_a_json_document_is_graded_as_the_api_grades_it(rigid_body, tmp_path):
     right = (rigid_body.folder / "samples" / "right_terms.py").read_text()
     wrong = {"source": right, "exercises": ["9"]}, {"source": right, "filename": "a.md"}, ["x"]

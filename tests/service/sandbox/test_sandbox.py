@@ -354,7 +354,7 @@ def test_devnull_takes_what_is_printed_to_it(either_sandbox):
 @BY_THE_HOST
 def test_our_own_code_failing_is_a_fault_and_never_the_students(either_sandbox):
     broken = Job("1 / 0", PLAYS, (Cell("submission.py", GOOD),), ("f",), (scene("one"),))
-    with pytest.raises(SystemFault, match=r"before the submission ran: setup.py line 1: ZeroDivisionError: division by zero"):
+    with pytest.raises(SystemFault, match=r"before the submission ran: Setup line 1: ZeroDivisionError: division by zero"):
         either_sandbox.play(broken)
     assert either_sandbox.play(job(GOOD)).finished("one")
 

@@ -19,7 +19,7 @@ from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.mutants import mutants
 from exercises.rigid_body.public.animation_checks import body_shown
 from exercises.rigid_body.public.momentum import momentum_shown
-from exercises.rigid_body.random_motions import DRAWN
+from exercises.rigid_body.draws import DRAWN
 from service.grading.grade import draw_inputs, truth
 
 ASSIGNMENT = assignments()["rigid-body"]

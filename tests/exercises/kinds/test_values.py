@@ -162,7 +162,7 @@ def test_integers_booleans_complex_numbers_strings_and_missing_data(sandbox, tmp
     (tmp_path / "types").mkdir()
     (tmp_path / "types" / "assignment.py").write_text(TYPES)
     with known(tmp_path / "types") as catalogue:
-        assignment, notebook = catalogue.valid["types"], sys.modules["exercises.types"].notebook
+        assignment, notebook = catalogue.valid["types"], sys.modules["exercises.types.assignment"].notebook
         source = "\n\n".join(question.source for question in notebook.questions())
         report = grade(Submission(source), assignment, sandbox, 1).report
         assert report.passed and len(report.outcomes()) == 12, report.text()

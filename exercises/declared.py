@@ -6,7 +6,7 @@ import math
 import reprlib
 import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any
 
@@ -64,6 +64,7 @@ Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
 Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
 Numbers = Annotated[Any, Rule("a real number or an array of real numbers", _numbers("fiu"))]
 Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", _numbers("fiu", lambda a: (a > 0) & (a < np.inf)))]
+Text = Annotated[str, Rule("a text that is not empty", str.strip)]
 Expression = Annotated[str, Rule("an expression", _parses)]
 Named = Annotated[Callable[..., Any], Rule("a function whose parameters have names", _is_named)]
 Points = Annotated[int, Rule(f"an integer from 1 to {MOST_POINTS}", lambda n: 1 <= n <= MOST_POINTS)]
@@ -112,7 +113,7 @@ class Mistake:
 class Itself:
     """The declaration that the right solution is its own truth, and why nothing else can be."""
 
-    reason: str
+    reason: Text
 
 
 @dataclass(frozen=True)
@@ -152,12 +153,12 @@ def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
 
 def type_errors(name: str, value: Any, hint: Any) -> Iterator[str]:
     """Yield what a value, or a part of it, is and what its type ``hint`` requires, as sentences; and the errors of tolerances."""
-    options = typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, UnionType) else (hint,)
-    option = next((one for one in options if _fits(value, one)), None)
-    if option is None:
-        yield f"{name} is {SHORT.repr(value)}; it must be {' or '.join(map(_text, options))}"
+    options = typing.get_args(hint) if typing.get_origin(hint) in UNIONS else (hint,)
+    parts = next((parts for one in options if (parts := _parts(value, one)) is not None), None)
+    if parts is None:
+        yield f"{name} is {SHORT.repr(value)}; it must be {_text(hint)}"
         return
-    errors = [error for at, part, of in _parts(value, option) for error in type_errors(f"{name}{at}", part, of)]
+    errors = [error for at, part, of in parts for error in type_errors(f"{name}{at}", part, of)]
     if isinstance(value, Tolerance) and not errors:
         errors = [f"{name}: {error}" for error in tolerance_errors(value)]
     yield from errors
@@ -177,53 +178,51 @@ def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
 
 
 def _split(hint: Any) -> tuple[Any, tuple[Any, ...], list[Rule]]:
-    """Return the class of a type hint, the types of its parts, and its rules."""
+    """Return the class of a type hint, the hints of its parts, and its rules."""
     base, *rules = typing.get_args(hint) if typing.get_origin(hint) is Annotated else (hint,)
     return typing.get_origin(base) or base, typing.get_args(base), rules
 
 
-def _fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of the class of a type hint and follows its rules, whatever its parts are."""
-    kind, parts, rules = _split(hint)
-    if kind is Callable:
-        fits = callable(value)
+def _parts(value: Any, hint: Any) -> list[tuple[str, Any, Any]] | None:
+    """Return the parts of a value, each with its place and type hint, or None if the value is of another class or breaks a rule."""
+    kind, of, rules = _split(hint)
+    parts: list[tuple[str, Any, Any]] | None = None
+    if kind is Mapping and isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+        parts = [(f": {name}", part, of[1]) for name, part in value.items()]
+    elif kind in (tuple, Sequence) and isinstance(value, tuple | list):
+        each = [of[0]] * len(value) if kind is Sequence or ... in of else of
+        parts = [(f"[{k}]", *part) for k, part in enumerate(zip(value, each, strict=True))] if len(each) == len(value) else None
+    elif kind is Any or (kind is Callable and callable(value)):
+        parts = []
     elif kind in (int, float):
-        fits = isinstance(value, int | kind) and not isinstance(value, bool)
-    elif kind in (tuple, Sequence):
-        fits = isinstance(value, tuple | list) and (kind is Sequence or parts[-1] is ... or len(value) == len(parts))
-    elif kind is Mapping:
-        fits = isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
-    else:
-        fits = kind is Any or isinstance(value, kind)
-    return fits and all(rule.holds(value) for rule in rules)
-
-
-def _parts(value: Any, hint: Any) -> list[tuple[str, Any, Any]]:
-    """Return the parts of a value, each with its place and its type hint."""
-    kind, parts, _ = _split(hint)
-    if is_dataclass(kind):
-        return [(f": {name}", getattr(value, name), of) for name, of in typing.get_type_hints(kind, include_extras=True).items()]
-    if kind is Mapping:
-        return [(f": {name}", part, parts[1]) for name, part in value.items()]
-    if kind in (tuple, Sequence):
-        each = parts if kind is tuple and parts[-1] is not ... else [parts[0]] * len(value)
-        return [(f"[{k}]", part, of) for k, (part, of) in enumerate(zip(value, each, strict=True))]
-    return []
-
-
-WORDS = {Callable: "a function", str: "a string", int: "an integer", float: "a number", bool: "True or False", NoneType: "None"}
+        parts = [] if isinstance(value, int | kind) and not isinstance(value, bool) else None
+    elif kind not in (Mapping, tuple, Sequence, Callable) and isinstance(value, kind):
+        parts = [(f": {name}", getattr(value, name), one) for name, one in typing.get_type_hints(kind, include_extras=True).items()]
+    return parts if parts is not None and all(rule.holds(value) for rule in rules) else None
 
 
 def _text(hint: Any) -> str:
-    kind, parts, rules = _split(hint)
-    if rules:
-        return rules[-1].text
-    if kind in (typing.Union, UnionType):
-        return " or ".join(map(_text, parts))
-    if kind is Mapping:
-        return "a dict" + (f" of {_text(parts[1])}" if parts[1] is not Any else "")
-    if kind is Sequence or (kind is tuple and parts[-1] is ...):
-        return f"a list of {_text(parts[0])}"
-    if kind is tuple:
-        return f"({', '.join(map(_text, parts))})"
-    return WORDS.get(kind) or f"{kind.__name__ if kind in (Tolerance, Value) else kind.__name__.lower()}(…)"
+    """Return what a value must be."""
+    kind, of, rules = _split(hint)
+    if rules or kind in WORDS:
+        return rules[-1].text if rules else WORDS[kind]
+    if kind in UNIONS:
+        return " or ".join(map(_text, of))
+    if kind in (tuple, Sequence):
+        return f"a list of {_text(of[0])}" if kind is Sequence or ... in of else f"({', '.join(map(_text, of))})"
+    return f"a dict of {_text(of[1])}" if kind is Mapping else f"{kind.__name__}(…)"
+
+
+UNIONS = (typing.Union, UnionType)
+WORDS = {
+    Any: "anything",
+    Callable: "a function",
+    str: "a string",
+    int: "an integer",
+    float: "a number",
+    bool: "True or False",
+    NoneType: "None",
+    Mistake: "mistake(…)",
+    Itself: "itself(…)",
+    Family: "family(…)",
+}

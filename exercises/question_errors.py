@@ -80,13 +80,10 @@ def _of_truth(question: Question) -> Iterator[str]:
     if compared is not None:
         missing = [name for name in compared if name not in question.known]
         yield from (f"{name} has no truth: give a number or a function that computes it" for name in missing)
-    elif truth is None and question.known:
+    elif isinstance(truth, Itself) or (truth is None and question.known):
         return
     elif truth is None:
         yield f"{question.function} has no truth: give a closed form, a second method, or itself(reason)"
-    elif isinstance(truth, Itself):
-        if not truth.reason.strip():
-            yield f"{question.function} is its own truth without a reason"
     elif truth is question.solution:
         yield f"the truth of {question.function} is its own solution: give a second method, or itself(reason)"
     else:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ecp.kinds.asking import KNOWN
 from ecp.outcome import Tolerance
-from exercises.declared import Expression, Named, Numbers, Value
+from exercises.declared import Expression, Named, Numbers, Text, Value
 from exercises.kinds import kind
 from exercises.question import Question
 
@@ -19,8 +19,8 @@ class Claim:
     """A claim about variables: an expression that must be true, everywhere if it is an array."""
 
     text: Expression
-    label: str
-    reason: str
+    label: Text
+    reason: Text
 
     def names(self) -> list[str]:
         """Return the variables that the expression uses."""

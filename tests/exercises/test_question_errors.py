@@ -38,7 +38,10 @@ def test_a_sound_declaration_has_no_errors(tmp_path):
         ("values(double, ask={'y': uniform(0, 1)}, truth=itself('a'), agree=NEAR)", "double takes (x), but ask names (y)"),
         ("values(double, ask={'x': uniform(0, 1)}, agree=NEAR)", "double has no truth: give a closed form"),
         ("values(double, ask={'x': uniform(0, 1)}, truth=double, agree=NEAR)", "the truth of double is its own solution"),
-        ("values(double, ask={'x': uniform(0, 1)}, truth=itself(' '), agree=NEAR)", "double is its own truth without a reason"),
+        (
+            "values(double, ask={'x': uniform(0, 1)}, truth=itself(' '), agree=NEAR)",
+            "double: truth: reason is ' '; it must be a text",
+        ),
         ("values(double, ask={'x': uniform(0, 1)}, truth=lambda z: z, agree=NEAR)", "takes z, which is neither asked nor drawn"),
         ("values(double, ask={'x': 1.0}, truth=exact, agree=Tolerance(limit=1e-9, reason=''))", "the tolerance has no reason"),
         ("values(double, ask={'x': 1.0}, truth=exact, agree=Tolerance(reason='a'))", "the tolerance has no number"),

@@ -195,7 +195,7 @@ def missing(x):
             up_to_zero,
             {"n": integers(3, 9)},
             lambda n: np.arange(n + 1)[::-1],
-            r"the right solution returns numbers of shape \(\d,\) for one ",
+            r"up_to_zero must return shape \(\d+,\); it returned shape \(\d+,\); shape and type must be the same",
         ),
         (
             double,
@@ -207,7 +207,7 @@ def missing(x):
             double,
             {"x": uniform(1, 2, 3)},
             lambda x: x[:2],
-            r"the truth does not return what .* shape \(3,\); it returned shape \(2,\)",
+            r"the truth does not answer as .* shape \(3,\); it returned shape \(2,\)",
         ),
         (
             double,
@@ -217,7 +217,7 @@ def missing(x):
         ),
         (word, {"x": uniform(1, 2)}, lambda x: "large", "word returned a str; a question compares numbers, booleans, and arrays"),
         (missing, {"x": uniform(1, 2)}, lambda x: x, "missing returned a value that is not finite"),
-        (double, {"x": uniform(1, 2)}, missing, "the truth does not return what .*: double returned a value that is not finite"),
+        (double, {"x": uniform(1, 2)}, missing, "the truth does not answer as .*: double returned a value that is not finite"),
     ],
 )
 def test_a_type_or_shape_that_cannot_be_asked_is_the_author_s_error(solution, ask, truth, reason):

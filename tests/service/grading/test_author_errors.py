@@ -238,7 +238,7 @@ notebook.exercise(
             "return 0.5 * x",
             "return [0.5 * x]",
             None,
-            "assignment.py line 18: question 1: ValueError: the truth does not return what the right solution returns for the "
+            "assignment.py line 18: question 1: ValueError: the truth does not answer as the right solution does for the "
             "first input: half must return a number; it returned shape (1,)",
         ),
         ("return 0.5 * x", "return 0.5 * y", None, "assignment.py line 12: NameError: name 'y' is not defined"),

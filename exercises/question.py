@@ -13,9 +13,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ecp import kinds
 from ecp.author_errors import AuthorError
 from ecp.checks import Arrays
-from ecp.kinds import asking, kind_module
+from ecp.kinds import asking
 from ecp.return_value import WrongAnswer
 from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
 from exercises.declared import ARGUMENTS, Draw, Family, Itself, Mistake, Value, tolerance_data
@@ -195,8 +196,7 @@ class Question:
         """
         asked = self.asked if part is None else self.asked | {"part": part}
         names = student if isinstance(student, Mapping) else {self.function: student}
-        answers: Arrays = kind_module(asked).play(asked, names, rows)
-        return answers
+        return kinds.play(asked, names, rows)
 
     @_located
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:

@@ -4,7 +4,8 @@ A question is a JSON document that an author's declaration produces: its ``kind`
 ``function``, its ``parameters`` and constant arguments, the values it ``returns``, and what the checks of
 its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
 each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
-public scene for each of them, with the part's name as ``question["part"]``. The sandbox, the server and
+public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student, row)``
+returns the arrays of one row, and ``part_checks(question, scene)`` its checks. The sandbox, the server and
 ``ecp.check`` use the same functions.
 """
 
@@ -18,6 +19,7 @@ from ecp.checks import Arrays, Check
 from ecp.exercise import Animation, Exercise, Figure
 from ecp.judge import Verdict
 from ecp.kinds import animation, expression, fit, ode, random, stepper, values, variables
+from ecp.kinds.asking import each
 from ecp.kinds.values import agreement
 from ecp.outcome import Diagnosis
 
@@ -41,14 +43,19 @@ def kind_module(question: Mapping[str, Any]) -> ModuleType:
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
     """Ask the question for every row and return the arrays by name, rows along the first index. Raises WrongAnswer."""
-    answers: dict[str, Any] = kind_module(question).play(question, student, rows)
+    module, part = kind_module(question), question.get("part")
+    answers: dict[str, Any] = (
+        each(rows, lambda row: module.PARTS[part](question, student, row)) if part else module.play(question, student, rows)
+    )
     return answers
 
 
 def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> list[Check]:
     """Return the checks of a question for one of its scenes."""
-    asked = {**question, "id": f"{question['id']}-new"} if hidden else question
-    found: list[Check] = kind_module(question).checks(asked, scene, NEW_INPUTS if hidden else "")
+    asked, module = {**question, "id": f"{question['id']}-new"} if hidden else question, kind_module(question)
+    found: list[Check] = (
+        module.part_checks(asked, scene) if question.get("part") else module.checks(asked, scene, NEW_INPUTS if hidden else "")
+    )
     return found
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ecp.exercise import Figure
 from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array, wrong_value
 
 MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
@@ -160,6 +161,12 @@ def split(names: Sequence[str], like: Mapping[str, Any], y: NDArray[np.float64])
 def describe(question: Mapping[str, Any], seen: Mapping[str, Any], row: int) -> str:
     """Return the drawn arguments of one row as text: "M = 0.3, e = 0.5"."""
     return ", ".join(f"{name} = {_short(seen[f'at_{name}'][row])}" for name in question["drawn"])
+
+
+def part_figure(question: Mapping[str, Any], part: str, title: str, alt: str, draw: Callable[..., None]) -> list[Figure]:
+    """Return the figure of a part of the question, none if it has no such part."""
+    name = f"{question['id']}-{part}"
+    return [Figure(name, title, alt, (name,), draw)] if part in question["parts"] else []
 
 
 def _number_array(value: Any, spec: Mapping[str, Any], name: str, is_returned: bool) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ Part "motion": the motion from each row's state at t = 0, the quantities that it
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,8 +18,8 @@ from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.exercise import Figure
 from ecp.judge import Judgement
-from ecp.kinds import values
-from ecp.kinds.asking import arguments, describe, each, each_row, expression, flat, restart, returned, split, stacked
+from ecp.kinds.asking import arguments, describe, each_row, expression, flat, part_figure, restart, returned, split, stacked
+from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 from ecp.return_value import WrongAnswer
 
@@ -27,45 +27,39 @@ SOLVER, RTOL, TIMES = "DOP853", 1e-11, 201
 TIMED = 500
 
 
-def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values at the points, the ``motion`` (rows, d, TIMES), or the motions of the sweep."""
-    if question.get("part") is None:
-        return values.play(question, student, rows)
-    function, follow = student[question["function"]], {"motion": _motion, "sweep": _sweep}[question["part"]]
-    return each(rows, lambda row: follow(question, function, row))
-
-
 def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
     """Return the times of the motion (TIMES,)."""
     return np.linspace(0.0, question["t_end"], TIMES)
 
 
-def _motion(question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    run = _integrated(question, function, row, (SOLVER, RTOL), [0])
+def _motion(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the ``motion`` (d, TIMES) of a row."""
+    run = _integrated(question, student, row, (SOLVER, RTOL), [0])
     if not run.success:
         raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g}: {run.message}")
     return {"motion": run.y}
 
 
-def _sweep(question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
+def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row's motion with each of the settings, the calls and seconds it took, and the seconds of one call."""
     given, runs, each = arguments(question, row), [], []
     for setting in question["settings"]:
         motion, calls, began = np.full((np.size(given[question["state"]]), TIMES), np.nan), [0], time.perf_counter()
         try:
-            run = _integrated(question, function, row, setting, calls)
+            run = _integrated(question, student, row, setting, calls)
             motion[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not
         runs.append({"motion": motion, "calls": float(calls[0]), "seconds": time.perf_counter() - began})
     for _ in range(TIMED):
         began = time.perf_counter()
-        function(*given.values())
+        student[question["function"]](*given.values())
         each.append(time.perf_counter() - began)
     return stacked(runs) | {"per_call": np.median(each)}
 
 
 def _integrated(
-    question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any], setting: tuple[Any, float], calls: list[int]
+    question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any], setting: tuple[Any, float], calls: list[int]
 ) -> Any:
     """Return the run of scipy's solver; counts the calls of the student's function in ``calls``."""
     given, name, most = arguments(question, row), question["function"], question["most_calls"]
@@ -78,7 +72,7 @@ def _integrated(
         restart(given)
         at = {**given, question["time"]: float(t), **split(state, given, y)}
         try:
-            return returned(question, function(*(at[parameter] for parameter in question["parameters"])))[value].ravel()
+            return returned(question, student[name](*(at[parameter] for parameter in question["parameters"])))[value].ravel()
         except WrongAnswer as error:
             raise WrongAnswer(error.code, f"{error} (at t = {t:.3g} of the integration)") from None
 
@@ -97,10 +91,11 @@ def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, An
     return got[..., : want.shape[-2], :], want, np.broadcast_to(scale, want.shape)
 
 
-def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
-    """Return the checks of the points, or those of the motion: the exact one, and each conserved quantity."""
-    if question.get("part") is None:
-        return values.checks(question, scene, suffix)
+PARTS = {"motion": _motion, "sweep": _sweep}
+
+
+def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
+    """Return the checks of the motion: the exact one, and each conserved quantity."""
     tolerance, name, id = Tolerance(**question["follow"]), question["function"], question["id"]
 
     def follows(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
@@ -144,6 +139,6 @@ def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
         axes.set(xlabel=question["time"], ylabel=question["state"], title=_at_start(question, seen[0], 0))
         axes.legend(loc="upper right")
 
-    name, function = f"{question['id']}-motion", question["function"]
+    function = question["function"]
     alt = f"The components of the motion that {function} drives against time, with the exact ones dotted."
-    return [Figure(name, f"The motion of {function}", alt, (name,), draw)] if "motion" in question["parts"] else []
+    return part_figure(question, "motion", f"The motion of {function}", alt, draw)

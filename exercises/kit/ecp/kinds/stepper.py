@@ -15,8 +15,8 @@ from ecp import judge
 from ecp.checks import Arrays, Check, close
 from ecp.exercise import Figure
 from ecp.judge import Judgement
-from ecp.kinds import values
-from ecp.kinds.asking import arguments, call, each, flat, restart, returned, split
+from ecp.kinds.asking import arguments, call, flat, part_figure, restart, returned, split
+from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
@@ -24,14 +24,6 @@ FIRST, HALVINGS = 4, 6
 ROUNDING, CONVERGING = 1e-13, 0.1  # relative errors below are those of rounding and of the truth; above, of an unstable run
 SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the stability limit is searched
 GROWTH = 1e-6  # of one step: a smaller one is rounding
-
-
-def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of one step, or the states ``ends`` (rows, runs, FIRST, d), or the ``limit`` of stability."""
-    if question.get("part") is None:
-        return values.play(question, student, rows)
-    measure = {"order": _ends, "stability": _limit}[question["part"]]
-    return each(rows, lambda row: measure(question, student, row))
 
 
 def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[str, Any]) -> dict[str, Any]:
@@ -44,6 +36,7 @@ def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[s
 
 
 def _ends(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the states ``ends`` (runs, FIRST, d) at the ends of the first steps."""
     time, step, runs = question["time"], question["step"], []
     for doubled in range(HALVINGS + 1):
         given, states = arguments(question, row), []
@@ -102,11 +95,12 @@ def observed_order(found: Array) -> float | None:
     return float(np.median(slopes)) if len(used) >= 3 else None
 
 
-def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
-    """Return the checks of the values at points, or that of the order, or that of the stability limit."""
-    part, function = question.get("part"), question["function"]
-    if part is None:
-        return values.checks(question, scene, suffix)
+PARTS = {"order": _ends, "stability": _limit}
+
+
+def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
+    """Return the check of the order, or that of the stability limit."""
+    part, function = question["part"], question["function"]
     wanted, allowed = question[part]
     tolerance, id = Tolerance(**allowed), f"{question['id']}-{part}"
     if part == "stability":
@@ -130,8 +124,6 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
 
 def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
     """Return the figure of error against step, with the slope of the order."""
-    if "order" not in question.get("parts", ()):
-        return []
 
     def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:
         found, p = errors(seen[0]["ends"], truth[0]["ends"]), question["order"][0]
@@ -141,6 +133,6 @@ def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
         axes.set(xlabel=f"{question['step']} / that of the question", ylabel="error / size of the state")
         axes.legend()
 
-    name, function = f"{question['id']}-order", question["function"]
+    function = question["function"]
     alt = f"The error of {function} against the step, both logarithmic, with the slope of its order dotted."
-    return [Figure(name, f"The convergence of {function}", alt, (name,), draw)]
+    return part_figure(question, "order", f"The convergence of {function}", alt, draw)

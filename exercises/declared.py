@@ -27,45 +27,37 @@ class Rule:
     """What a value must be besides its type; ``text`` continues the sentence "it must be"."""
 
     text: str
-    holds: Callable[[Any], bool]
+    test: Callable[[Any], Any]
 
-
-def _parses(text: str) -> bool:
-    try:
-        ast.parse(text, mode="eval")
-    except (SyntaxError, ValueError):
-        return False
-    return True
+    def holds(self, value: Any) -> bool:
+        """Return whether the test is true and raises nothing that a wrong value causes."""
+        try:
+            return bool(self.test(value))
+        except (TypeError, ValueError, SyntaxError):
+            return False
 
 
 def _is_named(function: Callable[..., Any]) -> bool:
-    try:
-        parameters = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):
-        return False
-    return all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in parameters)
+    return all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(function).parameters.values())
 
 
-def _numbers(kinds: str, holds: Callable[[Any], Any] = np.isfinite) -> Callable[[Any], bool]:
-    """Return whether a value is a number or an array, with a dtype of one of the ``kinds``, whose numbers all hold."""
+def _is_numeric(value: Any) -> bool:
+    array = np.asarray(value)
+    return array.dtype.kind in "fiu" and array.size > 0 and bool(np.all(np.isfinite(array)))
 
-    def is_such(value: Any) -> bool:
-        try:
-            array = np.asarray(value)
-        except ValueError:  # a ragged list
-            return False
-        return array.dtype.kind in kinds and array.size > 0 and bool(np.all(holds(array)))
 
-    return is_such
+def _is_argument(value: Any) -> bool:
+    array = np.asarray(value)
+    return array.dtype.kind in ARGUMENTS and array.size > 0
 
 
 Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
 Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
 Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
-Numbers = Annotated[Any, Rule("a real number or an array of real numbers", _numbers("fiu"))]
-Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", _numbers("fiu", lambda a: (a > 0) & (a < np.inf)))]
+Numbers = Annotated[Any, Rule("a real number or an array of real numbers", _is_numeric)]
+Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", lambda a: _is_numeric(a) and np.min(a) > 0)]
 Text = Annotated[str, Rule("a text that is not empty", str.strip)]
-Expression = Annotated[str, Rule("an expression", _parses)]
+Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
 Named = Annotated[Callable[..., Any], Rule("a function whose parameters have names", _is_named)]
 Points = Annotated[int, Rule(f"an integer from 1 to {MOST_POINTS}", lambda n: 1 <= n <= MOST_POINTS)]
 UpTo = Annotated[str, Rule(f"one of: {', '.join(UP_TO)}", UP_TO.__contains__)]
@@ -74,9 +66,7 @@ Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", l
 Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
 
 
-Asked = Annotated[
-    Any, Rule("a real number, a string, an array of real numbers, a draw or a family", _numbers(ARGUMENTS, lambda a: True))
-]
+Asked = Annotated[Any, Rule("a real number, a string, an array of real numbers, a draw or a family", _is_argument)]
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def expression(
         kind="expression",
         solution=solution,
         ask=ask,
-        values=named_values(agree, label or (f"{variable} is right" if variable else None)),
+        values=named_values(agree, label),
         truth=truth if isinstance(truth, Itself) else _numeric(truth, symbols),
         variables=(variable,) if variable else (),
         data={"symbols": {name: dict(value.assumptions) for name, value in symbols.items()}, "complex": True},

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+from ecp import kinds
+from ecp.drawing import draw
 from ecp.kinds import stepper as kit
 from exercises.author import Tolerance, family, uniform
 from exercises.kinds.stepper import euler, heun, midpoint, rk4, stepper
@@ -184,3 +186,14 @@ def test_an_exception_of_every_step_is_not_a_stability_limit(toolbox):
     question = question_of(toolbox, "rk4_step")
     with pytest.raises(ValueError, match="no step"):
         question.play(broken, question.draw(np.random.default_rng(0), 1), "stability")
+
+
+@pytest.mark.parametrize(("function", "texts"), [("rk4_step", ["rk4_step", "order 4"]), ("oscillator", ["y[0]", "y[1]", "exact"])])
+def test_the_figure_of_a_part_shows_the_exact_beside_the_student_s(toolbox, function, texts):
+    question = question_of(toolbox, function)
+    (figure,) = kinds.exercise("1", "One", [question.document], True).figures
+    (scene,) = [scene for scene in question.scenes() if (scene.name,) == figure.scenes]
+    truth = scene.truth(scene.inputs)
+    seen = question.play(question.student, scene.inputs, scene.question["part"]) | {name: truth[name] for name in scene.known}
+    drawn = draw(figure, [seen], [truth], "svg").decode()
+    assert all(f">{text}<" in drawn for text in texts)

@@ -9,7 +9,7 @@ import pytest
 
 from ecp.author_errors import AuthorError
 from ecp.judge import RowsRight, Verdict
-from ecp.kinds.values import compare, credited
+from ecp.kinds.values import agreement, credited
 from ecp.outcome import Tolerance
 from exercises.author import integers, uniform
 from exercises.kinds.values import values
@@ -90,10 +90,10 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
 
 def test_a_row_is_right_for_partial_credit_if_the_whole_check_would_accept_it():
     """A limit is relative to the largest number of all rows, also for a row that is judged alone."""
-    want, limit = np.array([1e-3, 1.0, 0.5]), Tolerance(limit=1e-3, reason="rounding")
+    want, limit = np.array([1e-3, 1.0, 0.5]), {"tolerance": {"limit": 1e-3, "reason": "rounding"}}
     got = np.array([1.5e-3, 2.0, 0.5])
-    found = credited({"partial": True}, lambda given: compare(given, want, limit), got, want)
-    assert found.partial == RowsRight(2, 3) and credited({}, lambda given: compare(given, want, limit), got, want).partial is None
+    found = credited({"partial": True}, lambda given: agreement(limit, given, want), got, want)
+    assert found.partial == RowsRight(2, 3) and credited({}, lambda given: agreement(limit, given, want), got, want).partial is None
 
 
 def test_answers_that_differ_between_runs_earn_no_partial_credit(toolbox, sandbox):
@@ -123,10 +123,10 @@ def test_several_values_may_come_in_one_array(toolbox):
 
 @pytest.mark.parametrize("exact", [[[1.0, 2.0], [1e-9, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], ids=["one row cancels", "all are zero"])
 def test_rounding_errors_are_relative_to_the_largest_number(exact):
-    tolerance = Tolerance(limit=1e-13, reason="rounding")
+    limit = {"tolerance": {"limit": 1e-13, "reason": "rounding"}}
     want = np.array(exact)
-    assert compare(want + 1e-16, want, tolerance).verdict is Verdict.PASS
-    assert compare(want + 1e-12, want, tolerance).verdict is Verdict.FAIL
+    assert agreement(limit, want + 1e-16, want).verdict is Verdict.PASS
+    assert agreement(limit, want + 1e-12, want).verdict is Verdict.FAIL
 
 
 TYPES = """

@@ -128,7 +128,7 @@ def _at_start(question: Mapping[str, Any], seen: Arrays, row: int) -> str:
     return describe({**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}, seen, row)
 
 
-def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+def figures(question: Mapping[str, Any]) -> list[Figure]:
     """Return the figure of the first motion beside the exact one."""
 
     def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:

@@ -122,7 +122,7 @@ def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
     return [Check(id, f"{function} converges with order {wanted:g}", (scene,), word, tolerance)]
 
 
-def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+def figures(question: Mapping[str, Any]) -> list[Figure]:
     """Return the figure of error against step, with the slope of the order."""
 
     def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:

@@ -47,7 +47,7 @@ def value_check(
 ) -> Check:
     """Return the check that one returned ``value`` equals the exact one, up to what the value leaves open.
 
-    A ``limit`` is relative to ``scale(truth)``, or see ``compare``.
+    A ``limit`` is relative to ``scale(truth)``, or see ``agreement``.
     """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
@@ -84,16 +84,12 @@ def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got
 
 
 def agreement(value: Mapping[str, Any], got: Any, want: Any, scale: Any = None) -> Judgement:
-    """Judge a returned ``value`` against the exact one, up to what it leaves open."""
-    return compare(aligned(got, want, value.get("up_to")), want, Tolerance(**value["tolerance"]), scale)
-
-
-def compare(got: Any, want: Any, tolerance: Tolerance, scale: Any = None) -> Judgement:
-    """Judge values against exact ones, rows along the first index.
+    """Judge a returned ``value`` against the exact one, rows along the first index, up to what it leaves open.
 
     ``limit`` is relative to ``scale``, or to the largest exact number of all rows, or 1 if all are zero: where terms cancel in one
     row, rounding errors are those of the terms. ``rtol`` and ``atol`` hold for each number alone.
     """
+    tolerance, got = Tolerance(**value["tolerance"]), aligned(got, want, value.get("up_to"))
     if tolerance.limit is None:
         return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
     return judge.within(got, want, np.abs(want).max() or 1.0 if scale is None else scale, tolerance.limit)

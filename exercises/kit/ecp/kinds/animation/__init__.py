@@ -37,9 +37,10 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     return found + [_follows(question, name, scene, f"{id}-{name}", suffix) for name in question["follow"]]
 
 
-def animations(question: Mapping[str, Any], scene: str) -> list[Animation]:
+def animations(question: Mapping[str, Any]) -> list[Animation]:
     """Return the contact sheet of the student's animation."""
     alt = "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames."
+    scene = question["scenes"]["public"]
     return [Animation(scene, f"Your animation by {question['function']}", alt, scene)]
 
 

@@ -1,39 +1,22 @@
 """What follows from the mistakes of a declaration: variants of the right solution that predict numbers, and samples."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ecp.judge import Verdict
 from exercises.mutation import variants
 from exercises.question import Question
 from exercises.samples import codes
-
-
-@dataclass(frozen=True)
-class Variant:
-    """A wrong solution: its whole source, and the diagnosis of a submission that returns the same numbers.
-
-    ``declared`` variants are the author's mistakes; a mistake without a code has no diagnosis. The others change one node of the
-    right solution.
-    """
-
-    source: str
-    code: str | None
-    sentence: str
-    declared: bool
+from exercises.solution import Variant
 
 
 def variants_of(question: Question, before: str) -> list[Variant]:
-    """Return the right solution itself, then each mistake and each one-node change of it, behind the source ``before``."""
-
-    def variant(source: str, code: str | None, sentence: str, declared: bool) -> Variant:
-        return Variant(f"{before}\n\n{source}", code, sentence, declared)
-
+    """Return the right solution itself, then each mistake and each one-place change of it, behind the source ``before``."""
     right = question.source
-    declared = [variant(m.source(right), m.code, m.sentence, True) for m in question.mistakes]
-    made = [variant(v.source, v.code, v.sentence, False) for v in variants(right, question.function)]
-    return [variant(right, None, "", True), *declared, *made]
+    declared = [Variant("", "", right), *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes)]
+    made = [*(replace(v, declared=True) for v in declared), *variants(right, question.function)]
+    return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from ecp.checks import Arrays
 from ecp.kinds import diagnose, reproduces
 from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Scene
-from exercises.mistakes import Variant
+from exercises.solution import Variant
 from service.grading.crosscheck import PlayedJob
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits

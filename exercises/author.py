@@ -145,7 +145,7 @@ class Notebook:
             ),
             variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
-            made_samples=lambda: made_samples(self._numbered()),
+            made_samples=lambda: made_samples(self._numbered(), folder / self.notebook if self.notebook else None),
             questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
         )
 

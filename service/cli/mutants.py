@@ -1,14 +1,14 @@
 """The strength of an assignment's checks: wrong functions graded in the sandbox, and which sets of checks accept them."""
 
-import functools
+import contextlib
 import importlib
 import itertools
 import multiprocessing
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from ecp.judge import Verdict
 from ecp.outcome import Outcome
@@ -16,8 +16,12 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.solution import Variant
 from service.grading import grader
+from service.grading.grade import draw_inputs, job_of
+from service.grading.reproduction import play_variants
 from service.grading.submission import Submission
-from service.sandbox.select import choose
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose, with_packages
+from service.sandbox.time_budget import TimeLimits
 from service.settings import Settings
 
 SEED = 1
@@ -25,7 +29,9 @@ POLHODE = "polhode"
 """Name of the full set of checks, next to the author's sets."""
 
 
-EQUAL = 1000.0  # a margin: numbers that differ by a thousandth of what a check allows are those of the right solution
+LIMITS = TimeLimits(cpu_s=3600, wall_s=7200)  # of a scene with all variants of a question
+EQUAL, SIMILAR = 1000.0, 3.0
+"""Numbers are right that deviate by a thousandth of what a check allows, or by three times as much as those of the solution."""
 
 
 class NoMutants(LookupError):
@@ -49,57 +55,57 @@ class MutantResult:
         return self.wrong == (POLHODE in self.accepted)
 
 
-class _Asked(NamedTuple):
-    """A mutant, the exercises to grade, and what its report means."""
-
-    mutant: Variant
-    exercises: list[str]
-    result: Callable[[Report], MutantResult | None]
-
-
 def grade_mutants(assignment: Assignment, most: int | None = None) -> Iterator[MutantResult]:
-    """Yield the result of each mutant (of the first ``most``), graded by one process per core.
+    """Yield the result of each mutant (of the first ``most``).
 
-    The mutants are those of the assignment's mutants.py, or the generated variants of every question of a declaration.
-    Raises NoMutants if the assignment has neither.
+    The mutants are those of the assignment's mutants.py, graded by one process per core, or the generated variants of every
+    question of a declaration, judged by the checks of that question. Raises NoMutants if the assignment has neither.
     """
-    asked = list(itertools.islice(_declared(assignment) if assignment.questions else _of_file(assignment), most))
     isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
-        jobs = [pool.submit(grader.grade_one, Submission(one.mutant.source), assignment.slug, one.exercises, SEED) for one in asked]
-        for one, job in zip(asked, jobs, strict=True):
-            if result := one.result(job.result()[0]):
-                yield result
-
-
-def _of_file(assignment: Assignment) -> Iterator[_Asked]:
+    if assignment.questions:
+        with contextlib.closing(Sandbox(with_packages(isolation, assignment.packages))) as sandbox:
+            yield from itertools.islice(_declared(assignment, sandbox), most)
+        return
     if not (assignment.folder / "mutants.py").is_file():
         raise NoMutants(f"{assignment.folder} has no mutants.py")
     source = importlib.import_module(f"exercises.{assignment.folder.name}.mutants")
-    for mutant in source.mutants():
-        yield _Asked(mutant, list(source.EXERCISES), functools.partial(_result, mutant, source))
+    mutants = list(source.mutants())[:most]
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
+        asked = [
+            pool.submit(grader.grade_one, Submission(m.source), assignment.slug, list(source.EXERCISES), SEED) for m in mutants
+        ]
+        for mutant, job in zip(mutants, asked, strict=True):
+            yield _result(mutant, source, job.result()[0])
 
 
-def _declared(assignment: Assignment) -> Iterator[_Asked]:
-    """Yield the right solution of each question, which gives no result, and its generated variants."""
-    for number, questions in assignment.questions.items():
-        for id in [question["id"] for question in questions]:
-            scenes = {s.name for s in assignment.scenes if s.question is not None and s.question["id"] == id}
-            checks = {check.id for check in assignment.checks() if scenes.issuperset(check.scenes)}
-            right: dict[str, Outcome] = {}
-            for mutant in [one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared]:
-                yield _Asked(mutant, [number], functools.partial(_declared_result, mutant, checks, right))
+def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:
+    for id in [question["id"] for questions in assignment.questions.values() for question in questions]:
+        right, *variants = [one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared]
+        scenes = [s for s in assignment.scenes if s.question is not None and s.question["id"] == id]
+        inputs = {s.name: draw_inputs(s, SEED) for s in scenes}
+        job = job_of(Submission(""), assignment, scenes, inputs)
+        outcomes: dict[Variant, dict[str, Outcome]] = {variant: {} for variant in (right, *variants)}
+        for scene in scenes:
+            exact = scene.truth(inputs[scene.name])
+            known = {name: exact[name] for name in scene.known}
+            checks = [check for check in assignment.checks() if check.scenes == (scene.name,)]
+            found = play_variants(job, scene.name, list(outcomes), sandbox, budget_s=scene.budget_s, limits=LIMITS)
+            for variant, arrays in found.items():
+                outcomes[variant] |= {check.id: check.judge([{**arrays, **known}], [exact]) for check in checks}
+        for variant in variants:
+            yield _declared_result(variant, outcomes[variant], outcomes[right])
 
 
-def _declared_result(mutant: Variant, checks: set[str], right: dict[str, Outcome], report: Report) -> MutantResult | None:
-    outcomes = [o for o in report.outcomes() if o.id in checks]
-    if not right:
-        right.update({o.id: o for o in outcomes})
-        return None
-    accepted = all(o.verdict is Verdict.PASS for o in outcomes)
-    equal = all(o.measured == right[o.id].measured or (o.margin or EQUAL) >= EQUAL for o in outcomes)
-    measured = any(o.verdict is Verdict.FAIL for o in outcomes) or accepted
-    return MutantResult(mutant, not (accepted and equal), frozenset([POLHODE] if accepted else []), measured)
+def _declared_result(mutant: Variant, outcomes: Mapping[str, Outcome], right: Mapping[str, Outcome]) -> MutantResult:
+    def is_right(outcome: Outcome) -> bool:
+        deviation = abs((outcome.measured or 0.0) - (outcome.expected or 0.0))
+        solution = abs((right[outcome.id].measured or 0.0) - (outcome.expected or 0.0))
+        return deviation <= SIMILAR * solution or (outcome.margin or EQUAL) >= EQUAL
+
+    accepted = outcomes.keys() == right.keys() and all(o.verdict is Verdict.PASS for o in outcomes.values())
+    failed = any(o.verdict is Verdict.FAIL for o in outcomes.values())
+    equal = accepted and all(map(is_right, outcomes.values()))
+    return MutantResult(mutant, not equal, frozenset([POLHODE] if accepted else []), accepted or failed)
 
 
 def kill_rate(found: Sequence[MutantResult]) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 from ecp.notebook.cells import DEFINITION, python_of, statements_of
 
-SOLUTION = "solution"  # tag of a cell that students must not see
+SOLUTION, INSTALL = "solution", "install"  # tags of cells that students must not see, and that install the kit
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _HEADING = re.compile(r"^(#{1,6})[ \t]+(.+?)[ \t#]*$", re.MULTILINE)
 _SETUP = re.compile(r"[\d.\s]*setup\W*", re.IGNORECASE)
@@ -102,7 +102,7 @@ def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[st
 def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
     """Return the Setup as Python without magics: the code under the heading "Setup", else the code before the first solution.
 
-    It ends at the next heading of that level and never contains a solution, one of the ``names``.
+    It ends at the next heading of that level and contains neither a solution, one of the ``names``, nor the kit's installation.
     """
     marked = [(at, level) for at, cell in enumerate(cells) for level, text in cell.headings if _SETUP.fullmatch(text)]
     start, level = marked[0] if marked else (-1, 0)
@@ -110,7 +110,7 @@ def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
     for cell in cells[start + 1 :]:
         if cell.is_solution(names) or any(other <= level for other, _ in cell.headings):
             break
-        taken += [python_of(cell.source) or ""] if cell.kind == "code" else []
+        taken += [python_of(cell.source) or ""] if cell.kind == "code" and INSTALL not in cell.tags else []
     return "\n\n".join(text.strip("\n") for text in taken) + "\n"
 
 

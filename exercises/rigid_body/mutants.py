@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 import reference
+from exercises.catalogue import find
 from exercises.mutation import variants
 from exercises.solution import Variant
 
@@ -63,7 +64,7 @@ def differs(source: str) -> bool:
     moments = np.array([reference.box_moments(1.0, *box) for box in boxes])
     spins = rng.normal(size=(POINTS, 3)) * 10 ** rng.uniform(-3.0, 3.0, (POINTS, 1))
     names: dict[str, Any] = {}
-    exec((Path(__file__).parent / "setup.py").read_text(), names)
+    exec(find("rigid-body").setup, names)
     before = signal.signal(signal.SIGALRM, _ring)
     signal.alarm(PATIENCE)
     try:

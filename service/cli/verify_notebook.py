@@ -73,7 +73,8 @@ def _statements(assignment: Assignment) -> Iterator[dict[str, Any]]:
 
     A student's cell of a solution also sets the names that later cells read: the author's statements do that here.
     """
-    names, solved = assignment.functions(), False
+    asked = [question for questions in assignment.questions.values() for question in questions]
+    names, solved = {name for question in asked for name in question["variables"] or [question["function"]]}, False
     own = next((sample.source for sample in assignment.made_samples() if sample.is_notebook), None)
     cells = author_notebook.parse(own or wheel.notebook(assignment, "http://127.0.0.1", "kit").decode())
     for number, cell in enumerate((cell for cell in cells if cell.kind == "code"), 1):

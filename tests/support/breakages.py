@@ -99,7 +99,7 @@ RIGID_BODY = [
         "exercises/rigid_body/public/tolerance.py",
         "SAFETY = 10.0",
         "SAFETY = 100.0",
-        ("tests/exercises/rigid_body/test_random_motions.py::test_the_tolerance_is_the_product_it_says",),
+        ("tests/exercises/rigid_body/test_draws.py::test_the_tolerance_is_the_product_it_says",),
     ),
     Breakage(
         "the tolerance of the pointwise check is ten times as large",

@@ -49,6 +49,7 @@ def doubling(tmp_path, sandbox):
     return run
 
 
+@pytest.mark.slow
 def test_only_the_server_has_a_reference(toolbox_samples, sandbox):
     assignment, samples = toolbox_samples
     reports = {one.name: grade(Submission(one.source), assignment, sandbox, 1, one.ask).report for one in samples}
@@ -72,6 +73,7 @@ def test_right_and_wrong_solutions_get_the_verdicts_of_the_server(doubling):
     assert found == {"right_all.py": [], "wrong_1_1_constant_factor.py": []}
 
 
+@pytest.mark.slow
 def test_another_verdict_than_the_servers_is_reported(doubling):
     found = doubling(SETUP, SOLUTION, swapped=True)
     assert ["✓  double is right" in line and "on the server: ✗" in line for line in found["right_all.py"]] == [True]

@@ -167,7 +167,7 @@ class Notebook:
             ),
             variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
-            made_samples=lambda: made_samples(self._numbered()),
+            made_samples=lambda: made_samples(self._numbered(), folder / self.notebook if self.notebook else None),
             questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.own is None},
             **{name: function for name, function in given.items() if function is not None},
         )

@@ -41,21 +41,20 @@ def _is_named(function: Callable[..., Any]) -> bool:
     return all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(function).parameters.values())
 
 
-def _is_numeric(value: Any) -> bool:
+def is_numeric(value: Any, kinds: str = "fiu") -> bool:
+    """Return whether a value is a finite number or a non-empty array of them, of a dtype of these ``kinds``."""
     array = np.asarray(value)
-    return array.dtype.kind in "fiu" and array.size > 0 and bool(np.all(np.isfinite(array)))
+    return array.dtype.kind in kinds and array.size > 0 and bool(np.all(np.isfinite(array)))
 
 
 def _is_argument(value: Any) -> bool:
-    array = np.asarray(value)
-    return array.dtype.kind in ARGUMENTS and array.size > 0
+    return np.asarray(value).dtype.kind in ARGUMENTS
 
 
 Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
 Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
 Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
-Numbers = Annotated[Any, Rule("a real number or an array of real numbers", _is_numeric)]
-Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", lambda a: _is_numeric(a) and np.min(a) > 0)]
+Numbers = Annotated[Any, Rule("a finite number or an array of such numbers", lambda a: is_numeric(a, "fiubc"))]
 Text = Annotated[str, Rule("a text that is not empty", str.strip)]
 Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
 Named = Annotated[Callable[..., Any], Rule("a function whose parameters have names", _is_named)]

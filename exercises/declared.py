@@ -17,7 +17,14 @@ from ecp.kinds.alignment import UP_TO
 from ecp.outcome import Tolerance
 
 ARGUMENTS = "fiubU"  # kinds of dtype
-SHORT = reprlib.Repr()
+
+
+class _Short(reprlib.Repr):
+    def repr_Tolerance(self, value: Tolerance, level: int) -> str:
+        return f"Tolerance({', '.join(f'{name}={self.repr(given)}' for name, given in tolerance_data(value).items())})"
+
+
+SHORT = _Short()
 SHORT.maxother = SHORT.maxstring = 90
 Draw = Callable[[np.random.Generator], Any]
 
@@ -65,7 +72,7 @@ Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", l
 Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
 
 
-Asked = Annotated[Any, Rule("a real number, a string, an array of real numbers, a draw or a family", _is_argument)]
+Asked = Annotated[Any, Rule("a real number, a string, or an array of them", _is_argument)]
 
 
 @dataclass(frozen=True)
@@ -77,7 +84,7 @@ class Family:
     given: Mapping[str, Draw | Asked]
 
 
-Ask = Mapping[str, Family | Draw | Asked]
+Ask = Annotated[Mapping[str, Family | Draw | Asked], Rule("a dict of arguments by name", lambda ask: True)]
 
 
 @dataclass(frozen=True)
@@ -196,22 +203,13 @@ def _text(hint: Any) -> str:
     if rules or kind in WORDS:
         return rules[-1].text if rules else WORDS[kind]
     if kind in UNIONS:
-        return " or ".join(map(_text, of))
+        return " or ".join(_text(one) for one in of if one is not NoneType)
     if kind in (tuple, Sequence):
         return f"a list of {_text(of[0])}" if kind is Sequence or ... in of else f"({', '.join(map(_text, of))})"
-    return f"a dict of {_text(of[1])}" if kind is Mapping else f"{kind.__name__}(…)"
+    if kind is Mapping:
+        return f"a dict of {_text(of[1])}"
+    return f"{kind.__name__ if kind in (Tolerance, Value) else kind.__name__.lower()}(…)"
 
 
 UNIONS = (typing.Union, UnionType)
-WORDS = {
-    Any: "anything",
-    Callable: "a function",
-    str: "a string",
-    int: "an integer",
-    float: "a number",
-    bool: "True or False",
-    NoneType: "None",
-    Mistake: "mistake(…)",
-    Itself: "itself(…)",
-    Family: "family(…)",
-}
+WORDS = {Callable: "a function", str: "a string", int: "an integer", float: "a number", bool: "True or False", Any: "anything"}

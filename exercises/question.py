@@ -65,7 +65,7 @@ class Question:
     checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
     ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
     scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy. ``wrong`` are the errors of
-    arguments of a wrong type, without which the others cannot be relied on.
+    arguments of a wrong type, by their names.
     """
 
     kind: str
@@ -85,7 +85,7 @@ class Question:
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     uses: Sequence[Callable[..., Any]] = ()
-    wrong: tuple[str, ...] = ()
+    wrong: Mapping[str, Sequence[str]] = field(default_factory=dict)
     line: int = 0
     id: str = ""
 

@@ -179,10 +179,12 @@ def _mutants(arguments: argparse.Namespace) -> int:
     from exercises.assignment import InvalidAssignment, NoAssignment
     from exercises.catalogue import find
     from service.cli.mutants import NoMutants, grade_mutants, kill_rate, table
+    from service.sandbox.result import SystemFault
+    from service.sandbox.select import IsolationUnavailable
 
     try:
         results = list(grade_mutants(find(arguments.assignment), arguments.most))
-    except (InvalidAssignment, NoAssignment, NoMutants) as error:
+    except (InvalidAssignment, NoAssignment, NoMutants, SystemFault, IsolationUnavailable) as error:
         print(f"polhode: cannot grade mutants: {error}", file=sys.stderr)
         return 2
     print(table(results), kill_rate(results), sep="\n")

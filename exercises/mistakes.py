@@ -17,7 +17,7 @@ def variants_of(question: Question, before: str) -> list[Variant]:
     """Return the right solution itself, then each mistake and each one-place change of it, behind the source ``before``."""
     right = question.source
     declared = [Variant("", "", right), *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes)]
-    made = [*(replace(v, declared=True) for v in declared), *variants(right, question.function)]
+    made = [*(replace(v, declared=True) for v in declared), *variants(right)]
     return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
 
 

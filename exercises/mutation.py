@@ -28,15 +28,14 @@ COMMUTATIVE = "min,max,minimum,maximum,hypot,allclose,isclose,isinstance,zip,ran
 Rule = Callable[[Solution, Any], Iterator[Variant]]
 
 
-def variants(source: str, function: str) -> list[Variant]:
-    """Return the wrong versions of ``function``, which ``source`` defines, in the order of its lines.
+def variants(source: str) -> list[Variant]:
+    """Return the wrong versions of a solution in the order of its lines.
 
-    They change what the function uses of the source, other than imports. No version equals the source
-    or another version up to rules of arithmetic; of equal ones the most common mistake stays.
+    No version equals the source or another version up to rules of arithmetic; of equal ones the most common mistake stays.
 
     Raises SyntaxError if the source is not valid Python.
     """
-    solution, found = Solution(source, function), {fingerprint(source): Variant("", "", source)}
+    solution, found = Solution(source), {fingerprint(source): Variant("", "", source)}
     for variant in (variant for rule in RULES for node in solution.nodes for variant in rule(solution, node)):
         with suppress(SyntaxError):
             found.setdefault(fingerprint(variant.source), variant)

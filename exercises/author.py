@@ -20,9 +20,10 @@ from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment, Scene, Sweep
 from exercises.author_notebook import Cell, InvalidNotebook
+from exercises.declared import Draw, Family, Itself, Mistake, Value
 from exercises.mistakes import made_samples, source_before, variants_of
 from exercises.publish import Section
-from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
@@ -68,7 +69,7 @@ def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> 
 
     ``code`` is a diagnosis code and ``sentence`` says what the student did. Without them the mistake is a sample only.
     """
-    return Mistake(old, new, code, sentence, calling_line())
+    return Mistake(old, new, code, sentence, sys._getframe(1).f_lineno)
 
 
 def itself(reason: str) -> Itself:

@@ -17,9 +17,9 @@ from ecp.kinds.animation.body import body_shown, momentum_shown
 from exercises.catalogue import assignments
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
+from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.mutants import mutants
 from exercises.rigid_body.public.common_checks import filmed
-from exercises.rigid_body.random_motions import DRAWN
 from service.grading.grade import draw_inputs, truth
 
 ASSIGNMENT = assignments()["rigid-body"]
@@ -89,7 +89,7 @@ def diagnosis() -> None:
     """Print the time of a diagnosis."""
     inputs, spent = draw_inputs(ASSIGNMENT.scene("probes"), 3), []
     for mutant in [
-        m for m in mutants() if m.kind in ("one mistake in one component", "two mistakes", "a mistake in all components")
+        m for m in mutants() if m.code in ("one mistake in one component", "two mistakes", "a mistake in all components")
     ]:
         names = {"np": np}
         exec(mutant.source, names)

@@ -18,7 +18,7 @@ from tests.support.toolbox import FOLDER, Toolbox, check_locally, mistaken, righ
 def symbolic():
     with known(FOLDER.parent / "symbolic") as catalogue:
         assert not catalogue.invalid
-        yield Toolbox(sys.modules["exercises.symbolic"].notebook, catalogue.valid["symbolic"])
+        yield Toolbox(sys.modules["exercises.symbolic.assignment"].notebook, catalogue.valid["symbolic"])
 
 
 @pytest.fixture(scope="module")

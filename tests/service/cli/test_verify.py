@@ -176,8 +176,7 @@ def test_every_error_of_the_expectations_is_told_and_nothing_is_graded(folder, c
 
 def test_what_cannot_be_graded_is_no_difference(folder, capsys):
     """A setup cell that fails is the author's: not one sample gets a verdict, and none an entry."""
-    with (folder / "setup.py").open("a") as setup:
-        setup.write("raise RuntimeError('no data file')\n")
+    change(folder / "assignment.py", 'notebook="notebook.ipynb"', 'setup="raise RuntimeError()"')
     (folder / "samples" / "expected.toml").unlink()
     assert verify(folder, "--only", "right_terms.py", "--write") == 2
     told = capsys.readouterr()

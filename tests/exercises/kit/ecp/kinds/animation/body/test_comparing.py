@@ -113,6 +113,7 @@ def assert_every_frame_rate_passes(totals):
     assert refused == []
 
 
+@pytest.mark.slow
 def test_any_number_of_frames():
     assert_every_frame_rate_passes((10, 11, 17, 30, 37, 50, 95, 97, 150, 193, 600))
 

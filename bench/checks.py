@@ -16,10 +16,10 @@ from ecp import animation_recording
 from exercises.catalogue import assignments
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
+from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.mutants import mutants
 from exercises.rigid_body.public.animation_checks import body_shown
 from exercises.rigid_body.public.momentum import momentum_shown
-from exercises.rigid_body.draws import DRAWN
 from service.grading.grade import draw_inputs, truth
 
 ASSIGNMENT = assignments()["rigid-body"]

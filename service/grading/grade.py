@@ -18,9 +18,11 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
+from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
+from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
 from service.sandbox.job import Job, SceneRequest
@@ -171,7 +173,9 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
     )
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
-    return Job(assignment.setup, assignment.plays, submission.cells(), functions, requests, variables=variables, data=data)
+    cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
+    load = {} if assignment.load_s is None else {"load_budget_s": assignment.load_s}
+    return Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data, **load)
 
 
 @functools.cache
@@ -248,6 +252,9 @@ def _judge(
     for check in exercise.applicable_checks(result.defined, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
+        if isinstance(check, ReportedLine):
+            outcomes.append(outcome)
+            continue
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
             if outcome.verdict is Verdict.PASS:
                 outcome = check.failed("the same questions in another order got different answers")
@@ -276,6 +283,8 @@ def _passes(assignment: Assignment, check: Check, played: PlayedJob, crossed: Cr
 
 
 def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:
+    if isinstance(check, ReportedLine):
+        return check.reported(result.reported.get((check.cell, check.place), ()), _cause_of_cell(check.cell, result))
     for scene in scenes:
         if not result.finished(scene.name):
             return check.unmeasured(_cause(scene, result))
@@ -292,6 +301,15 @@ def _cause(scene: Scene, result: PlayResult) -> str:
     if scene_end.ended is Ended.MISSING and (failed := _failed_cell(result)):
         return f"{scene_end.sentence}; {failed.scene} stopped with {failed.sentence}"
     return scene_end.sentence
+
+
+def _cause_of_cell(cell: str, result: PlayResult) -> str:
+    """Return why a published cell did not reach a line."""
+    if cell not in result.cells:
+        return "the cell did not reach this line, or your code stopped before"
+    failed = next(iter(result.cells.values()))
+    stopped = f"the validation cell stopped with {result.cells[cell].sentence}"
+    return stopped if failed.scene == cell else f"{stopped}; before it, {failed.scene} stopped with {failed.sentence}"
 
 
 def _failed_cell(result: PlayResult) -> SceneEnd | None:

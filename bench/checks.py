@@ -89,7 +89,7 @@ def diagnosis() -> None:
     """Print the time of a diagnosis."""
     inputs, spent = draw_inputs(ASSIGNMENT.scene("probes"), 3), []
     for mutant in [
-        m for m in mutants() if m.kind in ("one mistake in one component", "two mistakes", "a mistake in all components")
+        m for m in mutants() if m.code in ("one mistake in one component", "two mistakes", "a mistake in all components")
     ]:
         names = {"np": np}
         exec(mutant.source, names)

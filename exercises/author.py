@@ -91,7 +91,8 @@ def itself(reason: str) -> Itself:
 class Notebook:
     """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cells.
 
-    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and ``data`` are those of ``Assignment``.
+    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and ``data`` are those of
+    ``Assignment``.
 
     For exercises of the author's own (``own_exercise``): ``scenes`` are their scenes, played by functions of plays.py beside the
     file, and ``diagnose``, ``diagnose_function``, ``codes`` and ``sweep`` are those of ``Assignment``.
@@ -185,7 +186,9 @@ class Notebook:
             ),
             variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
-            made_samples=lambda: made_samples(self._numbered()),
+            made_samples=lambda: (
+                made_samples(self._numbered(), folder / self.notebook if self.notebook else None) if self.questions() else ()
+            ),
             questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.questions},
             **{name: function for name, function in given.items() if function is not None},
         )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ecp.notebook.cells import python_of, statements_of
+from ecp.notebook.cells import DEFINITION, python_of, statements_of
 
 SOLUTION, INSTALL = "solution", "install"  # tags of cells that students must not see, and that install the kit
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
@@ -61,12 +61,23 @@ def read(path: Path) -> list[Cell]:
         missing = isinstance(error, FileNotFoundError)
         raise InvalidNotebook(f"{path.name} {'is missing' if missing else 'cannot be read as UTF-8 text'}") from error
     try:
-        cells = [_cell(cell) for cell in json.loads(text)["cells"]]
+        cells = parse(text)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise InvalidNotebook(f"{path.name} is not a Jupyter notebook (format 4): save it again with Jupyter") from error
     if not any(cell.kind == "code" for cell in cells):
         raise InvalidNotebook(f"{path.name} has no code cells")
     return cells
+
+
+def parse(text: str) -> list[Cell]:
+    """Return the cells of a notebook's JSON."""
+    return [_cell(cell) for cell in json.loads(text)["cells"]]
+
+
+def written(cells: Sequence[Cell]) -> set[str]:
+    """Return the names that the cells bind, other than definitions with an empty body and variables that are None or ``...``."""
+    statements = [s for cell in cells if cell.kind == "code" for s in statements_of(cell.source)]
+    return {name for s in statements if not _is_empty(s.node) for name in s.names.bound}
 
 
 def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[str, Sequence[str]]) -> Iterator[str]:
@@ -124,6 +135,14 @@ def _cell(cell: Mapping[str, Any]) -> Cell:
     shown = {name: picture for name, picture in cell.get("attachments", {}).items() if f"attachment:{name}" in source}
     tags = tuple(map(str, cell.get("metadata", {}).get("tags", ())))
     return Cell(kind, source, str(cell.get("id", "")), tags, {} if code else shown)
+
+
+def _is_empty(node: ast.AST) -> bool:
+    if isinstance(node, DEFINITION):
+        return all(map(_is_empty, node.body))
+    value = node.value if isinstance(node, ast.Expr | ast.Assign) else None
+    text = isinstance(node, ast.Expr) and isinstance(value, ast.Constant)
+    return text or isinstance(node, ast.Pass) or (isinstance(value, ast.Constant) and value.value in (None, ...))
 
 
 def _syntax_error(source: str) -> str:

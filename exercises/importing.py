@@ -64,7 +64,7 @@ def imported(path: Path) -> Imported:
         raise InvalidNotebook(f"{path.name} has no cell that calls validate.close, check, conserved, positive or below")
     left = [f"{one.cell.name}, line {one.call.place[0]}: {_reason(one)}" for one in placed if one not in taken]
     packages, warnings = _packages(cells)
-    listed = f"    packages={packages!r},\n" if packages else ""
+    listed = f"    packages=({', '.join(map(_quoted, packages))},),\n" if packages else ""
     text = HEAD.format(
         title=title,
         file=path.name,

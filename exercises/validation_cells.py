@@ -26,6 +26,7 @@ from exercises.author_notebook import INSTALL, SOLUTION, Cell
 VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LABEL_AT = {"close": 2, "conserved": 1, "check": 1, "positive": 1, "below": 2}
 """The position of the argument ``label`` of each function of ``ecp.validate``."""
+LINE = "-line-"  # in the id of each line's check
 NOTEBOOK = "the notebook's own"
 SELF_REPORTED = "self-reported: the student's code computes both sides"
 
@@ -102,6 +103,11 @@ class ReportedLine(Check):
         return outcome
 
 
+def is_self_reported(check: Check) -> bool:
+    """Return whether a check is a line that carries no points."""
+    return isinstance(check, ReportedLine) and not check.declared.counts
+
+
 def calls(source: str) -> list[Call]:
     """Return the calls of ``validate`` in a code cell, in the order of the source."""
     tree = ast.parse(python_of(source) or "")
@@ -142,7 +148,7 @@ def _text(node: ast.expr) -> str:
 
 
 def _part(part: ast.expr) -> str:
-    return str(part.value) if isinstance(part, ast.Constant) else f"{{{ast.unparse(part.value)}}}"  # type: ignore[attr-defined]
+    return str(part.value) if isinstance(part, ast.Constant) else ast.unparse(ast.JoinedStr([part]))[2:-1]
 
 
 def published_cells(cells: Sequence[Cell], names: Sequence[str]) -> tuple[PublishedCell, ...]:
@@ -183,7 +189,8 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
             continue
         left = left[left.index(call) + 1 :]
         if line.truth is not None and call.kind != "close":
-            yield f"line {line.line}: validate.{call.kind} has no expected value, so truth= cannot replace it: use trust=True or a question"
+            remedy = "use trust=True, or ask a question"
+            yield f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace: {remedy}"
 
 
 def reported_exercises(exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[Exercise]:
@@ -197,7 +204,7 @@ def reported_exercises(exercises: Iterable[Exercise], cells: Sequence[Cell], sec
             at = next(k for k, placed in enumerate(left) if placed.call.label == line.label)
             (cell, call, _), left = left[at], left[at + 1 :]
             used.append(cell)
-            checks.append(_check(f"{exercise.number}-line-{k}", line, cell, call))
+            checks.append(_check(f"{exercise.number}{LINE}{k}", line, cell, call))
         read = tuple(name for name in read_names(published, used) if name not in exercise.functions)
         yield replace(
             exercise,

@@ -15,7 +15,8 @@ import numpy as np
 
 import reference
 from exercises.catalogue import find
-from exercises.mutation import Mutant, variants
+from exercises.mutation import variants
+from exercises.solution import Variant
 
 W, I = ("w[0]", "w[1]", "w[2]"), ("I[0]", "I[1]", "I[2]")
 PAIRS = 60
@@ -38,20 +39,20 @@ LINES = {
 POINTS, ROUNDING, PATIENCE = 400, 1e-11, 5
 
 
-def mutants() -> Iterator[Mutant]:
+def mutants() -> Iterator[Variant]:
     """Yield all mutants in a fixed order."""
     slips = [slip for k in range(3) for slip in _component_slips(k)]
     for name, k, term in slips:
-        yield Mutant("one mistake in one component", name, _function({k: term}))
+        yield Variant("one mistake in one component", name, _function({k: term}))
     rng = random.Random(2026)  # noqa: S311
     pairs = [(a, b) for a, b in itertools.combinations(slips, 2) if a[1] != b[1]]
     for (first, k, one), (second, m, other) in rng.sample(pairs, PAIRS):
-        yield Mutant("two mistakes", f"{first}; {second}", _function({k: one, m: other}))
+        yield Variant("two mistakes", f"{first}; {second}", _function({k: one, m: other}))
     yield from _whole()
     folder = Path(__file__).parent / "samples"
     for file in SAMPLES:
         for variant in variants((folder / file).read_text(), "euler_eqs"):
-            yield Mutant(variant.code, f"{file} line {variant.line}: {variant.sentence}", variant.source)
+            yield Variant(variant.code, f"{file} line {variant.line}: {variant.sentence}", variant.source)
 
 
 def differs(source: str) -> bool:
@@ -114,7 +115,7 @@ def _component_slips(k: int) -> Iterator[tuple[str, int, str]]:
         yield c + f"extra {term}", k, f"({_right(k)}) - {term}"
 
 
-def _whole() -> Iterator[Mutant]:
+def _whole() -> Iterator[Variant]:
     right = "np.array([" + ", ".join(_right(k) for k in range(3)) + "])"
     whole = {
         "zeros": "np.zeros(3)",
@@ -135,7 +136,7 @@ def _whole() -> Iterator[Mutant]:
     for body in ((2.0, 3.0, 4.0), (1.0, 1.0, 1.6)):
         whole[f"always I = {body}"] = f"(lambda I: {right})(np.array({body}))"
     for name, answer in whole.items():
-        yield Mutant("a mistake in all components", name, f"def euler_eqs(t, w, I):\n    return {answer}\n")
+        yield Variant("a mistake in all components", name, f"def euler_eqs(t, w, I):\n    return {answer}\n")
 
 
 def _function(changed: dict[int, str]) -> str:

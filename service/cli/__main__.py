@@ -189,18 +189,19 @@ def _chart(arguments: argparse.Namespace) -> int:
 def _mutants(arguments: argparse.Namespace) -> int:
     from exercises.assignment import InvalidAssignment, NoAssignment
     from exercises.catalogue import find
-    from service.cli.mutants import NoMutants, grade_mutants, table
+    from service.cli.mutants import NoMutants, grade_mutants, kill_rate, table
 
     try:
         results = list(grade_mutants(find(arguments.assignment), arguments.most))
     except (InvalidAssignment, NoAssignment, NoMutants) as error:
         print(f"polhode: cannot grade mutants: {error}", file=sys.stderr)
         return 2
-    print(table(results))
-    misjudged = [result for result in results if result.misjudged]
-    for result in misjudged:
-        print(f"{'WRONG, BUT ACCEPTED' if result.wrong else 'right, but rejected'}: {result.mutant.kind}, {result.mutant.name}")
-    return 1 if misjudged else 0
+    print(table(results), kill_rate(results), sep="\n")
+    kinds = {(True, True): "WRONG, BUT ACCEPTED", (False, True): "right, but rejected", (False, False): "turned out correct"}
+    for result in results:
+        if result.misjudged or not result.wrong:
+            print(f"{kinds[result.wrong, result.misjudged]}: {result.mutant.code}, {result.mutant.sentence}")
+    return 1 if any(result.misjudged for result in results) else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:

@@ -25,7 +25,7 @@ from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
-from service.sandbox.job import Job, SceneRequest
+from service.sandbox.job import LOAD_BUDGET_S, Job, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -103,7 +103,7 @@ def _grade(
     played, crossed = play_and_check(job, on_progress)
     chains = play_chains(assignment, played, crossed, play_and_check, functools.partial(_passes, assignment))
     result = played.result
-    covered = asked if numbers is not None else attempted(asked, result.defined)
+    covered = asked if numbers is not None else _covered(asked, result.defined)
     reproduced = functools.cache(lambda question: diagnose_question(assignment, question, played, sandbox))
     causes = functools.cache(lambda scene: _diagnose(assignment, scene, played, reproduced))
     sections = [_judge(e, assignment, played, crossed, causes, remarks=chains.remarks) for e in covered]
@@ -143,6 +143,12 @@ def missing_packages(assignment: Assignment) -> str:
     return f"assignment {assignment.slug} needs packages that are not installed on this server: {absent}" if absent else ""
 
 
+def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
+    """Return the exercises that a submission attempts, and those with lines of published cells, which always run."""
+    tried = attempted(exercises, defined)
+    return [e for e in exercises if e in tried or any(isinstance(check, ReportedLine) for check in e.checks)]
+
+
 def draw_inputs(scene: Scene, seed: int) -> Inputs:
     """Return the scene's inputs: fixed, or drawn with a generator seeded by ``seed`` and the scene's name."""
     if not callable(scene.inputs):
@@ -174,8 +180,16 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
     cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
-    load = {} if assignment.load_s is None else {"load_budget_s": assignment.load_s}
-    return Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data, **load)
+    return Job(
+        "" if assignment.published else assignment.setup,  # one of the published cells
+        assignment.plays,
+        cells,
+        functions,
+        requests,
+        load_budget_s=LOAD_BUDGET_S if assignment.load_s is None else assignment.load_s,
+        variables=variables,
+        data=data,
+    )
 
 
 @functools.cache

@@ -69,9 +69,14 @@ def made(answer):
     return variants(f"def f(x, v, w, g):\n    return {answer}\n", "f")
 
 
+def returned(variant):
+    return ast.dump(ast.parse(variant.source.split("return ")[1].strip()))
+
+
 @pytest.mark.parametrize(("right", "code", "sentence", "wrong"), [(r, *c) for r, changes in CHANGES.items() for c in changes])
 def test_a_change_and_its_sentence(right, code, sentence, wrong):
-    assert (code, sentence, wrong) in [(v.code, v.sentence, v.source.split("return ")[1].strip()) for v in made(right)]
+    wrong = ast.dump(ast.parse(wrong))
+    assert (code, sentence, wrong) in [(v.code, v.sentence, returned(v)) for v in made(right)]
 
 
 EQUAL = [
@@ -81,14 +86,13 @@ EQUAL = [
     ("abs(x - w)", "abs(w - x)"),
     ("max(x, w)", "max(w, x)"),
     ("np.hypot(x, w)", "np.hypot(w, x)"),
-    ("x if x * w > 0 else v", "x if x / w > 0 else v"),
     ("x if x - w > 0 else v", "x if (x - w) / 2 > 0 else v"),
 ]
 
 
 @pytest.mark.parametrize(("right", "equal"), EQUAL)
 def test_no_variant_is_equal_by_the_rules_of_arithmetic(right, equal):
-    assert equal not in [v.source.split("return ")[1].strip() for v in made(right)]
+    assert ast.dump(ast.parse(equal)) not in map(returned, made(right))
 
 
 SOURCE = '''import numpy as np

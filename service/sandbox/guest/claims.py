@@ -57,12 +57,8 @@ class Recorder:
         arrays = {} if left_out or claim.unfit else claim.arrays
         self._numbers += size if arrays else 0
         header: dict[str, Any] = {name: getattr(claim, name) for name in ("kind", "label", "detail", "unfit")}
-        header |= {
-            "place": _place(self.cell) if self.places else None,
-            "cell": self.cell,
-            "left_out": left_out,
-            "numbers": {k: float(v) for k, v in claim.numbers.items()},
-        }
+        header |= {"cell": self.cell, "left_out": left_out, "numbers": {k: float(v) for k, v in claim.numbers.items()}}
+        header |= {"place": _place(self.cell)} if self.places else {}
         self._unsent.append((header, arrays))
 
     def send(self, write: Writer) -> None:

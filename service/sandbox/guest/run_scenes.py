@@ -209,6 +209,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     for name, source, published in job["cells"]:
         budget = Budget(job["load_budget_s"]) if several else budget
         recorder.cell, recorder.places = name, published
+        theirs = student.get("validate")
         if published:
             student["validate"] = recorder.validate
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
@@ -230,6 +231,8 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                 write.event("cell", scene=name, **ended)
             if not budget.left() and not several:
                 return shows
+        if student.get("validate") is recorder.validate:
+            student["validate"] = theirs
     return shows
 
 

@@ -46,17 +46,17 @@ def codes(source, inputs):
 
 
 def of_kind(kind):
-    return [pytest.param(m, id=m.name) for m in mutants() if m.kind == kind]
+    return [pytest.param(m, id=m.sentence) for m in mutants() if m.code == kind]
 
 
 @pytest.mark.parametrize("mutant", of_kind("one mistake in one component"))
 def test_one_slip(mutant, inputs):
-    assert codes(mutant.source, inputs) == {code(mutant.name)}
+    assert codes(mutant.source, inputs) == {code(mutant.sentence)}
 
 
 @pytest.mark.parametrize("mutant", of_kind("two mistakes"))
 def test_two_slips(mutant, inputs):
-    both = {code(name) for name in mutant.name.split("; ")}
+    both = {code(name) for name in mutant.sentence.split("; ")}
     if "time-dependent" in both:
         both = {"time-dependent"}
     assert codes(mutant.source, inputs) == both
@@ -81,7 +81,7 @@ def test_two_slips(mutant, inputs):
     ],
 )
 def test_a_slip_of_the_whole(name, expected, inputs):
-    (mutant,) = [m for m in mutants() if m.name == name]
+    (mutant,) = [m for m in mutants() if m.sentence == name]
     assert codes(mutant.source, inputs) == expected
 
 

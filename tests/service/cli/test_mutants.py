@@ -1,12 +1,14 @@
 """The strength of the checks, on a few mutants in the real sandbox; `polhode mutants` does all."""
 
 import os
+import re
 
 import pytest
 
-from exercises.mutation import Mutant
+from exercises.catalogue import load_catalogue
+from exercises.solution import Variant
 from service.cli.__main__ import main
-from service.cli.mutants import POLHODE, MutantResult, grade_mutants, table
+from service.cli.mutants import POLHODE, MutantResult, grade_mutants, kill_rate, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
@@ -22,7 +24,7 @@ def test_the_command_tells_what_is_missing(capsys):
 
 
 def test_table():
-    one, two = Mutant("kind a", "x", ""), Mutant("kind b", "y", "")
+    one, two = Variant("kind a", "x", ""), Variant("kind b", "y", "")
     found = [
         MutantResult(one, True, frozenset(["some"])),
         MutantResult(one, False, frozenset([POLHODE])),
@@ -35,3 +37,51 @@ def test_table():
         "| kind b | 1 | 0 | 0 | 0 |",
         "| all | 3 | 1 | 1 | 0 |",
     ]
+
+
+DECLARED = """
+from exercises.author import Notebook, Tolerance, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Doubling")
+
+
+def double(x):
+    y = abs(2 * x)
+    return y - x + x
+
+
+NEAR = Tolerance(atol=0.5, reason="a wide one")
+notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR))
+"""
+
+
+def test_the_variants_of_a_declaration(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    folder = tmp_path / "doubling"
+    folder.mkdir()
+    (folder / "assignment.py").write_text(DECLARED)
+    monkeypatch.setenv("POLHODE_ASSIGNMENTS", str(tmp_path))
+    load_catalogue.cache_clear()
+    try:
+        assert main(["mutants", "doubling"]) == 1
+    finally:
+        monkeypatch.undo()
+        load_catalogue.cache_clear()
+    lines = capsys.readouterr().out.splitlines()
+    assert "turned out correct: wrong-function, `abs` is missing in `abs(2 * x)`" in lines
+    assert "WRONG, BUT ACCEPTED: constant-factor, `x` is halved in `y - x`" in lines
+    assert any(
+        re.fullmatch(r"(\d+) of \d+ wrong functions that return numbers fail a check \(\d\d\.\d %\)", line) for line in lines
+    )
+
+
+def test_the_rate_counts_wrong_functions_that_return_numbers():
+    one, accepted, no_numbers = Variant("a", "x", ""), frozenset([POLHODE]), False
+    rejected = [MutantResult(one, True, frozenset()), MutantResult(one, True, frozenset())]
+    others = [
+        MutantResult(one, False, accepted),
+        MutantResult(one, True, accepted),
+        MutantResult(one, True, frozenset(), no_numbers),
+    ]
+    assert kill_rate(rejected + others) == "2 of 3 wrong functions that return numbers fail a check (66.7 %)"

@@ -146,15 +146,15 @@ RIGID_BODY = [
     Breakage(
         "a drawing in which nothing moves is not judged",
         "exercises/kit/ecp/kinds/animation/shown.py",
-        "Shown(None if painted else False, code,",
-        "Shown(None, code,",
-        ("tests/exercises/rigid_body/public/test_animation_checks.py",),
+        "dict.fromkeys(names, Shown(None if painted else False, code,",
+        "dict.fromkeys(names, Shown(None, code,",
+        ("tests/exercises/kit/ecp/kinds/animation/body/test_comparing.py",),
     ),
     Breakage(
         "a trajectory passes that is drawn upside down",
-        "exercises/kit/ecp/kinds/animation/trajectories.py",
-        "if fit and fit.coefficients[0, 0] > 0:",
-        "if fit:",
+        "exercises/kit/ecp/kinds/animation/matching.py",
+        "if fit is None or (m == 1 and fit.coefficients[0, 0] <= 0):",
+        "if fit is None:",
         ("tests/exercises/kinds/test_animation.py::test_a_wrong_drawing_fails_with_its_reason",),
     ),
     Breakage(
@@ -173,10 +173,10 @@ RIGID_BODY = [
     ),
     Breakage(
         "any axis of the body passes for the one asked for",
-        "exercises/rigid_body/public/followed_direction.py",
-        "if axis is None or np.any(units[axis] >=",
-        "if axis is not None or np.any(units[axis] >=",
-        ("tests/exercises/rigid_body/public/test_animation_checks.py",),
+        "exercises/kit/ecp/kinds/animation/body/direction.py",
+        "if np.any(units[axis] >= ALONG)",
+        "if np.any(units >= ALONG)",
+        ("tests/exercises/kit/ecp/kinds/animation/body/test_comparing.py",),
     ),
     Breakage(
         "a slip of sign gets another diagnosis code",

@@ -1,11 +1,12 @@
 """Finding curves in a picture: the paths that follow them, the times of the frames, and known mistakes."""
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from ecp.kinds.animation import timing
+from ecp.kinds.animation import cameras, timing
 from ecp.kinds.animation.pictures import MOVES, Path, Picture
 from ecp.kinds.animation.shown import Shown
 from ecp.kinds.animation.timing import Array, Frames
@@ -106,20 +107,17 @@ class Mistake(NamedTuple):
     meant: Callable[[Match], bool] = lambda match: True
 
 
-def instead(
-    picture: Picture, views: list[Array], mistakes: Iterable[Mistake], frames: Frames, limit: float = MISFIT
-) -> Iterator[Shown]:
-    """Yield the ``mistakes`` that a picture shows through one of the ``views`` (d, k)."""
-    for mistake in mistakes:
-        for view in views:
-            curves = view @ mistake.curves
-            if mistake.laws is None:
+def instead(drawn: list[Picture], mistakes: Iterable[Mistake], frames: Frames, limit: float = MISFIT) -> Iterator[Shown]:
+    """Yield the ``mistakes`` that the pictures show, in coordinates as they are."""
+    for picture, (code, sentence, x, laws, shift, meant) in itertools.product(drawn, mistakes):
+        for curves in (view @ x for view in cameras.plain(picture.dimensions, picture.plane, x.shape[1])):
+            if laws is None:
                 how = _at_any_time(picture, curves[:, :, 0], frames.at)
             else:
-                match = matched(picture, curves, mistake.laws, shift=mistake.shift, limit=limit)
-                how = frames.wrong(match.times) if match and mistake.meant(match) else ""
+                match = matched(picture, curves, laws, shift=shift, limit=limit)
+                how = frames.wrong(match.times) if match and meant(match) else ""
             if how:
-                yield Shown(False, mistake.code, mistake.sentence.format(how))
+                yield Shown(False, code, sentence.format(how))
 
 
 def _at_any_time(picture: Picture, curve: Array, at: Array) -> str:

@@ -56,7 +56,7 @@ def _compared(drawn: list[Picture], at: Array, t: Array, trajectories: Curves, l
         shown = _in_picture(picture, curves, frames, limit)
         found |= {name: one for name, one in shown.items() if name not in found or (one.found and not found[name].found)}
     for name in (name for name in curves if name not in found):
-        wrong = (one for picture in free for one in instead(picture, *_mistakes(picture, name, curves, frames), frames, limit))
+        wrong = instead(free, _mistakes(name, curves[name], frames), frames, limit)
         found[name] = next(wrong, Shown(False, "wrong-motion", f"nothing that moves follows {name}"))
     return found
 
@@ -72,8 +72,9 @@ def _with_free_paths(picture: Picture) -> Picture:
 
 def _in_picture(picture: Picture, curves: Curves, frames: Frames, limit: float) -> dict[str, Shown]:
     """Return the trajectories that the paths of one axes follow, by the view that shows most of them."""
-    best, mislabelled, views = Fit(np.zeros(0), {}), dict[str, Shown](), _views(picture, curves)
-    for view in views:
+    best, mislabelled = Fit(np.zeros(0), {}), dict[str, Shown]()
+    coordinates = next(iter(curves.values())).shape[1]
+    for view in cameras.plain(picture.dimensions, picture.plane, coordinates):
         fit = _best(_by_view(picture, {name: x @ view.T for name, x in curves.items()}, frames.laws, limit), len(curves))
         if view.shape == (2, 3) and (wrong := cameras.mislabelled(picture.plane, view)):
             mislabelled |= {name: Shown(False, "mirrored", wrong) for name in fit.misfit}
@@ -81,7 +82,7 @@ def _in_picture(picture: Picture, curves: Curves, frames: Frames, limit: float) 
         best = max(best, fit, key=_followed)
         if len(best.misfit) == len(curves):
             break
-    if not best.misfit and not mislabelled and views[0].shape == (2, 3):
+    if not best.misfit and not mislabelled and (picture.dimensions, coordinates) == (2, 3):
         best = _best(_by_projection(picture, curves, frames.laws, limit), len(curves))
     seen = frames.covered(best.times) if best.misfit else ""
     return mislabelled | {name: Shown(True, None, seen, misfit=misfit) for name, misfit in best.misfit.items()}
@@ -99,14 +100,6 @@ def _best(fits: Iterator[Fit], trajectories: int) -> Fit:
 
 def _followed(fit: Fit) -> tuple[int, bool]:
     return len(fit.misfit), fit.as_given
-
-
-def _views(picture: Picture, curves: Curves) -> list[Array]:
-    """Return the matrices that draw coordinates as they are, in a plane any two of three."""
-    d = next(iter(curves.values())).shape[1]
-    if d == picture.dimensions:
-        return [np.eye(d)]
-    return [plane if d == 3 else plane.T for plane in cameras.plain(2, picture.plane)]
 
 
 def _by_view(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:
@@ -163,16 +156,19 @@ def _is_projection(matrix: Array, curve: Array) -> bool:
     return cameras.straightened(matrix) is not None if len(along) == 3 else np.linalg.matrix_rank(matrix @ along.T, SOME) > 0
 
 
-def _mistakes(picture: Picture, name: str, curves: Curves, frames: Frames) -> tuple[list[Array], list[Mistake]]:
-    """Return the views of a trajectory that nothing follows, and how it may be drawn: in other coordinates, or at other times."""
-    curve, xyz = curves[name], "xyz"[: curves[name].shape[1]]
-    elsewhere = f"{name} is drawn at another scale or place than the others: draw all as they are"
+def _mistakes(name: str, curve: Array, frames: Frames) -> list[Mistake]:
+    """Return how a trajectory that nothing follows may be drawn: in other coordinates, or at other times."""
+    xyz = "xyz"[: curve.shape[1]]
     mirrors = {f"the sign of {x} reversed": np.where(np.array(list(xyz)) == x, -1, 1) * curve for x in xyz}
     for i, k in itertools.combinations(range(len(xyz)), 2):
         order = [{i: k, k: i}.get(j, j) for j in range(len(xyz))]
         mirrors[f"{xyz[i]} and {xyz[k]} exchanged"] = curve[:, order]
-    wrong: list[tuple[str, str, Array, Array | None]] = [("wrong-proportions", elsewhere, curve, frames.laws)]
-    wrong += [("mirrored", f"{name} is drawn with {how}", mirrored, frames.laws) for how, mirrored in mirrors.items()]
-    wrong += [("wrong-frames", f"the motion of {name} is drawn backwards in time", curve, (frames.n - 1) - frames.laws)]
-    wrong += [("wrong-frames", f"{name} is drawn, but {{}}", curve, laws) for laws in (frames.late, None)]
-    return _views(picture, curves), [Mistake(code, sentence, x[:, :, None], laws) for code, sentence, x, laws in wrong]
+    elsewhere = f"{name} is drawn at another scale or place than the others: draw all as they are"
+    late = Mistake("wrong-frames", f"{name} is drawn, but {{}}", curve[:, :, None], frames.late)
+    return [
+        Mistake("wrong-proportions", elsewhere, curve[:, :, None], frames.laws),
+        *(Mistake("mirrored", f"{name} is drawn with {how}", x[:, :, None], frames.laws) for how, x in mirrors.items()),
+        Mistake("wrong-frames", f"the motion of {name} is drawn backwards in time", curve[::-1, :, None], frames.laws),
+        late,
+        late._replace(laws=None),
+    ]

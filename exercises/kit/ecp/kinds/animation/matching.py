@@ -29,6 +29,12 @@ class Match(NamedTuple):
     paths: list[Path]
     fit: timing.Fit
 
+    def by_artist(self) -> list[tuple[Array, bool]]:
+        """Return the points (m, k) of each artist, and whether they are seen from a fixed end."""
+        artists = np.array([path.artist for path in self.paths])
+        bound = {path.artist: path.bound for path in reversed(self.paths)}
+        return [(self.points[:, artists == artist], bound[artist]) for artist in sorted(bound)]
+
 
 def finely(at: Array, t: Array, values: Array) -> tuple[Array, Array, Array, Array]:
     """Return frames ``at`` (f, 3), times t (n,), and a motion, ``values`` (n, …), on the grid of times, with its rates.

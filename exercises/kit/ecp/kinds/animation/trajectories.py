@@ -124,14 +124,13 @@ def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit
     """Return the trajectories that ``paths`` (v, f, e, c) follow together, beginning with the coefficients and times of one."""
     chosen = {}
     for name, basis in bases.items():
-        drawn = basis[fit.grid] @ fit.coefficients
-        off = np.sqrt(np.mean((paths - drawn) ** 2, axis=(1, 2, 3)))
-        if off.min() <= HOPEFUL * _extent(drawn):
+        off = _misfits(paths, basis[fit.grid] @ fit.coefficients)
+        if off.min() <= HOPEFUL:
             chosen[name] = paths[int(np.argmin(off))]
     while chosen:
         basis = np.concatenate([bases[name] for name in chosen], axis=1)
         fit = timing.fitted(basis, np.concatenate(list(chosen.values()), axis=1), fit.law)
-        misfit = {name: _misfit(path, bases[name][fit.grid] @ fit.coefficients) for name, path in chosen.items()}
+        misfit = {name: float(_misfits(x[None], bases[name][fit.grid] @ fit.coefficients)[0]) for name, x in chosen.items()}
         worst = max(misfit, key=lambda name: misfit[name])
         if misfit[worst] <= limit:
             given = fit.coefficients[:, 0] - np.eye(len(fit.coefficients))[0]
@@ -140,13 +139,10 @@ def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit
     return Fit(fit.times, {})
 
 
-def _extent(drawn: Array) -> float:
-    return float(np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2)))
-
-
-def _misfit(path: Array, drawn: Array) -> float:
-    off, extent = timing.misfits((path - drawn).reshape(len(path), -1, 1))[0], _extent(drawn)
-    return float(off / extent) if extent > 0 else np.inf
+def _misfits(paths: Array, drawn: Array) -> Array:
+    """Return the misfits (v,) of ``paths`` (v, f, e, c) to a trajectory as it is ``drawn`` (f, e, c), relative to its extent."""
+    extent = np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2))
+    return timing.misfits(np.moveaxis((paths - drawn).reshape(*paths.shape[:2], -1), 0, 2)) / max(extent, 1e-300)
 
 
 def _is_projection(matrix: Array, curve: Array) -> bool:

@@ -35,8 +35,7 @@ def wrong_box(match: Match, half: Array, R: Array) -> Shown | None:
     ``half`` (3,) are the right half edges, ``R`` (G, 3, 3) the attitudes on the times' grid. The corners of a box
     in these proportions may be the points of all artists or of one.
     """
-    artists = np.array([path.artist for path in match.paths])
-    groups = [match.points, *(match.points[:, artists == artist] for artist in np.unique(artists))]
+    groups = [match.points, *(points for points, _ in match.by_artist())]
     found = [_displaced(group, half, R[timing.on_grid(match.times, len(R))]) for group in groups]
     if "" not in found and (wrong := next(filter(None, found), None)):
         return Shown(False, "wrong-motion", wrong)

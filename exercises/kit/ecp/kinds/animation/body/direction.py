@@ -40,9 +40,8 @@ def _stray_line(match: Match, axis: int) -> Array | None:
 
     An artist shows it by a direction along it, or by three or more points in a plane across it.
     """
-    artists, stray = np.array([path.artist for path in match.paths]), None
-    for artist in np.unique(artists):
-        points, bound = match.points[:, artists == artist].T, match.paths[int(np.argmax(artists == artist))].bound
+    stray = None
+    for points, bound in ((of_artist.T, bound) for of_artist, bound in match.by_artist()):
         steps = np.concatenate([(points[:, None] - points).reshape(-1, 3), points if bound else points[:0]])
         steps = steps[np.linalg.norm(steps, axis=1) > SPAN * np.abs(points).max()]
         units = steps / np.linalg.norm(steps, axis=1, keepdims=True)

@@ -71,35 +71,27 @@ def _with_free_paths(picture: Picture) -> Picture:
 
 
 def _in_picture(picture: Picture, curves: Curves, frames: Frames, limit: float) -> dict[str, Shown]:
-    """Return the trajectories that the paths of one axes follow, by the view that shows most of them."""
-    best, mislabelled = Fit(np.zeros(0), {}), dict[str, Shown]()
-    coordinates = next(iter(curves.values())).shape[1]
-    for view in cameras.plain(picture.dimensions, picture.plane, coordinates):
-        fit = _best(_by_view(picture, {name: x @ view.T for name, x in curves.items()}, frames.laws, limit), len(curves))
-        if view.shape == (2, 3) and (wrong := cameras.mislabelled(picture.plane, view)):
-            mislabelled |= {name: Shown(False, "mirrored", wrong) for name in fit.misfit}
-            continue
-        best = max(best, fit, key=_followed)
-        if len(best.misfit) == len(curves):
+    """Return the trajectories that the paths of one axes follow: the most that one view shows, rather as given."""
+    best, found = Fit(np.zeros(0), {}), dict[str, Shown]()
+    for mislabelled, fit in _looks(picture, curves, frames.laws, limit):
+        if mislabelled:
+            found |= {name: Shown(False, "mirrored", mislabelled) for name in fit.misfit}
+        else:
+            best = max(best, fit, key=lambda fit: (len(fit.misfit), fit.as_given))
+        if len(fit.misfit) == len(curves):
             break
-    if not best.misfit and not mislabelled and (picture.dimensions, coordinates) == (2, 3):
-        best = _best(_by_projection(picture, curves, frames.laws, limit), len(curves))
-    seen = frames.covered(best.times) if best.misfit else ""
-    return mislabelled | {name: Shown(True, None, seen, misfit=misfit) for name, misfit in best.misfit.items()}
+    return found | {name: Shown(True, None, frames.covered(best.times), misfit=misfit) for name, misfit in best.misfit.items()}
 
 
-def _best(fits: Iterator[Fit], trajectories: int) -> Fit:
-    """Return the fit of most trajectories: the first of all of them if there is one, else rather as given."""
-    best = Fit(np.zeros(0), {})
-    for fit in fits:
-        best = max(best, fit, key=_followed)
-        if len(best.misfit) == trajectories:
-            break
-    return best
-
-
-def _followed(fit: Fit) -> tuple[int, bool]:
-    return len(fit.misfit), fit.as_given
+def _looks(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[tuple[str, Fit]]:
+    """Yield how the paths follow curves (G, c), in coordinates as they are or by a projection, and what the labels have wrong."""
+    c = next(iter(curves.values())).shape[1]
+    for view in cameras.plain(picture.dimensions, picture.plane, c):
+        wrong = cameras.mislabelled(picture.plane, view) if view.shape == (2, 3) else ""
+        for fit in _by_view(picture, {name: x @ view.T for name, x in curves.items()}, laws, limit):
+            yield wrong, fit
+    for fit in _by_projection(picture, curves, laws, limit) if (picture.dimensions, c) == (2, 3) else ():
+        yield "", fit
 
 
 def _by_view(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:

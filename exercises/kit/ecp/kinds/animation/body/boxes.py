@@ -19,7 +19,6 @@ from ecp.kinds.animation.timing import Array
 TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and the number of them that are fitted
 COARSE = 12
 ROUNDS = 6
-LEAST = 7  # number of moving corners: one may stay if the box is seen along an edge
 PERSPECTIVE = 2  # of the fitted cameras are tried with perspective too
 FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is not a corner
 UNEVEN = 1.05  # largest ratio between the scales of two edges
@@ -100,12 +99,6 @@ def _box_among(points: Array, half: Array) -> tuple[Array, float]:
         if np.abs(lengths - scale * wanted).max() <= 2 * MISFIT * lengths[-1]:
             return corners, float(lengths[-1])
     return corners[:0], 0.0
-
-
-def together(picture: Picture) -> list[Array]:
-    """Return the moving points of all artists as one set (f, s, d), if they may be the corners of a box."""
-    moving = [path.places + path.origin for path in picture.paths]
-    return [np.stack(moving, axis=1)] if len(moving) >= LEAST else []
 
 
 def box_seen(sets: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:

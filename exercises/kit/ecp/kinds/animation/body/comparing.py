@@ -22,6 +22,7 @@ from ecp.kinds.animation.shown import Shown, judged, remembered
 from ecp.kinds.animation.timing import Array
 
 BODY = "the body"
+CORNERS = 7  # that move, at least: one may stay if the box is seen along an edge
 TRANSPOSED = "the drawing follows the transposed R: R takes body components to space, so {} is R[:, :, {}], its {} column"
 
 
@@ -126,7 +127,8 @@ def _box(drawn: list[Picture], motion: Motion, *, unsorted: bool) -> Iterator[Sh
     if (half := motion.half) is None:
         return
     for picture in drawn:
-        sets = picture.sets if unsorted else boxes.together(picture)
+        moving = [path.places + path.origin for path in picture.paths]
+        sets = picture.sets if unsorted else [np.stack(moving, axis=1)] if len(moving) >= CORNERS else []
         transposed = _mistakes(motion)["transposed"]
         if found := boxes.box_seen(sets, motion.R, half, motion.frames.laws):
             wrong = cameras.mislabelled(picture.plane, found[0])

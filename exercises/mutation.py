@@ -1,6 +1,7 @@
 """Wrong versions of a right solution: each changes one place of its source and says so in a sentence."""
 
 import ast
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from itertools import pairwise
@@ -27,15 +28,14 @@ COMMUTATIVE = "min,max,minimum,maximum,hypot,allclose,isclose,isinstance,zip,ran
 Rule = Callable[[Solution, Any], Iterator[Variant]]
 
 
-def variants(source: str, function: str) -> list[Variant]:
-    """Return the wrong versions of ``function``, which ``source`` defines, in the order of its lines.
+def variants(source: str) -> list[Variant]:
+    """Return the wrong versions of a solution in the order of its lines.
 
-    They change what the function uses of the source, other than imports. No version equals the source
-    or another version up to rules of arithmetic; of equal ones the most common mistake stays.
+    No version equals the source or another version up to rules of arithmetic; of equal ones the most common mistake stays.
 
     Raises SyntaxError if the source is not valid Python.
     """
-    solution, found = Solution(source, function), {fingerprint(source): Variant("", "", source)}
+    solution, found = Solution(source), {fingerprint(source): Variant("", "", source)}
     for variant in (variant for rule in RULES for node in solution.nodes for variant in rule(solution, node)):
         with suppress(SyntaxError):
             found.setdefault(fingerprint(variant.source), variant)
@@ -46,7 +46,6 @@ CLASSES: Mapping[str, Callable[[Solution, Any], bool]] = {
     "F": lambda s, node: not is_operation(node, *PRODUCT) and not isinstance(node, ast.UnaryOp),
     "H": lambda s, node: s.is_term(node) and s.outer(node, ast.Subscript, ast.Compare, ast.stmt) is s.outer(node, ast.stmt),
     "D": lambda s, node: CLASSES["H"](s, node) and (is_operation(node, *PRODUCT) or s.is_returned(node)),
-    "K": lambda s, node: isinstance(node, ast.Constant),
     "M": lambda s, node: (
         isinstance(node, ast.Name) and node.id[0].isupper() and (is_operation(s.parents[node], ast.MatMult) or s.is_returned(node))
     ),
@@ -64,6 +63,7 @@ def table(*rows: tuple[str, str, str, str]) -> Rule:
     """Return the rule with these rows: code, pattern, what stands in its place, and the sentence, whose last part is the place.
 
     The parts are the letters of the pattern, ``node``, and ``whole``, the largest product around it, in their ``Solution.forms``.
+    A missing factor that is a number has the code constant-factor.
     """
     patterns = [(code, ast.parse(pattern).body[0], new, sentence) for code, pattern, new, sentence in rows]
 
@@ -73,8 +73,10 @@ def table(*rows: tuple[str, str, str, str]) -> Rule:
             if _matches(s, pattern.value if isinstance(pattern, ast.Expr) else pattern, node, nodes):
                 nodes |= {"node": node, "whole": s.product(node)}
                 forms = {form: text for name, part in nodes.items() for form, text in s.forms(name, part).items()}
-                at = nodes[sentence.rpartition("{")[2].partition("_")[0]]
-                yield s.change(code, sentence.format(**forms), node, new.format(**forms), at=at)
+                first, *_, at = re.findall(r"{(\w+?)_", sentence) * 2
+                factor = at == "whole" and isinstance(nodes[first], ast.Constant)
+                named = "constant-factor" if factor else code
+                yield s.change(named, sentence.format(**forms), node, new.format(**forms), at=nodes[at])
 
     return rule
 
@@ -94,7 +96,7 @@ def _matches(s: Solution, pattern: Any, node: Any, nodes: dict[str, Any]) -> boo
 
 
 OPPOSITE, MISSING = "{B_t} has the opposite sign", "the factor {%s_q} in {whole_q} is missing"
-UNDIVIDED, INSTEAD = "the division by {%s_q} in {whole_q} is missing", "`%s` stands in place of `%s` in {node_q}"
+INSTEAD = "`%s` stands in place of `%s` in {node_q}"
 
 _terms = table(
     ("sign-flipped", "A + B", "{A} - {B}", OPPOSITE),
@@ -111,17 +113,11 @@ _terms = table(
 )
 _exchanged_indices = table(("wrong-index", "A[B, C]", "{A}[{C_r}, {B_r}]", "the indices of {node_q} are exchanged"))
 _factors = table(
-    ("constant-factor", "A * K", "{A}", MISSING % "K"),
     ("missing-term", "A * B", "{A}", MISSING % "B"),
-    ("constant-factor", "A / K", "{A}", UNDIVIDED % "K"),
-    ("missing-division", "A / B", "{A}", UNDIVIDED % "B"),
-    ("constant-factor", "K * B", "{B}", MISSING % "K"),
+    ("missing-division", "A / B", "{A}", "the division by {B_q} in {whole_q} is missing"),
     ("missing-term", "F * B", "{B}", MISSING % "F"),
-    ("constant-factor", "-K * B", "-{B}", MISSING % "K"),
     ("missing-term", "-A * B", "-{B}", MISSING % "A"),
-    ("constant-factor", "K / B", "1 / {B}", MISSING % "K"),
     ("missing-term", "F / B", "1 / {B}", MISSING % "F"),
-    ("constant-factor", "-K / B", "-1 / {B}", MISSING % "K"),
     ("missing-term", "-A / B", "-1 / {B}", MISSING % "A"),
     ("wrong-divisor", "A / B", "{B} / {A}", "numerator and denominator of {node_q} are exchanged"),
     ("wrong-power", "A ** B", "{A}", "the exponent {B_q} of {node_q} is missing"),

@@ -32,13 +32,13 @@ class Variant:
 class Solution:
     """The syntax tree of a right solution and the places of its nodes in the source."""
 
-    def __init__(self, source: str, function: str) -> None:
+    def __init__(self, source: str) -> None:
         self.source, self.bytes, self.tree = source, source.encode(), ast.parse(source)
         self.starts = [0, *(k + 1 for k, byte in enumerate(self.bytes) if byte == ord("\n"))]
         self.parents: dict[Any, Any] = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
         assigned = [n for n in self.parents if isinstance(n, ast.Assign) and is_operation(n.value, *PRODUCT)]
         self.products = {target.id for n in assigned for target in n.targets if isinstance(target, ast.Name)}
-        self.nodes = [node for top in _needed(self.tree, function) for node in _walk(top)]
+        self.nodes = [node for top in self.tree.body if not isinstance(top, ast.Expr) for node in _walk(top)]
 
     def replaced(self, code: str, sentence: str, span: tuple[int, int], new: str) -> Variant:
         """Return the variant with ``new`` in place of the bytes ``span`` of the source."""
@@ -138,16 +138,6 @@ def is_operation(node: Any, *operators: type) -> bool:
 def called(call: Any) -> str:
     """Return the last name of the called function, "" if ``call`` is no call."""
     return getattr(call.func, "attr", getattr(call.func, "id", "")) if isinstance(call, ast.Call) else ""
-
-
-def _needed(tree: ast.Module, function: str) -> list[ast.stmt]:
-    """Return the top-level statements that define or change ``function`` and what it uses."""
-    names = {t: {n.id for n in ast.walk(t) if isinstance(n, ast.Name)} for t in tree.body}
-    needed, found = {function}, set[ast.stmt]()
-    while new := [t for t in names if t not in found and ({t.name} if isinstance(t, COMPOUND[-2:]) else names[t]) & needed]:
-        found.update(new)
-        needed |= {name for t in new for name in names[t]}
-    return [t for t in names if t in found]
 
 
 def _walk(node: ast.AST) -> Iterator[ast.AST]:

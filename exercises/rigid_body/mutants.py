@@ -51,7 +51,7 @@ def mutants() -> Iterator[Variant]:
     yield from _whole()
     folder = Path(__file__).parent / "samples"
     for file in SAMPLES:
-        for variant in variants((folder / file).read_text(), "euler_eqs"):
+        for variant in variants((folder / file).read_text()):
             yield Variant(variant.code, f"{file} line {variant.line}: {variant.sentence}", variant.source)
 
 

@@ -64,11 +64,13 @@ def _verify(arguments: argparse.Namespace) -> int:
     codes = [2 if invalid or not sets else 0]
     for assignment, found in sets:
         try:
+            own = bool(found.samples or found.unlisted or not assignment.questions)
             if assignment.questions:
                 made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
                 seeds = range(arguments.seed, arguments.seed + arguments.seeds)
-                codes.append(verify_made(assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only))
-            if found.samples or found.unlisted or not assignment.questions:
+                if made or not own:
+                    codes.append(verify_made(assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only))
+            if own:
                 codes.append(_verify_one(assignment, found, arguments, isolation.result()))
         except BrokenPipeError:
             raise

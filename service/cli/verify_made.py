@@ -2,6 +2,7 @@
 
 import functools
 import statistics
+import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -30,6 +31,9 @@ def verify_made(
 
     With the ``whole`` set, also print what no sample shows. Returns the exit code.
     """
+    if not samples:
+        print(f"polhode: {assignment.slug}: no sample to grade", file=sys.stderr)
+        return 2
     results, steps = _Results(assignment, samples), len(samples) * (len(seeds) + 1)
     with tempfile.TemporaryDirectory() as folder, Progress(steps, "as expected") as progress:
         requests = [GradeRequest(Path(folder, name), sample.ask) for name, sample in samples.items()]

@@ -87,8 +87,8 @@ KINDS = [
     Breakage(
         "a fit's tolerance is relative to the parameter, not to its standard deviation",
         "exercises/kit/ecp/kinds/fit.py",
-        """deviation = np.sqrt(np.einsum("rii->ri", truth[0]["covariance"]))""",
-        """deviation = 1e9 * np.abs(truth[0]["parameters"])""",
+        """deviation = np.sqrt(np.einsum("rii->ri", truth["covariance"]))""",
+        """deviation = 1e9 * np.abs(truth["parameters"])""",
         ("tests/exercises/kinds/test_fit.py",),
     ),
 ]
@@ -240,8 +240,8 @@ KIT = [
     Breakage(
         "infinite values are compared like others",
         "exercises/kit/ecp/checks.py",
-        'array.dtype.kind == "f" and not np.all(np.isfinite(array))',
-        'array.dtype.kind == "f" and np.any(np.isnan(array))',
+        "if is_read and not np.all(np.isfinite(array))",
+        "if is_read and np.any(np.isnan(array))",
         ("tests/exercises/kit/ecp/test_checks.py",),
     ),
     Breakage(

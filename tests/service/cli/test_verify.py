@@ -206,7 +206,8 @@ def test_an_assignment_that_leaves_by_sys_exit_gives_no_verdict(folder, capsys, 
     with known(folder):
         assert main(["grade", "--jobs", jobs, *files]) == 2
     told = capsys.readouterr()
-    assert "wrong_zeros.py: not graded: causes.py line" in told.err and "SystemExit: 0" in told.err
+    place = "wrong_zeros.py: not graded: assignment damped-oscillator has an error: causes.py line"
+    assert place in told.err and "SystemExit: 0" in told.err
     assert "2 files: 1 all ✓, 1 not graded" in told.out
 
 
@@ -228,7 +229,7 @@ def test_nothing_to_grade(folder, capsys):
     for path in (folder, folder / "samples", folder.parent):
         assert verify(path, "--only", "nothing*") == 2
         assert "damped-oscillator: no sample to grade" in capsys.readouterr().err
-    (folder / "__init__.py").unlink()
-    assert verify(folder) == 2 and "damped-oscillator: __init__.py is missing" in capsys.readouterr().err
+    (folder / "assignment.py").unlink()
+    assert verify(folder) == 2 and "damped-oscillator: assignment.py is missing" in capsys.readouterr().err
     assert verify(folder.parent) == 2 and f"no assignment found in {folder.parent}" in capsys.readouterr().err
     assert main(["verify", "knitting"]) == 2 and "there is no assignment knitting" in capsys.readouterr().err

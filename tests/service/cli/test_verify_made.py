@@ -132,3 +132,9 @@ def test_progress_on_a_terminal(tmp_path, capsys, warm_guest, monkeypatch):
     shown = capsys.readouterr().err
     assert "2 of 9 graded, 2 as expected so far" in shown and "6 of 9 graded, 4 as expected so far" in shown
     assert "8 of 9 graded" in shown
+
+
+def test_a_pattern_that_no_sample_matches(tmp_path, capsys, warm_guest):
+    with known(write(tmp_path, FULL)):
+        assert main(["verify", "falling", "--only", "wrong_9*"]) == 2
+    assert capsys.readouterr().err == "polhode: falling: no sample to grade\n"

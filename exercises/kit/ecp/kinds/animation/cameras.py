@@ -55,11 +55,6 @@ def parallel(directions: Array, wanted: Array) -> bool:
     return bool(np.any((lengths > 1e-12) & (directions @ wanted >= np.sqrt(1 - PARALLEL**2) * lengths)))
 
 
-def points_along(some: Array, sure: Array, wanted: Array) -> bool:
-    """Return whether a direction points along ``wanted`` (d,). A known tail decides: matplotlib lists an arrow from its tip."""
-    return parallel(sure, wanted) or (parallel(some, wanted) and not parallel(sure, -wanted))
-
-
 def in_perspective(points: Array, places: Array) -> tuple[Array, Array]:
     """Return M (2, m) and q (3,) by which ``points`` (k, m) are best drawn at ``places`` (k, 2), as M p / (1 − q·p).
 

@@ -62,7 +62,7 @@ def matches(picture: Picture, curves: Array, laws: Array, *, shift: bool = True,
     for bound, basis in ((True, curves), (False, shifted)):
         paths = [path for path in picture.paths if path.bound == bound]
         if paths and len(laws):
-            places = stacked(paths)
+            places = np.stack([path.places for path in paths], axis=2)
             kinds.append((paths, places, basis))
             share = np.round(timing.screened(basis, places, laws) / timing.spread(places), 6)
             tried += [(share[k, v], laws[k], places[:, :, [v]], basis) for v, k in enumerate(np.argmin(share, axis=0))]
@@ -82,11 +82,6 @@ def matches(picture: Picture, curves: Array, laws: Array, *, shift: bool = True,
 def matched(picture: Picture, curves: Array, laws: Array, *, shift: bool = True, limit: float = MISFIT) -> Match | None:
     """Return the first of ``matches``, or None."""
     return next(matches(picture, curves, laws, shift=shift, limit=limit), None)
-
-
-def stacked(paths: list[Path]) -> Array:
-    """Return the places (f, d, v) of paths."""
-    return np.stack([path.places for path in paths], axis=2)
 
 
 def together(basis: Array, drawn: Array, laws: Array, limit: float = MISFIT) -> timing.Fit | None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecp.checks import Arrays
-from ecp.kinds.animation import cameras
+from ecp.kinds.animation.cameras import PARALLEL, parallel
 from ecp.kinds.animation.timing import Array
 
 MOVES = 1e-3  # of its distance from the origin
@@ -60,8 +60,13 @@ class Picture(NamedTuple):
         return np.concatenate(some + sure), np.concatenate(sure)
 
     def keeps(self, direction: Array) -> bool:
-        """Return whether something drawn stays along ``direction`` (d,), which is not seen end on."""
-        return bool(np.linalg.norm(direction) > cameras.PARALLEL) and cameras.points_along(*self.directions(), direction)
+        """Return whether something drawn stays along ``direction`` (d,), which is not seen end on.
+
+        A known tail decides, since matplotlib lists an arrow from its tip.
+        """
+        some, sure = self.directions()
+        known = parallel(sure, direction) or (parallel(some, direction) and not parallel(sure, -direction))
+        return known and bool(np.linalg.norm(direction) > PARALLEL)
 
 
 def is_consistent(seen: Arrays) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ecp.checks import Arrays
 from ecp.kinds.animation import cameras, timing
-from ecp.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, stacked, together
+from ecp.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
 from ecp.kinds.animation.pictures import Path, Picture
 from ecp.kinds.animation.shown import Shown, judged, remembered
 from ecp.kinds.animation.timing import Array, Frames
@@ -100,7 +100,7 @@ def _by_view(picture: Picture, curves: Curves, laws: Array, limit: float) -> Ite
     bases = {name: np.concatenate([x[:, :, None], constant], axis=2) for name, x in curves.items()}
     for curve in sorted(curves.values(), key=lambda x: -float(np.ptp(x, axis=0).max())):
         for match in matches(picture, curve[:, :, None], laws, limit=limit):
-            yield _together(bases, np.moveaxis(stacked(picture.paths), 2, 0)[..., None], match.fit, limit)
+            yield _together(bases, np.stack([path.places for path in picture.paths])[..., None], match.fit, limit)
 
 
 def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:
@@ -109,7 +109,7 @@ def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) 
     for (name, basis), path in itertools.product(bases.items(), picture.paths[:TRIES]):
         fit = together(basis, path.places[:, None], laws, limit)
         if fit and _is_projection(fit.coefficients[:3].T, curves[name]):
-            yield _together(bases, np.moveaxis(stacked(picture.paths), 2, 0)[:, :, None], fit, limit)
+            yield _together(bases, np.stack([path.places for path in picture.paths])[:, :, None], fit, limit)
 
 
 def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit:

@@ -101,22 +101,22 @@ def _box_among(points: Array, half: Array) -> tuple[Array, float]:
     return corners[:0], 0.0
 
 
-def box_seen(sets: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
+def box_seen(sets: list[Array], plain: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
     """Return the camera (d, 3) and times (f,) at which one of ``sets`` (f, s, d) shows corners of the box, or None.
 
-    ``R`` (G, 3, 3) on the times' grid.
+    The cameras ``plain`` are tried first. ``R`` (G, 3, 3) on the times' grid.
     """
     corners = R @ (CORNERS * half).T  # (G, 3, 8)
     for points in sets if len(laws) else []:
         low, high = points.min(axis=1), points.max(axis=1)
         drawn = points - np.median((low + high) / 2, axis=0)
-        tried = _tried(drawn, corners, laws) if (high - low).min(axis=0).max() > 0 else ()
+        tried = _tried(drawn, plain, corners, laws) if (high - low).min(axis=0).max() > 0 else ()
         if found := next(filter(None, (_fitted(drawn, corners, camera, law) for camera, law in tried)), None):
             return found
     return None
 
 
-def _tried(drawn: Array, corners: Array, laws: Array) -> Iterator[tuple[Array, Array]]:
+def _tried(drawn: Array, plain: list[Array], corners: Array, laws: Array) -> Iterator[tuple[Array, Array]]:
     """Yield cameras and laws for a set (f, s, d), compared in a few frames: as space is, or in 2-D from any side.
 
     In 3-D a rotated and a mirrored box are the same set. The cameras with perspective have the shape (3, 4).
@@ -130,8 +130,8 @@ def _tried(drawn: Array, corners: Array, laws: Array) -> Iterator[tuple[Array, A
         size = np.sqrt(np.mean(drawn[few] ** 2) / max(float(np.mean(seen**2)), 1e-300))
         return float(_distances(drawn[few], size * seen).min(axis=2).mean())
 
-    for plain in cameras.plain(drawn.shape[2]):
-        yield plain, min(laws, key=lambda law: cost(plain, law))
+    for camera in plain:
+        yield camera, min(laws, key=lambda law: cost(camera, law))
     off = np.abs(laws - np.linspace(0, laws.max(), len(drawn))).max(axis=1)  # from an even run through all samples
     again = [law for law in laws if np.any(np.diff(law) < 0)]
     for law in (laws[int(np.argmin(off))], *again[:1]) if drawn.shape[2] == 2 else ():

@@ -129,10 +129,10 @@ def _box(drawn: list[Picture], motion: Motion, *, unsorted: bool) -> Iterator[Sh
     for picture in drawn:
         moving = [path.places + path.origin for path in picture.paths]
         sets = picture.sets if unsorted else [np.stack(moving, axis=1)] if len(moving) >= CORNERS else []
-        transposed = _mistakes(motion)["transposed"]
-        if found := boxes.box_seen(sets, motion.R, half, motion.frames.laws):
+        plain, transposed = cameras.plain(picture.dimensions, picture.plane), _mistakes(motion)["transposed"]
+        if found := boxes.box_seen(sets, plain, motion.R, half, motion.frames.laws):
             wrong = cameras.mislabelled(picture.plane, found[0])
             right = Shown(True, None, f"the box is drawn, {motion.frames.covered(found[1])}")
             yield Shown(False, "mirrored", wrong) if wrong else right
-        elif boxes.box_seen(sets, transposed.curves, half, motion.frames.laws):
+        elif boxes.box_seen(sets, plain, transposed.curves, half, motion.frames.laws):
             yield Shown(False, transposed.code, transposed.sentence)

@@ -69,7 +69,7 @@ def _checked_box(picture: Picture, motion: Motion, camera: Array, times: Array) 
         sentence = f"a mirror image{how}? The box turned by 180° looks the same: draw x, y and z as they are"
         return camera, Shown(None, "mirrored", sentence)
     match = matched(picture, camera @ motion.R, times[None])
-    return camera, read(match, motion) if match else None
+    return camera, read(match, motion) if match else Shown(True, None, f"drawn as it is, {motion.frames.covered(times)}")
 
 
 def _swapped(camera: Array) -> str:

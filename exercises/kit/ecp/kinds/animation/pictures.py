@@ -46,16 +46,15 @@ class Picture(NamedTuple):
         tails = [np.zeros(self.dimensions), *(path.origin for path in self.paths if path.bound)]
         for points in self.still:
             steps, away = points - points[0], [points - tail for tail in tails]
-            if len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max():
+            straight = (
+                len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()
+            )
+            if straight:
                 known = [x for x in away if np.linalg.norm(x, axis=1).min() <= MOVES * np.abs(points).max()]
-                unsure = True
-            elif len(points) <= FEW:
-                known = [arrow for x in away if len(arrow := _arrow(x))]
-                unsure = not known
             else:
-                continue
+                known = [arrow for x in away if len(points) <= FEW and len(arrow := _arrow(x))]
             sure += known
-            if unsure:
+            if straight or (not known and len(points) <= FEW):
                 some += [(points[None, :] - points[:, None])[np.triu_indices(len(points), 1)], *away]
         return np.concatenate(some + sure), np.concatenate(sure)
 

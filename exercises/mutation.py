@@ -28,15 +28,6 @@ ASSIGNED = {ast.Add: "+= =", ast.Sub: "-= =", ast.Mult: "*= /=", ast.Div: "/= *=
 
 
 @dataclass(frozen=True)
-class Mutant:
-    """A changed submission. ``kind`` groups mutants in a table; ``name`` identifies the mutant."""
-
-    kind: str
-    name: str
-    source: str
-
-
-@dataclass(frozen=True)
 class Variant:
     """A wrong version of a right solution.
 

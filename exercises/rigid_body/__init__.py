@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from exercises.assignment import Assignment
-from exercises.rigid_body.causes import diagnose_function, diagnose_scene
-from exercises.rigid_body.codes import CODES
+from exercises.rigid_body.causes import CODES, diagnose_function, diagnose_scene
 from exercises.rigid_body.hidden_checks import EXERCISES
 from exercises.rigid_body.scenes import SCENES
 from exercises.rigid_body.sweep import SWEEP

@@ -83,8 +83,11 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
         "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for the CSV, JSON and SVG files (default charts)"
     )
     chart.set_defaults(run=_chart)
-    mutants = commands.add_parser("mutants", help="grade mutants of the solution and list those that the checks misjudge")
+    mutants = commands.add_parser(
+        "mutants", help="grade wrong versions of a right submission and list those that the checks accept"
+    )
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
+    mutants.add_argument("functions", nargs="*", metavar="FUNCTION", help="functions to change (default: all)")
     mutants.add_argument("--most", type=grade.count, metavar="N", help="only the first N mutants")
     mutants.set_defaults(run=_mutants)
     for more in (grade, verify, new_assignment, publish, export_assignment, database, queue, plan, people):
@@ -181,15 +184,15 @@ def _mutants(arguments: argparse.Namespace) -> int:
     from service.cli.mutants import NoMutants, grade_mutants, table
 
     try:
-        results = list(grade_mutants(find(arguments.assignment), arguments.most))
+        results = list(grade_mutants(find(arguments.assignment), arguments.functions, arguments.most))
     except (InvalidAssignment, NoAssignment, NoMutants) as error:
         print(f"polhode: cannot grade mutants: {error}", file=sys.stderr)
         return 2
     print(table(results))
-    misjudged = [result for result in results if result.misjudged]
-    for result in misjudged:
-        print(f"{'WRONG, BUT ACCEPTED' if result.wrong else 'right, but rejected'}: {result.mutant.kind}, {result.mutant.name}")
-    return 1 if misjudged else 0
+    accepted = [result for result in results if result.accepted]
+    for result in accepted:
+        print(f"accepted: {result.function} line {result.variant.line}: {result.variant.sentence}")
+    return 1 if accepted else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:

@@ -1,89 +1,77 @@
-"""The strength of an assignment's checks: wrong functions graded in the sandbox, and which sets of checks accept them."""
+"""The strength of an assignment's checks: wrong versions of a right submission graded in the sandbox, and which of
+them the checks accept.
+"""
 
-import importlib
 import multiprocessing
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
 from ecp.judge import Verdict
-from ecp.report import Report
 from exercises.assignment import Assignment
-from exercises.mutation import Mutant
+from exercises.mutation import Variant, variants
 from service.grading import grader
 from service.grading.submission import Submission
 from service.sandbox.select import choose
 from service.settings import Settings
 
 SEED = 1
-POLHODE = "polhode"
-"""Name of the full set of checks, next to the author's sets."""
 
 
 class NoMutants(LookupError):
-    """The assignment defines no mutants."""
+    """No right submission defines a function whose wrong versions are asked for."""
 
 
 @dataclass(frozen=True)
-class MutantResult:
-    """The grading of one mutant. ``wrong``: it differs from the solution by more than rounding; ``accepted``:
-    names of the sets of checks that accept it.
+class Mutant:
+    """The grading of one wrong version of ``function``: whether the public checks alone, and all checks, accept it."""
+
+    function: str
+    variant: Variant
+    public: bool
+    accepted: bool
+
+
+def grade_mutants(assignment: Assignment, functions: Sequence[str] = (), most: int | None = None) -> Iterator[Mutant]:
+    """Yield the result of each wrong version of ``functions``, or of all that the assignment asks for (of the first
+    ``most``), graded by one process per core in the exercises that call the function.
+
+    Raises NoMutants if no right submission defines a function.
     """
-
-    mutant: Mutant
-    wrong: bool
-    accepted: frozenset[str]
-
-    @property
-    def misjudged(self) -> bool:
-        """Whether polhode accepts a wrong mutant or rejects a right one."""
-        return self.wrong == (POLHODE in self.accepted)
-
-
-def grade_mutants(assignment: Assignment, most: int | None = None) -> Iterator[MutantResult]:
-    """Yield the result of each mutant in the assignment's mutants.py (of the first ``most``), graded by one
-    process per core.
-
-    Raises NoMutants if the assignment has no such file.
-    """
-    if not (assignment.folder / "mutants.py").is_file():
-        raise NoMutants(f"{assignment.folder} has no mutants.py")
-    source = importlib.import_module(f"exercises.{assignment.folder.name}.mutants")
-    mutants = list(source.mutants())[:most]
+    versions: list[tuple[str, Variant]] = []
+    for function in functions or dict.fromkeys(scene.function for scene in assignment.scenes):
+        if (source := assignment.right_submission(function)) is None:
+            raise NoMutants(f"no right submission defines {function}: add a sample right_….py")
+        versions += [(function, variant) for variant in variants(source, function)]
     isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
-        asked = [
-            pool.submit(grader.grade_one, Submission(m.source), assignment.slug, list(source.EXERCISES), SEED) for m in mutants
+        graded = [
+            pool.submit(grader.grade_one, Submission(variant.source), assignment.slug, _calling(assignment, function), SEED)
+            for function, variant in versions[:most]
         ]
-        for mutant, job in zip(mutants, asked, strict=True):
-            yield _result(mutant, source, job.result()[0])
+        hidden = {check.id for exercise in assignment.exercises for check in exercise.checks if assignment.hidden(check)}
+        for (function, variant), job in zip(versions, graded, strict=False):
+            rejecting = {outcome.id for outcome in job.result()[0].outcomes() if outcome.verdict is not Verdict.PASS}
+            yield Mutant(function, variant, public=rejecting <= hidden, accepted=not rejecting)
 
 
-def table(found: Sequence[MutantResult]) -> str:
-    """Return a Markdown table: for each kind of mutant the number made, the number that turned out correct, and
-    how many wrong ones each set of checks accepts.
+def table(found: Sequence[Mutant]) -> str:
+    """Return a Markdown table: for each function and each diagnosis code the number of wrong versions, and how many of
+    them the public checks alone and all checks accept.
     """
-    kinds = list(dict.fromkeys(f.mutant.kind for f in found))
-    judges = sorted(
-        {name for f in found for name in f.accepted} | {POLHODE}, key=lambda name: (name == POLHODE, -_accepted(found, name))
-    )
-    rows = [_row(kind, [f for f in found if f.mutant.kind == kind], judges) for kind in kinds]
-    head = f"| changed functions | made | turned out correct | {' | '.join(f'wrong, accepted by {name}' for name in judges)} |"
-    return "\n".join([head, "|---" * (3 + len(judges)) + "|", *rows, _row("all", found, judges)])
+    kinds = dict.fromkeys((mutant.function, mutant.variant.code) for mutant in found)
+    rows = [_row(*kind, [m for m in found if (m.function, m.variant.code) == kind]) for kind in kinds]
+    head = "| function | changed | made | accepted by the public checks | accepted by all checks |\n|---|---|---|---|---|"
+    return "\n".join([head, *rows, _row("all", "", found)])
 
 
-def _result(mutant: Mutant, source: Any, report: Report) -> MutantResult:
-    passed = {o.id for o in report.outcomes() if o.verdict is Verdict.PASS}
-    accepted = {name for name, ids in source.LINES.items() if ids <= passed}
-    return MutantResult(mutant, source.differs(mutant.source), frozenset(accepted | ({POLHODE} if report.passed else set())))
+def _calling(assignment: Assignment, function: str) -> list[str]:
+    """Return the numbers of the exercises that call ``function``."""
+    named = {scene.name for scene in assignment.scenes if scene.function == function}
+    return [e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks)]
 
 
-def _row(kind: str, found: Sequence[MutantResult], judges: Sequence[str]) -> str:
-    numbers = [len(found), sum(not f.wrong for f in found), *(_accepted(found, name) for name in judges)]
-    return f"| {kind} | {' | '.join(map(str, numbers))} |"
-
-
-def _accepted(found: Sequence[MutantResult], name: str) -> int:
-    return sum(f.wrong and name in f.accepted for f in found)
+def _row(function: str, code: str, found: Sequence[Mutant]) -> str:
+    numbers = [len(found), sum(mutant.public for mutant in found), sum(mutant.accepted for mutant in found)]
+    return f"| {function} | {code} | {' | '.join(map(str, numbers))} |"

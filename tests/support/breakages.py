@@ -180,9 +180,9 @@ RIGID_BODY = [
     ),
     Breakage(
         "a slip of sign gets another diagnosis code",
-        "exercises/rigid_body/causes/errors.py",
-        'Slip("sign-flipped", "sign"',
-        'Slip("constant-factor", "sign"',
+        "exercises/rigid_body/causes/algebra.py",
+        'Slip("sign-flipped", SIGN)',
+        'Slip("constant-factor", SIGN)',
         ("tests/exercises/rigid_body/causes/test_errors.py",),
     ),
     Breakage(

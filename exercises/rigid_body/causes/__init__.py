@@ -13,6 +13,18 @@ from exercises.rigid_body.public.animation_checks import body_shown
 from exercises.rigid_body.public.diagnosis import cause
 from exercises.rigid_body.public.momentum import momentum_shown
 
+CODES = (
+    *("sign-flipped", "sign-reversed", "cyclic-order", "component-order", "missing-division", "wrong-divisor"),
+    *("constant-factor", "moment-sum", "returns-zero", "missing-component", "returns-input", "missing-term", "moment-order"),
+    *("hard-coded-moments", "extra-term", "time-dependent", "precision-loss", "diagonal-only", "wrong-quantity", "units"),
+    *("not-unwrapped", "signature", "swapped-arguments", "not-finite", "mutates-input", "returns-nothing", "wrong-shape"),
+    *("no-animation", "static", "wrong-axis", "transposed-rotation", "moving-angular-momentum", "reversed-angular-momentum"),
+    *("wrong-angular-momentum", "wrong-motion", "wrong-frames", "wrong-proportions", "mirrored", "too-many-frames"),
+    *("missing-brackets", "absolute-value", "floor-division", "clipped", "normalised", "inverted-moments", "wrong-power"),
+    *("partly-right", "nearly-right", "wrong-times", "wrong-components", "unbounded"),
+)
+"""The diagnosis codes of this assignment; docs/checks.md describes them."""
+
 
 def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None:
     """Return the likely cause that explains a function's answers in all its scenes, or None if each scene is

@@ -1,7 +1,7 @@
 """The likely cause behind wrong precession rates: each mistake predicts numbers for every given motion."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ import reference
 from ecp.outcome import Diagnosis
 from exercises.assignment import Answers
 from exercises.rigid_body.causes.algebra import SPIN
-from exercises.rigid_body.public.diagnosis import TURN, Mistake, cause
+from exercises.rigid_body.public.diagnosis import TURN, cause
 
 Array = NDArray[np.float64]
 Numbers = tuple[str, str, Sequence[Any]]
@@ -27,92 +27,72 @@ MOTIONS = {
 }
 
 
-class Motion(NamedTuple):
-    """A motion given to ``precession_rate``: times (n,) in s, ω (3, n) and the exact mean rate in rad/s."""
-
-    t: Array
-    w: Array
-    truth: float
-
-
 def causes_of_rate(answers: Answers) -> list[Diagnosis]:
     """Return the simplest mistake of ``precession_rate`` that predicts all its answers, or two mistakes of
     one code.
     """
-    given = [(np.asarray(inputs["t"], dtype=float), np.asarray(inputs["w"], dtype=float)) for inputs, _ in answers.values()]
-    motions = [Motion(t, w, reference.precession_rate(t, w)) for t, w in given]
-    rates, truth = np.array([float(seen["rate"]) for _, seen in answers.values()]), np.array([m.truth for m in motions])
+    motions = [(np.asarray(inputs["t"], dtype=float), np.asarray(inputs["w"], dtype=float)) for inputs, _ in answers.values()]
+    rates = np.array([float(seen["rate"]) for _, seen in answers.values()])
+    truth = np.array([reference.precession_rate(t, w) for t, w in motions])
     if _near(rates, truth):
         return []
     if not rates.any():
         return [cause("returns-zero", "precession_rate returns zero for all arguments")]
-    tables = zip(*map(_mistakes, motions), strict=True)
-    mistakes = [(rows[0][0], rows[0][1], np.array([numbers for _, _, numbers in rows])) for rows in tables]
-    found = _reproduced(mistakes, rates, "") or _reproduced(mistakes, -rates, ", with the opposite sign")
+    predicted = [[*_of_the_rate(*m, right), *_of_the_phase(*m), *_of_the_time(*m)] for m, right in zip(motions, truth, strict=True)]
+    found = _reproduced(predicted, rates, "") or _reproduced(predicted, -rates, ", with the opposite sign")
     if found:
         code = next(iter(found.values()))  # of the simplest mistake
         named = [sentence for sentence, its in found.items() if its == code]
         return [cause(code, "; or ".join(named))] if len(named) <= MOST_NAMED else []
-    names = [MOTIONS[scene] for scene in answers]
-    return _of_several(motions, rates, truth) or _nearly(rates, truth) or _partly(names, rates, truth)
+    return _of_several(motions, rates, truth) or _near_or_partly([MOTIONS[scene] for scene in answers], rates, truth)
 
 
-def _reproduced(mistakes: Sequence[Mistake], rates: Array, sense: str) -> dict[str, str]:
+def _reproduced(predicted: Sequence[Sequence[Numbers]], rates: Array, sense: str) -> dict[str, str]:
     """Return sentence and code of each mistake one of whose numbers is the rate, in all motions alike."""
-    return {sentence + sense: code for code, sentence, values in mistakes if any(_near(rates, one) for one in values.T)}
+    found = {}
+    for rows in zip(*predicted, strict=True):
+        if any(_near(rates, np.array(numbers, dtype=float)) for numbers in zip(*(values for _, _, values in rows), strict=True)):
+            found[rows[0][1] + sense] = rows[0][0]
+    return found
 
 
-def _of_several(motions: Sequence[Motion], rates: Array, truth: Array) -> list[Diagnosis]:
+def _of_several(motions: Sequence[tuple[Array, Array]], rates: Array, truth: Array) -> list[Diagnosis]:
     """Return the diagnosis if the rates of several motions are in one ratio to ω₃ or to the right ones, or if
     each is a line of the record's Fourier spectrum.
     """
     if len(rates) < 2:
         return []
-    body, factor = rates / [m.w[2].mean() for m in motions], rates / truth
+    body, factor = rates / [w[2].mean() for _, w in motions], rates / truth
     if body[0] and _near(body, body[0]):
         return [cause("hard-coded-moments", f"{body[0]:.6g} ω₃: the rate of one body; measure it from (ω₁, ω₂)")]
     if factor[0] and _near(factor, factor[0]):
         return [cause("constant-factor", f"{factor[0]:.6g} times the right rate: look for an extra factor")]
-    for spans in np.transpose([_spans(m.t) for m in motions]):
-        turns = rates * spans / TURN
-        if turns.any() and np.all(np.abs(turns - np.round(turns)) <= AGREEMENT * np.maximum(1.0, np.abs(turns))):
-            sentence = "a line of the Fourier spectrum, which resolves the rate only to 2π over the record's length: use the phase"
-            return [cause("wrong-quantity", sentence)]
-    return []
+    lengths = [
+        (t[-1] - t[0], *(len(t) * step for step in (np.diff(t).mean(), t[1] - t[0], np.median(np.diff(t))))) for t, _ in motions
+    ]
+    turns = rates * np.transpose(lengths) / TURN  # in a record's length, by each way of taking its step
+    whole = np.abs(turns - np.round(turns)) <= AGREEMENT * np.maximum(1.0, np.abs(turns))
+    sentence = "a line of the Fourier spectrum, which resolves the rate only to 2π over the record's length: use the phase"
+    return [cause("wrong-quantity", sentence)] if np.any(whole.all(axis=1)) else []
 
 
-def _spans(t: Array) -> list[float]:
-    """Return the length in s of a record of times (n,), by each way of taking its step."""
-    step, n = np.diff(t), len(t)
-    return [t[-1] - t[0], step.mean() * n, step[0] * n, np.median(step) * n]
-
-
-def _nearly(rates: Array, truth: Array) -> list[Diagnosis]:
-    off = np.max(np.abs(rates / truth - 1))
-    sentence = f"nearly right: within {off:.2g} of the mean rate; check that it also works when the rate or the time steps vary"
-    return [cause("nearly-right", sentence, 0.8)] if off <= NEARLY else []
-
-
-def _partly(names: Sequence[str], rates: Array, truth: Array) -> list[Diagnosis]:
-    """Return the diagnosis that names the motions whose rate is right, if there are any."""
-    right = np.abs(rates - truth) <= RIGHT * np.abs(truth)
-    where = [" and ".join(name for name, its in zip(names, right, strict=True) if its == sense) for sense in (True, False)]
+def _near_or_partly(names: Sequence[str], rates: Array, truth: Array) -> list[Diagnosis]:
+    """Return the diagnosis if all rates are nearly right, or the motions whose rate is right, if there are any."""
+    off = np.abs(rates / truth - 1)
+    if off.max() <= NEARLY:
+        hint = "check that it also works when the rate or the time steps vary"
+        return [cause("nearly-right", f"nearly right: within {off.max():.2g} of the mean rate; {hint}", 0.8)]
+    where = [
+        " and ".join(name for name, each in zip(names, off, strict=True) if (each <= RIGHT) == sense) for sense in (True, False)
+    ]
     return [cause("partly-right", f"right for {where[0]}, but wrong for {where[1]}")] if all(where) else []
 
 
-def _mistakes(motion: Motion) -> Iterator[Mistake]:
-    """Yield code, sentence and numbers of each mistake, the simplest first, in the same order for every motion."""
-    for code, sentence, numbers in (*_of_the_rate(*motion), *_of_the_phase(*motion), *_of_the_time(*motion)):
-        yield code, sentence, np.array(numbers, dtype=float).ravel()
-
-
 def _of_the_rate(t: Array, w: Array, truth: float) -> Iterator[Numbers]:
-    lost, opposite = (
-        "the sign is lost: Ω is negative if (ω₁, ω₂) turns from ê₂ to ê₁",
-        "Ω is positive if (ω₁, ω₂) turns from ê₁ to ê₂",
-    )
-    yield "sign-reversed", f"the opposite sign: {opposite}, so use arctan2(ω₂, ω₁)", [-truth]
-    yield "absolute-value", lost, [abs(truth)]
+    """Yield code, sentence and numbers of each mistake, the simplest first, in the same order for every motion."""
+    opposite = "the opposite sign: Ω is positive if (ω₁, ω₂) turns from ê₁ to ê₂, so use arctan2(ω₂, ω₁)"
+    yield "sign-reversed", opposite, [-truth]
+    yield "absolute-value", "the sign is lost: Ω is negative if (ω₁, ω₂) turns from ê₂ to ê₁", [abs(truth)]
     yield "units", "the right rate in turns per second: multiply by 2π", [truth / TURN]
     yield "units", "the right rate in degrees per second: return rad/s", [np.degrees(truth)]
     yield "units", "the right rate in turns per minute (rpm): return rad/s", [truth * 60 / TURN]
@@ -125,7 +105,7 @@ def _of_the_rate(t: Array, w: Array, truth: float) -> Iterator[Numbers]:
     yield "returns-input", "the spin ω₃ itself instead of the rate at which (ω₁, ω₂) turns", [w[2].mean()]
 
 
-def _of_the_phase(t: Array, w: Array, _: float) -> Iterator[Numbers]:
+def _of_the_phase(t: Array, w: Array) -> Iterator[Numbers]:
     (x, y), r = w[:2], np.hypot(w[0], w[1])
     raw, half = np.arctan2(y, x), np.arctan(y / x)
     jumps = "the phase jumps by 2π and is not unwrapped before its slope is taken: see np.unwrap"
@@ -154,7 +134,7 @@ def _of_the_phase(t: Array, w: Array, _: float) -> Iterator[Numbers]:
     yield "partly-right", fine, [*_steps(t, sine), rates.mean(), np.median(rates), np.trapezoid(rates, t) / (t[-1] - t[0])]
 
 
-def _of_the_time(t: Array, w: Array, _: float) -> Iterator[Numbers]:
+def _of_the_time(t: Array, w: Array) -> Iterator[Numbers]:
     phase, n, number, middle = _phase(w[1], w[0]), len(t), np.arange(float(len(t))), [len(t) // 2, (len(t) - 1) // 2]
     angle, time, end = phase[-1] - phase[0], t[-1] - t[0], t[-1]
     rates, gradient, mean = np.diff(phase) / np.diff(t), np.gradient(phase, t), angle / time

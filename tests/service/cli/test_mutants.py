@@ -4,34 +4,44 @@ import os
 
 import pytest
 
-from exercises.mutation import Mutant
+from exercises.mutation import Variant
 from service.cli.__main__ import main
-from service.cli.mutants import POLHODE, MutantResult, grade_mutants, table
+from service.cli.mutants import Mutant, grade_mutants, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
 def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    found = list(grade_mutants(rigid_body, most=6))
-    assert len(found) == 6 and all(f.wrong and POLHODE not in f.accepted for f in found)
+    found = list(grade_mutants(rigid_body, ["euler_eqs"], most=6))
+    assert len(found) == 6 and not any(mutant.accepted for mutant in found)
+    assert {mutant.function for mutant in found} == {"euler_eqs"}
 
 
-def test_the_command_tells_what_is_missing(capsys):
-    assert main(["mutants", "nowhere"]) == 2
-    assert "cannot grade mutants: there is no assignment nowhere; known: " in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["nowhere"], "there is no assignment nowhere; known: "),
+        (["rigid-body", "euler"], "no right submission defines euler: add a sample"),
+    ],
+)
+def test_the_command_says_what_is_missing(arguments, reason, capsys):
+    assert main(["mutants", *arguments]) == 2
+    assert f"cannot grade mutants: {reason}" in capsys.readouterr().err
 
 
 def test_table():
-    one, two = Mutant("kind a", "x", ""), Mutant("kind b", "y", "")
+    sign, factor = (Variant(code, "x", "", 1) for code in ("sign-flipped", "constant-factor"))
     found = [
-        MutantResult(one, True, frozenset(["some"])),
-        MutantResult(one, False, frozenset([POLHODE])),
-        MutantResult(two, True, frozenset()),
+        Mutant("f", sign, public=True, accepted=False),
+        Mutant("f", sign, public=False, accepted=False),
+        Mutant("f", factor, public=True, accepted=True),
+        Mutant("g", factor, public=False, accepted=False),
     ]
     assert table(found).split("\n") == [
-        "| changed functions | made | turned out correct | wrong, accepted by some | wrong, accepted by polhode |",
+        "| function | changed | made | accepted by the public checks | accepted by all checks |",
         "|---|---|---|---|---|",
-        "| kind a | 2 | 1 | 1 | 0 |",
-        "| kind b | 1 | 0 | 0 | 0 |",
-        "| all | 3 | 1 | 1 | 0 |",
+        "| f | sign-flipped | 2 | 1 | 0 |",
+        "| f | constant-factor | 1 | 1 | 1 |",
+        "| g | constant-factor | 1 | 0 | 0 |",
+        "| all |  | 4 | 2 | 1 |",
     ]

@@ -183,7 +183,7 @@ RIGID_BODY = [
         "exercises/rigid_body/causes/algebra.py",
         'Slip("sign-flipped", SIGN)',
         'Slip("constant-factor", SIGN)',
-        ("tests/exercises/rigid_body/causes/test_errors.py",),
+        ("tests/exercises/rigid_body/causes/test_rates.py",),
     ),
     Breakage(
         "every motion counts as certified",

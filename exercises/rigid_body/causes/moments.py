@@ -10,7 +10,7 @@ from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
 from exercises.rigid_body.causes.algebra import MOMENT
 from exercises.rigid_body.causes.fit import sums
-from exercises.rigid_body.public.diagnosis import Mistake, cause, recognized
+from exercises.rigid_body.public.diagnosis import Mistake, cause
 
 Array = NDArray[np.float64]
 
@@ -37,25 +37,16 @@ def causes_of_boxes(inputs: Inputs, moments: Array) -> list[Diagnosis]:
     """
     boxes = np.asarray(inputs["boxes"], dtype=float)
     truth = np.array([reference.box_moments(*row) for row in boxes])
+    if (found := _no_number(moments, truth, "box_moments")) or _same(moments, truth):
+        return found
     constant = "box_moments returns the same numbers for every box{}: compute them from a, b and c"
-    known = (
-        _no_number(moments, truth, "box_moments")
-        or _constant(moments, constant.format(""))
+    return (
+        _constant(moments, constant.format(""))
         or _constant(moments / boxes[:, :1], constant.format(", times the mass"))
+        or _first(_of_boxes(boxes, truth), moments)
+        or (_nearly(moments, truth) if np.ptp(moments / truth, axis=0).max() > AGREEMENT else [])
+        or _read(boxes, moments)
     )
-    if known or _same(moments, truth):
-        return known
-    if found := recognized(_of_boxes(boxes, truth), lambda values: _same(moments, values)):
-        return found
-    ratio = moments / truth
-    if np.ptp(ratio, axis=0).max() > AGREEMENT and (found := _nearly(moments, truth)):
-        return found
-    read = [_read(boxes, moments[:, k], k) for k in range(3)]
-    causes = {each.sentence: each for found in read for each in found or ()} if None not in read else {}
-    massless = [sentence for sentence in causes if sentence.endswith(MASSLESS)]
-    if len(massless) < 3:
-        return list(causes.values())
-    return [cause("missing-term", "the moments lack the mass m"), *(causes[each] for each in causes if each not in massless)]
 
 
 def _of_boxes(boxes: Array, truth: Array) -> list[Mistake]:
@@ -63,6 +54,7 @@ def _of_boxes(boxes: Array, truth: Array) -> list[Mistake]:
     b, c = edges[:, [1, 0, 0]], edges[:, [2, 2, 1]]  # of I₁; of I₂: a and c; of I₃: a and b
     turned = edges[:, [1, 2, 0]], edges[:, [2, 0, 1]]  # of I₂: c and a
     volume = edges.prod(axis=1, keepdims=True)
+    exchanged = np.array([reference.box_moments(row[3], *row[:3]) for row in boxes])
     belongs = "the first belongs to the edge a"
     orders = {", ".join(MOMENT[k] for k in order): truth[:, order] for order in itertools.permutations(range(3))}
     brackets = [
@@ -84,20 +76,16 @@ def _of_boxes(boxes: Array, truth: Array) -> list[Mistake]:
         ("wrong-power", "I₁ has the root of b² + c², and so on: look for np.hypot or a norm", m / 12 * np.hypot(b, c)),
         ("wrong-quantity", "the right moments times the volume abc: m is the mass, not the density", truth * volume),
         ("wrong-quantity", "the right moments divided by the volume abc: m is the mass, not the density", truth / volume),
-        (
-            "swapped-arguments",
-            "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)",
-            np.array([reference.box_moments(row[3], *row[:3]) for row in boxes]),
-        ),
+        ("swapped-arguments", "the arguments are taken as (a, b, c, m): box_moments is called as (m, a, b, c)", exchanged),
     ]
 
 
 def causes_of_tensors(tensors: Array, moments: Array) -> list[Diagnosis]:
     """Return the causes for ``principal_moments``, (n, 3) in kg m², in any order, for the ``tensors`` (n, 3, 3)."""
     seen, truth = np.sort(moments, axis=1), reference.principal_moments(tensors)
-    if (known := _no_number(seen, truth, "principal_moments")) or _same(seen, truth):
-        return known
-    if found := recognized(_of_tensors(tensors, truth), lambda values: _same(seen, np.sort(values, axis=1))):
+    if (found := _no_number(seen, truth, "principal_moments")) or _same(seen, truth):
+        return found
+    if found := _first(_of_tensors(tensors, truth), seen):
         return found
     factor = float(np.sum(seen / truth) / seen.size)
     if np.isfinite(factor) and _same(seen, factor * truth) and (len(truth) > 1 or f"{factor:.3g}" == f"{factor:.9g}"):
@@ -128,7 +116,7 @@ def _of_tensors(tensors: Array, truth: Array) -> list[Mistake]:
     opposite = "the off-diagonal elements have the opposite sign: use the tensor as it is given"
     sizes = {"their length": np.linalg.norm(truth, axis=1), "their sum": truth.sum(axis=1)}
     sizes |= {"the largest": truth[:, 2], "the smallest": truth[:, 0], "the middle one": truth[:, 1]}
-    return [
+    rows = [
         ("diagonal-only", "the diagonal of the tensor: the principal moments are its eigenvalues", diagonal),
         (
             quantity,
@@ -158,6 +146,7 @@ def _of_tensors(tensors: Array, truth: Array) -> list[Mistake]:
         ),
         ("precision-loss", "the moments are cut to whole numbers", np.trunc(truth)),
     ]
+    return [(code, sentence, np.sort(values, axis=1)) for code, sentence, values in rows]
 
 
 def _no_number(moments: Array, truth: Array, function: str) -> list[Diagnosis]:
@@ -175,6 +164,10 @@ def _no_number(moments: Array, truth: Array, function: str) -> list[Diagnosis]:
     return [cause("precision-loss", "the moments are in single precision (float32)")] if single else []
 
 
+def _first(mistakes: list[Mistake], moments: Array) -> list[Diagnosis]:
+    return next(([cause(code, sentence)] for code, sentence, values in mistakes if _same(moments, values)), [])
+
+
 def _constant(values: Array, sentence: str) -> list[Diagnosis]:
     """Return the diagnosis if the rows of ``values`` (n, 3) are all the same."""
     same = len(values) > 1 and _same(values, np.broadcast_to(values[0], values.shape))
@@ -187,26 +180,29 @@ def _nearly(moments: Array, truth: Array, how: str = "within {:.2g} of the right
     return [cause("nearly-right", sentence, 0.8)] if off <= NEARLY else []
 
 
-def _read(boxes: Array, column: Array, k: int) -> list[Diagnosis] | None:
-    """Return the errors in one moment's terms: weights of the squared edges and their products, with or
-    without the mass.
+def _read(boxes: Array, moments: Array) -> list[Diagnosis]:
+    """Return the errors in the moments' terms: weights of the squared edges and their products, with or without
+    the mass; none if a moment has other terms.
     """
     mass, edges = boxes[:, 0], boxes[:, 1:]
-    if not column.any():
-        return [cause("missing-component", f"{MOMENT[k]} is always zero")]
     squares = np.column_stack([edges[:, a] * edges[:, b] for a, b in PAIRS]) / 12
-    found = sums(
-        {"": squares * mass[:, None], MASSLESS: squares}, column[:, None], mass * (edges**2).sum(axis=1), agreement=AGREEMENT
-    )
-    for lacks, weights in found[0]:
-        missing = [cause("missing-term", f"{MOMENT[k]} {lacks}")] if lacks else []
-        return [*missing, *_weighed(dict(zip(PAIRS, weights, strict=True)), k)]
-    return None
+    terms = {"": squares * mass[:, None], MASSLESS: squares}
+    fitted = sums(terms, moments, mass * (edges**2).sum(axis=1), agreement=AGREEMENT)
+    if not all(fitted):
+        return []
+    massless, found = [], list[Diagnosis]()
+    for k, ((lacks, weights), *_) in enumerate(fitted):
+        massless += [cause("missing-term", f"{MOMENT[k]} {lacks}")] if lacks and any(weights) else []
+        found += _weighed(dict(zip(PAIRS, weights, strict=True)), k)
+    missing = [cause("missing-term", "the moments lack the mass m")] if len(massless) == 3 else massless
+    return list(dict.fromkeys([*missing, *found]))
 
 
 def _weighed(weights: dict[tuple[int, int], float], k: int) -> list[Diagnosis]:
     i, j = sorted({0, 1, 2} - {k})
     due, used = {(i, i), (j, j)}, {pair for pair, weight in weights.items() if weight}
+    if not used:
+        return [cause("missing-component", f"{MOMENT[k]} is always zero")]
     first, second, right = weights[i, i], weights[j, j], f"{EDGES[i]}² + {EDGES[j]}²"
     if used != due:
         has = " + ".join(f"{EDGES[a]}²" if a == b else f"{EDGES[a]}{EDGES[b]}" for a, b in sorted(used))

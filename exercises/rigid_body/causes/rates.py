@@ -51,7 +51,7 @@ def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
 
 
 def _whole(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
-    return known_rates(wdot, list(formulas.of_all_components(w, moments, wdot)), scale(w, moments))
+    return known_rates(wdot, formulas.of_all_components(w, moments, wdot), scale(w, moments))
 
 
 def _finite(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:

@@ -5,7 +5,7 @@ The server reports more causes; they need the equations, which are not part of t
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -82,19 +82,15 @@ def agree(seen: Array, expected: Array, scale: Array) -> Mask:
     return np.asarray((known == due) & (np.abs(got - want) <= AGREEMENT * largest + ROUNDING * scale))
 
 
-def recognized(mistakes: Iterable[Mistake], same: Callable[[Array], bool]) -> list[Diagnosis]:
-    """Return the diagnosis of the first mistake whose values are the ``same`` as the student's."""
-    return next(([cause(code, sentence)] for code, sentence, values in mistakes if same(values)), [])
-
-
-def known_rates(got: Array, mistakes: Sequence[Mistake], scale: Array) -> list[Diagnosis]:
+def known_rates(got: Array, mistakes: Iterable[Mistake], scale: Array) -> list[Diagnosis]:
     """Return the diagnosis of rates (n, 3) that are zero, or those of a mistake, or their negatives."""
     if not got.any():
         return [cause("returns-zero", "euler_eqs returns zeros for all arguments")]
-    found = recognized(mistakes, lambda values: bool(agree(got, values, scale).all()))
-    if not found and (found := recognized(mistakes, lambda values: bool(agree(got, -values, scale).all()))):
-        found.append(cause(*BACKWARDS))
-    return found
+    for code, sentence, values in mistakes:
+        for sense, backwards in ((1, []), (-1, [cause(*BACKWARDS)])):
+            if agree(got, sense * values, scale).all():
+                return [cause(code, sentence), *backwards]
+    return []
 
 
 def answers(w: Array, moments: Array, exact: Array) -> list[Mistake]:

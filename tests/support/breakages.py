@@ -181,8 +181,8 @@ RIGID_BODY = [
     Breakage(
         "a slip of sign gets another diagnosis code",
         "exercises/rigid_body/causes/algebra.py",
-        'Slip("sign-flipped", SIGN)',
-        'Slip("constant-factor", SIGN)',
+        'Slip("sign-flipped", "{c} has',
+        'Slip("constant-factor", "{c} has',
         ("tests/exercises/rigid_body/causes/test_rates.py",),
     ),
     Breakage(

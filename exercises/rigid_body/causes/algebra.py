@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.probes import scale
-from exercises.rigid_body.public.diagnosis import AGREEMENT, BACKWARDS, COMPONENT, ROUNDING, cause, multiple
+from exercises.rigid_body.public.diagnosis import AGREEMENT, BACKWARDS, COMPONENT, ROUNDING, TORQUE, cause, multiple
 
 Array = NDArray[np.float64]
 Order = tuple[int, ...]
@@ -32,22 +32,12 @@ ORDINARY = (1e-2, 1e2)  # sizes of |ω| and I to which forms are fitted; they ar
 PRODUCTS = [*itertools.combinations_with_replacement(range(3), 2), (0,), (1,), (2,), ()]
 DIVISORS = {"": 0, "{}": 1, "{}·{}": 2, "{}²": 1, "1/{}": 1, "({} + {})": 2, "(I₁ + I₂ + I₃)": 3, "|I|": 3}  # of so many moments
 SAME = (0, 1, 2)
-SIGN = "{c} has the opposite sign: check {d}"
-UNDIVIDED = "{c} is not divided by {ik}"
-SUM = "{c} has the sum of two moments instead of their difference {d}"
-ZERO = "{c} is always zero"
-ALL = {
-    SIGN: BACKWARDS,
-    UNDIVIDED: ("missing-division", "no component is divided by its moment: the result is a torque, not ω̇"),
-    SUM: ("moment-sum", "every component has the sum of two moments instead of their difference"),
-    ZERO: ("returns-zero", "euler_eqs returns zeros for all arguments"),
-}
 
 
 class Slip(NamedTuple):
     """One error of a component. ``text`` is the same for the same error in another component: its fields c, d,
-    ii, ij, ik, wi, wj and wk are symbols as seen from the component. ``in_all`` says the same if all three
-    components have the error.
+    ii, ij, ik, wi, wj and wk are symbols as seen from the component. ``in_all`` says the same of all three
+    components.
     """
 
     code: str
@@ -55,7 +45,11 @@ class Slip(NamedTuple):
     in_all: tuple["Slip", ...] = ()
 
 
-NOT_DIVIDED = Slip("missing-division", UNDIVIDED)
+SIGN = Slip("sign-flipped", "{c} has the opposite sign: check {d}", (Slip(*BACKWARDS),))
+UNDIVIDED = Slip("missing-division", "{c} is not divided by {ik}", (Slip(*TORQUE),))
+ZERO = Slip("missing-component", "{c} is always zero", (Slip("missing-component", "euler_eqs returns zeros"),))
+SUM_OF_ALL = Slip("moment-sum", "every component has the sum of two moments instead of their difference")
+SUM = Slip("moment-sum", "{c} has the sum of two moments instead of their difference {d}", (SUM_OF_ALL,))
 
 
 def forms(w: Array, moments: Array, wdot: Array, agreement: float = AGREEMENT) -> list[list[Form | None]]:
@@ -109,7 +103,7 @@ def readings(found: Iterable[Form | None], k: int, order: Order = SAME) -> list[
 
 def _read(form: Form | None, k: int, order: Order) -> list[Slip] | None:
     if form is None:
-        return [Slip("missing-component", ZERO)]
+        return [ZERO]
     (product, text, axes), weights = form
     divisor = text.format(*(MOMENTS[p] for p in sorted((order.index(a) - k - 1) % 3 for a in axes)))
     weighed = _weights([weights[order[(p + k + 1) % 3]] for p in range(3)], weights[3], divisor)
@@ -120,7 +114,7 @@ def scaled(factor: float) -> list[Slip]:
     """Return the error in a component that is the right value times ``factor``."""
     if factor == 1:
         return []
-    return [Slip("sign-flipped", SIGN) if factor == -1 else Slip(*multiple("{c}", factor))]
+    return [SIGN if factor == -1 else Slip(*multiple("{c}", factor))]
 
 
 def _product(places: list[int]) -> list[Slip]:
@@ -148,13 +142,13 @@ def _weights(weights: list[float], constant: float, divisor: str) -> list[Slip] 
 
 
 def _pair(first: float, second: float, divided: list[Slip]) -> list[Slip]:
-    if first == -second and abs(first) != 1 and divided[:1] == [NOT_DIVIDED]:
+    if first == -second and abs(first) != 1 and divided[:1] == [UNDIVIDED]:
         sentence = f"{{c}} is divided by the constant {1 / first:.10g} instead of {{ik}}"
-        return [Slip("hard-coded-moments", sentence, in_all=(NOT_DIVIDED, *scaled(first)))]
+        return [Slip("hard-coded-moments", sentence, in_all=(*UNDIVIDED.in_all, *scaled(first)))]
     if first == -second:
         return [*scaled(first), *divided]
     if first == second:
-        return [Slip("moment-sum", SUM), *scaled(first), *divided]
+        return [SUM, *scaled(first), *divided]
     are = f"{first:.10g} for {{ii}} and {second:.10g} for {{ij}}"
     return [Slip("constant-factor", f"{{c}} has the factors {are} instead of 1 and −1"), *divided]
 
@@ -174,7 +168,7 @@ def _divided(divisor: str) -> list[Slip]:
     if divisor == "{ik}":
         return []
     if not divisor:
-        return [NOT_DIVIDED]
+        return [UNDIVIDED]
     did, due = (f"multiplied by {divisor[2:]}", "divided by {ik}") if divisor[:2] == "1/" else (f"divided by {divisor}", "{ik}")
     return [Slip("wrong-divisor", f"{{c}} is {did} instead of {due}")]
 
@@ -209,14 +203,13 @@ def extra_terms(column: Array, k: int, w: Array, moments: Array) -> list[list[Sl
 
 def diagnoses(slips: Sequence[tuple[int, Slip]]) -> list[Diagnosis]:
     """Return the diagnoses of these errors of components. The same error in all three is one diagnosis."""
-    found, errors = {}, [slip for _, slip in slips]
-    slips = [(k, each) for k, slip in slips for each in (slip.in_all if slip.in_all and errors.count(slip) == 3 else [slip])]
-    for k, slip in slips:
-        code, sentence = slip.code, said(slip, k)
-        if sum(other == slip for _, other in slips) == 3:
-            first = said(slip, slips[0][0])
-            code, sentence = ALL.get(slip.text, (code, f"{first}; likewise in the other two components"))
-        found[sentence] = cause(code, sentence)
+    given = [slip for _, slip in slips]
+    errors = [(k, each) for k, slip in slips for each in (slip.in_all if slip.in_all and given.count(slip) == 3 else [slip])]
+    found = {}
+    for k, slip in errors:
+        alike = [said(slip, other) for other, same in errors if same == slip]
+        sentence = f"{alike[0]}; likewise in the other two components" if len(set(alike)) == 3 else said(slip, k)
+        found[sentence] = cause(slip.code, sentence)
     return list(found.values())
 
 

@@ -1,7 +1,7 @@
 """Functions that are right at some points only: where, as a condition on ω and I, and what is wrong elsewhere."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ Mask = NDArray[np.bool_]
 LEAST_POINTS = 3  # that are right, and on each side of a threshold
 PAIRS = list(itertools.combinations(range(3), 2))
 SENSES = {"=": np.equal, "≠": np.not_equal, ">": np.greater, "<": np.less, "≥": np.greater_equal, "≤": np.less_equal}
-PLACE = ("smallest", "middle", "largest")
 
 
 def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
@@ -27,24 +26,27 @@ def partly_right(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
     exact = reference.euler_rhs(w.T, moments.T).T
     right = agree(wdot, exact, scale(w, moments))
     wrong = [k for k in range(3) if not right[:, k].all()]
-    good = right & (exact != 0)
-    together = _place(good[:, wrong].all(axis=1), np.asarray(~right.all(axis=1)), w, moments)
-    places = {k: together or _place(good[:, k], ~right[:, k], w, moments) for k in wrong}
-    if all(places.values()):
-        slips = [(k, slip) for k in wrong for slip in _slips(k, ~right[:, k], w, moments, wdot[:, k])]
-        return [*_right_only(places), *map(_elsewhere, diagnoses(slips))]
+    good, bad = right & (exact != 0), ~right  # zero may be right by chance
+    together = described(good[:, wrong].all(axis=1), np.asarray(bad.any(axis=1)), w, moments, least=LEAST_POINTS)
+    where = {k: together or described(good[:, k], bad[:, k], w, moments, least=LEAST_POINTS) for k in wrong}
+    if all(where.values()):
+        parts = {place: [k for k in wrong if where[k] == place] for place in where.values()}
+        slips = [(k, slip) for k in wrong for slip in _slips(k, bad[:, k], w, moments, wdot[:, k])]
+        elsewhere = [cause(each.code, f"elsewhere {each.sentence}") for each in diagnoses(slips)]
+        return [*(cause("partly-right", f"{_are(each)} right only where {place}") for place, each in parts.items()), *elsewhere]
     if len(wrong) == 3:
         return []
-    always, only = _subject([k for k in range(3) if k not in wrong]), " and ".join(COMPONENT[k] for k in wrong)
+    always, only = _are([k for k in range(3) if k not in wrong]), " and ".join(COMPONENT[k] for k in wrong)
     return [cause("partly-right", f"{always} right at every point; look at {only} only")]
 
 
-def described(inside: Mask, outside: Mask, w: Array, moments: Array) -> str | None:
-    """Return in words what holds at all points ``inside`` (n,) and at none ``outside``, or None.
+def described(inside: Mask, outside: Mask, w: Array, moments: Array, least: int = 1) -> str | None:
+    """Return in words what holds at all points ``inside`` (n,), ``least`` of them or more, and at none ``outside``;
+    otherwise None.
 
     Of several thresholds that hold, the first two are named.
     """
-    if not inside.any() or not outside.any():
+    if inside.sum() < least or not outside.any():
         return None
     for name, where in _conditions(w, moments):
         if np.all(where[inside]) and not np.any(where[outside]):
@@ -62,28 +64,28 @@ def described(inside: Mask, outside: Mask, w: Array, moments: Array) -> str | No
 
 def _conditions(w: Array, moments: Array) -> Iterator[tuple[str, Mask]]:
     """Yield named conditions at the points (n,), the simplest first."""
-    signs = [("ω", "0", np.linalg.norm(w, axis=1)), *((SPIN[a], "0", w[:, a]) for a in range(3))]
-    signs += [(MOMENT[a], MOMENT[b], moments[:, a] - moments[:, b]) for a, b in PAIRS]
-    for name, other, values in signs:
-        for sign, holds in SENSES.items():
-            yield f"{name} {sign} {other}", holds(values, 0)
+    rates, sizes = reference.euler_rhs(w.T, moments.T), _sizes(w, moments)
+    yield from _signs({"ω": sizes["|ω|"], **{SPIN[a]: w[:, a] for a in range(3)}})
+    for a, b in PAIRS:
+        yield from _signs({MOMENT[a]: moments[:, a] - moments[:, b]}, MOMENT[b])
     rank = np.argsort(np.argsort(moments, axis=1), axis=1)
-    for a, place in itertools.product(range(3), range(3)):
-        yield f"{MOMENT[a]} is the {PLACE[place]} moment", rank[:, a] == place
-        yield f"{MOMENT[a]} is not the {PLACE[place]} moment", rank[:, a] != place
+    for a, (rank_, place) in itertools.product(range(3), enumerate(("smallest", "middle", "largest"))):
+        yield f"{MOMENT[a]} is the {place} moment", rank[:, a] == rank_
+        yield f"{MOMENT[a]} is not the {place} moment", rank[:, a] != rank_
     for order in itertools.permutations(range(3)):
         steps = np.diff(moments[:, order], axis=1).min(axis=1)
         yield " < ".join(MOMENT[a] for a in order), steps > 0
         yield " ≤ ".join(MOMENT[a] for a in order), steps >= 0
         yield "not " + " < ".join(MOMENT[a] for a in order), steps <= 0
-    rates, sizes = reference.euler_rhs(w.T, moments.T), _sizes(w, moments)
-    gap, gaps = "the smallest difference of two moments", "the largest difference of two moments"
-    signs = [(f"{SPIN[a]}{SPIN[b]}", "0", w[:, a] * w[:, b]) for a, b in PAIRS]
-    signs += [("the smallest of all ω", "0", w.min(axis=1)), ("ω₁ω₂ω₃", "0", w.prod(axis=1))]
-    signs += [(name, "0", sizes[name]) for name in (gap, gaps)] + [(f"the right {COMPONENT[a]}", "0", rates[a]) for a in range(3)]
-    for name, other, values in signs:
-        for sign, holds in SENSES.items():
-            yield f"{name} {sign} {other}", holds(values, 0)
+    yield from _signs({f"{SPIN[a]}{SPIN[b]}": w[:, a] * w[:, b] for a, b in PAIRS})
+    yield from _signs({"the smallest of all ω": w.min(axis=1), "ω₁ω₂ω₃": w.prod(axis=1)})
+    yield from _signs({name: size for name, size in sizes.items() if "difference" in name})
+    yield from _signs({f"the right {COMPONENT[a]}": rates[a] for a in range(3)})
+
+
+def _signs(values: Mapping[str, Array], other: str = "0") -> Iterator[tuple[str, Mask]]:
+    for (name, each), (sense, holds) in itertools.product(values.items(), SENSES.items()):
+        yield f"{name} {sense} {other}", holds(each, 0)
 
 
 def _sizes(w: Array, moments: Array) -> dict[str, Array]:
@@ -101,11 +103,6 @@ def _sizes(w: Array, moments: Array) -> dict[str, Array]:
     }
 
 
-def _place(good: Mask, bad: Mask, w: Array, moments: Array) -> str | None:
-    """Return what holds at the points (n,) that are ``good``, right and not zero, and at none that is ``bad``."""
-    return described(good, bad, w, moments) if good.sum() >= LEAST_POINTS else None
-
-
 def _slips(k: int, bad: Mask, w: Array, moments: Array, column: Array) -> list[Slip]:
     """Return the errors of component ``k`` at the points ``bad`` (n,), if the shortest readings agree."""
     found = readings(forms(w[bad], moments[bad], column[bad, None])[0], k)
@@ -113,19 +110,7 @@ def _slips(k: int, bad: Mask, w: Array, moments: Array, column: Array) -> list[S
     return shortest[0] if shortest and all(slips == shortest[0] for slips in shortest) else []
 
 
-def _right_only(places: dict[int, str | None]) -> list[Diagnosis]:
-    where = dict.fromkeys(places.values())
-    of = {place: [k for k in places if places[k] == place] for place in where}
-    return [cause("partly-right", f"{_subject(k)} right only where {place}") for place, k in of.items()]
-
-
-def _subject(components: list[int]) -> str:
+def _are(components: list[int]) -> str:
     if len(components) == 3:
         return "euler_eqs is"
     return " and ".join(COMPONENT[k] for k in components) + (" is" if len(components) == 1 else " are")
-
-
-def _elsewhere(found: Diagnosis) -> Diagnosis:
-    if found.code == "returns-zero":
-        return cause("missing-component", "elsewhere euler_eqs returns zeros")
-    return cause(found.code, f"elsewhere {found.sentence}")

@@ -28,7 +28,7 @@ from exercises.rigid_body.public.diagnosis import (
 
 Array = NDArray[np.float64]
 ORDERS = list(itertools.permutations(range(3)))
-MOST = 4  # errors
+MOST = 4  # errors of forms: more of them may reproduce any numbers of that kind
 SINGLE = 1e-6  # agreement to expect in single precision
 
 
@@ -70,7 +70,7 @@ def _explained(w: Array, moments: Array, wdot: Array) -> list[Diagnosis] | None:
     """Return the fewest errors that reproduce the rates, none if they are not unique, or None if there are none."""
     columns, ascending = forms(w, moments, wdot), np.sort(moments, axis=1)
     if (found := _fewest(columns)) is not None:
-        return found
+        return found if len(found) <= MOST else []
     for largest_first, given in (("", ascending), (", the largest first", ascending[:, ::-1])):
         if (found := _fewest(forms(w, given, wdot))) is not None:
             return [cause("moment-order", f"the moments are sorted{largest_first}: use I₁, I₂, I₃ in the given order"), *found]
@@ -94,9 +94,9 @@ def _few_digits(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 def _formulas(mistakes: list[Mistake], k: int, w: Array, moments: Array, wdot: Array) -> list[list[Slip]]:
     """Return the errors that reproduce component ``k``: a wrong formula, or its negative; none if two codes do."""
     found: dict[str, list[Slip]] = {}
-    size, column = scale(w, moments), wdot[:, k : k + 1]
+    own = slice(k, k + 1)
     for (code, sentence, values), sign in itertools.product(mistakes, (1.0, -1.0)):
-        if agree(column, sign * values[:, k : k + 1], size)[:, k].all():
+        if agree(wdot[:, own], sign * values[:, own], scale(w, moments)[:, own]).all():
             found.setdefault(sentence, [Slip(code, sentence), *scaled(sign)])
     return list(found.values()) if len({slips[0].code for slips in found.values()}) == 1 else []
 
@@ -120,7 +120,7 @@ def _fewest(columns: list[list[Form | None]], others: Sequence[list[list[Slip]]]
         return None
     shortest = found[min(found)]
     same = len({tuple(sorted(known.code for known in each)) for each in shortest}) == 1
-    return shortest[0] if same and len(shortest[0]) <= MOST else []
+    return shortest[0] if same else []
 
 
 def _swapped(outputs: Sequence[int], order: Sequence[int]) -> list[Diagnosis]:

@@ -26,6 +26,7 @@ COMPONENT = ("ω̇₁", "ω̇₂", "ω̇₃")
 DEGREE, RPM, TURN = np.pi / 180, 2 * np.pi / 60, 2 * np.pi
 ROUNDED = 2e-4  # relative: what 57.3 or 3.14 for π is off by at most, or nearly so
 BACKWARDS = "sign-reversed", "all three components have the opposite sign: the motion runs backwards in time"
+TORQUE = "missing-division", "no component is divided by its moment: the result is a torque, not ω̇"
 UNITS = {
     1 / DEGREE: "180/π = 57.2958 converts radians into degrees",
     DEGREE: "π/180 converts degrees into radians",
@@ -95,13 +96,12 @@ def known_rates(got: Array, mistakes: Iterable[Mistake], scale: Array) -> list[D
 
 def answers(w: Array, moments: Array, exact: Array) -> list[Mistake]:
     """Return wrong answers (n, 3) that follow from ω, I and the exact rates alone."""
-    torque = "no component is divided by its moment: the result is a torque, not ω̇"
     given = {"ω": w, "I": moments, "L = Iω": moments * w}
     orders = list(itertools.permutations(range(3)))[1:]
     return [
         (*BACKWARDS, -exact),
         *(("returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", x) for name, x in given.items()),
-        ("missing-division", torque, exact * moments),
+        (*TORQUE, exact * moments),
         *(("component-order", f"the components are returned in the wrong order: {named(k)}", exact[:, k]) for k in orders),
     ]
 

@@ -57,11 +57,12 @@ def forms(w: Array, moments: Array, wdot: Array, agreement: float = AGREEMENT) -
 
     None of them has a factor that cancels, as in 3 I₁/I₁: that is another form.
     """
-    numerators, terms = np.column_stack([moments, np.ones(len(w))]), {}
-    for text, number in DIVISORS.items():
-        for axes, product in itertools.product(itertools.combinations(range(3), number), PRODUCTS):
-            coefficients = numerators / _divisor(text, moments[:, axes])[:, None]
-            terms[product, text, axes] = coefficients * w[:, product].prod(axis=1)[:, None]
+    divisors = [(text, axes) for text, number in DIVISORS.items() for axes in itertools.combinations(range(3), number)]
+    coefficients = np.array([[*moments.T, np.ones(len(w))] / _divisor(text, moments[:, axes]) for text, axes in divisors])
+    products = np.array([w[:, product].prod(axis=1) for product in PRODUCTS])
+    designs = (products[:, None, None] * coefficients).reshape(-1, 4, len(w)).swapaxes(1, 2)
+    labels = [(product, *divisor) for product, divisor in itertools.product(PRODUCTS, divisors)]
+    terms = dict(zip(labels, designs, strict=True))
     found = sums(terms, wdot, _size(w, moments), _slack(w, moments), agreement)
     return [
         [form for form in each if not _cancels(form)] if column.any() else [None]

@@ -75,7 +75,10 @@ def _explained(w: Array, moments: Array, wdot: Array) -> list[Diagnosis] | None:
         if (found := _fewest(forms(w, given, wdot))) is not None:
             return [cause("moment-order", f"the moments are sorted{largest_first}: use I₁, I₂, I₃ in the given order"), *found]
     mistakes = list(formulas.of_one_component(w, moments, wdot))
-    others = [_formulas(mistakes, k, w, moments, wdot) or extra_terms(wdot[:, k], k, w, moments) for k in range(3)]
+    others = [
+        readings(columns[k], k) or _formulas(mistakes, k, w, moments, wdot) or extra_terms(wdot[:, k], k, w, moments)
+        for k in range(3)
+    ]
     return _fewest(columns, others)
 
 
@@ -94,23 +97,24 @@ def _few_digits(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
 def _formulas(mistakes: list[Mistake], k: int, w: Array, moments: Array, wdot: Array) -> list[list[Slip]]:
     """Return the errors that reproduce component ``k``: a wrong formula, or its negative; none if two codes do."""
     found: dict[str, list[Slip]] = {}
-    own = slice(k, k + 1)
+    own, size = slice(k, k + 1), scale(w, moments)
     for (code, sentence, values), sign in itertools.product(mistakes, (1.0, -1.0)):
-        if agree(wdot[:, own], sign * values[:, own], scale(w, moments)[:, own]).all():
+        if agree(wdot[:, own], sign * values[:, own], size[:, own]).all():
             found.setdefault(sentence, [Slip(code, sentence), *scaled(sign)])
     return list(found.values()) if len({slips[0].code for slips in found.values()}) == 1 else []
 
 
-def _fewest(columns: list[list[Form | None]], others: Sequence[list[list[Slip]]] = ([], [], [])) -> list[Diagnosis] | None:
-    """Return the explanation with the fewest errors, then the fewest swapped axes, by the forms of the components
-    or by ``others``, errors that exist for axes in the right order.
+def _fewest(columns: list[list[Form | None]], others: list[list[list[Slip]]] | None = None) -> list[Diagnosis] | None:
+    """Return the explanation with the fewest errors, then the fewest swapped axes, by the forms of the components;
+    in the right order also by ``others``, errors of any kind.
 
     Empty if two explanations with different codes are equally short; None if there is none.
     """
     found: dict[tuple[int, int], list[list[Diagnosis]]] = {}
     for outputs, order in itertools.product(ORDERS, ORDERS):
-        more = others if outputs == order == SAME else ([], [], [])
-        found_slips = [readings(each, k, order) or more[k] for each, k in zip(columns, outputs, strict=True)]
+        found_slips = [readings(each, k, order) for each, k in zip(columns, outputs, strict=True)]
+        if others and outputs == order == SAME:
+            found_slips = others
         if all(found_slips):
             slips = [(k, slip) for k, each in zip(outputs, found_slips, strict=True) for slip in min(each, key=len)]
             swapped = _swapped(outputs, order)

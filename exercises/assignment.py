@@ -54,7 +54,7 @@ class HostVerification:
     rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
     ``motion(inputs, ask)`` integrates all of it, or raises ArithmeticError or ValueError if it cannot.
 
-    Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` of plays.py once in the
+    Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` once in the
     sandbox, with a float for a number and float64 arrays for the others, and returns the arrays ``returns``.
     """
 
@@ -68,7 +68,7 @@ class HostVerification:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """One reproducible call: ``play`` (a function of the folder's plays.py) calls ``function`` with
+    """One reproducible call: ``play`` (a function of the assignment's plays) calls ``function`` with
     ``inputs``.
 
     ``inputs`` are fixed, or drawn from the submission's random generator so that the student cannot know
@@ -117,8 +117,8 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Assignment:
-    """One notebook. ``folder`` holds ``setup.py`` (the notebook's Setup cell) and ``plays.py``, which both
-    run inside the sandbox.
+    """One notebook. ``setup`` is the text of its Setup cell and ``plays`` that of the functions that play the
+    scenes; both run inside the sandbox.
 
     ``packages`` names distributions, such as ``("sympy", "pandas")``, that submissions can import besides
     numpy, scipy and matplotlib; they must be installed on the server. ``diagnose`` returns the likely causes
@@ -128,12 +128,10 @@ class Assignment:
     if that is more than the server's limit: five times as much as the right solution uses. ``data`` names
     files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv".
 
-    An assignment declared in one file (exercises.author) has no setup.py and plays.py: ``setup`` and ``plays``
-    are their texts. ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the
-    right solution and wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right
-    solutions of the questions before it, and ``made_samples`` the samples that follow from the declaration
-    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook as published from the declaration;
-    without it the folder may hold notebook.ipynb.
+    ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right solution and
+    wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right solutions of the
+    questions before it, and ``made_samples`` the samples that follow from the declaration
+    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook.
     """
 
     slug: str
@@ -142,6 +140,8 @@ class Assignment:
     folder: Path
     scenes: tuple[Scene, ...]
     exercises: tuple[Exercise, ...]
+    setup: str
+    plays: str
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
     diagnose_function: Callable[[str, Answers], list[Diagnosis] | None] = field(default=lambda function, answers: None)
     sweep: Sweep | None = None
@@ -149,18 +149,11 @@ class Assignment:
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
-    setup: str | None = None
-    plays: str | None = None
-    notebook: Callable[[], str] | None = None
+    notebook: Callable[[], str] = field(default=lambda: "")
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
     variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())
     source_before: Callable[[str], str] = field(default=lambda question: "")
     made_samples: Callable[[], Iterable[Any]] = field(default=lambda: ())
-
-    def source(self, name: str) -> str:
-        """Return the text of "setup" or "plays": declared, or that of the file in the folder."""
-        declared = {"setup": self.setup, "plays": self.plays}[name]
-        return (self.folder / f"{name}.py").read_text(encoding="utf-8") if declared is None else declared
 
     def right_submission(self, function: str) -> str | None:
         """Return the source of a right submission that defines ``function``, or None if there is none."""

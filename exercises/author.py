@@ -1,31 +1,36 @@
 """The declaration that a course author writes: one ``assignment.py`` for each notebook.
 
 The file makes one ``Notebook`` and adds its exercises, each of one or more questions. The functions of
-``exercises.kinds`` make the questions.
+``exercises.kinds`` make the questions. What no question can say, an exercise of the author's own says with
+functions in the same folder.
 """
 
 import functools
 import inspect
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from ecp.checks import Check
+from ecp.exercise import Exercise
 from ecp.kinds import exercise as expand_exercise
 from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
-from exercises.assignment import Assignment
+from exercises.assignment import Assignment, Scene, Sweep
 from exercises.author_notebook import Cell, InvalidNotebook
+from exercises.declared import Draw, Family, Itself, Mistake, Value
 from exercises.mistakes import made_samples, source_before, variants_of
-from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.publish import Section
+from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
 
 __all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
 
 
-PLAYS = "from ecp.kinds import play\n"
-"""The module plays.py of every such assignment: its scenes are questions, which are data."""
+PLAYS = "\nfrom ecp.kinds import play\n"
+"""The functions that play the scenes of questions, which are data."""
 
 
 def uniform(low: float, high: float, *shape: int) -> Draw:
@@ -64,7 +69,7 @@ def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> 
 
     ``code`` is a diagnosis code and ``sentence`` says what the student did. Without them the mistake is a sample only.
     """
-    return Mistake(old, new, code, sentence, calling_line())
+    return Mistake(old, new, code, sentence, sys._getframe(1).f_lineno)
 
 
 def itself(reason: str) -> Itself:
@@ -77,6 +82,9 @@ class Notebook:
     """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cells.
 
     ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s`` and ``data`` are those of ``Assignment``.
+
+    For exercises of the author's own (``own_exercise``): ``scenes`` are their scenes, played by functions of plays.py beside the
+    file, and ``diagnose``, ``diagnose_function``, ``codes`` and ``sweep`` are those of ``Assignment``.
     """
 
     title: str
@@ -86,7 +94,12 @@ class Notebook:
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
-    exercises: list[tuple[str, str, tuple[Question, ...]]] = field(default_factory=list)
+    scenes: tuple[Scene, ...] = ()
+    diagnose: Callable[..., Any] | None = None
+    diagnose_function: Callable[..., Any] | None = None
+    codes: tuple[str, ...] = ()
+    sweep: Sweep | None = None
+    sections: list[Section] = field(default_factory=list)
     line: int = 0
 
     def __post_init__(self) -> None:
@@ -97,11 +110,18 @@ class Notebook:
         names = [question.function for question in questions]
         unique = len(names) == len(set(names)) > 1
         ids = [f"{number}-{name}" if unique else f"{number}-{k}" for k, name in enumerate(names, 1)] if len(names) > 1 else [number]
-        self.exercises.append((number, title, tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))))
+        self.sections.append(Section(number, title, tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))))
+
+    def own_exercise(self, exercise: Exercise, *hidden: Check) -> None:
+        """Add an exercise of the author's own, from the folder public/, which the students' kit contains.
+
+        The ``hidden`` checks follow its own. They read scenes with drawn inputs.
+        """
+        self.sections.append(Section(exercise.number, exercise.title, own=replace(exercise, checks=(*exercise.checks, *hidden))))
 
     def questions(self) -> list[Question]:
         """Return the questions of all exercises in order."""
-        return [question for _, _, questions in self.exercises for question in questions]
+        return [question for section in self.sections for question in section.questions]
 
     def errors(self, folder: Path) -> list[str]:
         """Return the errors of all questions and of the author's notebook, each with its file."""
@@ -125,28 +145,31 @@ class Notebook:
     def assignment(self, folder: Path) -> Assignment:
         """Return the assignment that grading reads, of a declaration without errors. Runs nothing of the author's solutions."""
         slug, cells = folder.name.replace("_", "-"), self._cells(folder)
-        sections = [publish.Section(*declared) for declared in self.exercises]
         setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
+        plays = folder / "plays.py"
+        given = {"diagnose": self.diagnose, "diagnose_function": self.diagnose_function}
         return Assignment(
             slug=slug,
             title=self.title,
             version=self.version,
             folder=folder,
-            scenes=tuple(scene for question in self.questions() for scene in question.scenes()),
-            exercises=tuple(expand_exercise(number, title, map(_document, asked), True) for number, title, asked in self.exercises),
+            scenes=(*self.scenes, *(scene for question in self.questions() for scene in question.scenes())),
+            exercises=tuple(map(_expanded, self.sections)),
+            setup=setup,
+            plays=(plays.read_text(encoding="utf-8") if plays.is_file() else "") + (PLAYS if self.questions() else ""),
             packages=self.packages,
             cpu_s=self.cpu_s,
             data=self.data,
-            setup=setup,
-            sweep=next((question.sweep(question) for question in self.questions() if question.sweep), None),
-            plays=PLAYS,
+            codes=self.codes,
+            sweep=self.sweep or next((question.sweep(question) for question in self.questions() if question.sweep), None),
             notebook=functools.cache(
-                lambda: publish.published(slug, cells or publish.plain(self.title, setup, sections), sections)
+                lambda: publish.published(slug, cells or publish.plain(self.title, setup, self.sections), self.sections)
             ),
             variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
-            made_samples=lambda: made_samples(self._numbered()),
-            questions={number: tuple(map(_document, asked)) for number, _, asked in self.exercises},
+            made_samples=lambda: made_samples(self._numbered(), folder / self.notebook if self.notebook else None),
+            questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.own is None},
+            **{name: function for name, function in given.items() if function is not None},
         )
 
     def _cells(self, folder: Path) -> list[Cell]:
@@ -154,16 +177,20 @@ class Notebook:
         return author_notebook.read(folder / self.notebook) if self.notebook else []
 
     def _names(self) -> list[str]:
-        return [name for question in self.questions() for name in question.names]
+        return [name for section in self.sections for name in section.names]
 
     def _numbered(self) -> list[tuple[str, Question]]:
-        return [(number, question) for number, _, questions in self.exercises for question in questions]
+        return [(section.number, question) for section in self.sections for question in section.questions]
 
     def _with_source_before(self, id: str) -> tuple[Question, str]:
         """Return the question ``id`` and the source of the right solutions of those before it."""
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
         return numbered[k][1], source_before(numbered, k)
+
+
+def _expanded(section: Section) -> Exercise:
+    return section.own or expand_exercise(section.number, section.title, map(_document, section.questions), True)
 
 
 def _document(question: Question) -> Mapping[str, Any]:

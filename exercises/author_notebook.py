@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ecp.notebook.cells import python_of, statements_of
+from ecp.notebook.cells import DEFINITION, python_of, statements_of
 
-SOLUTION = "solution"  # tag of a cell that students must not see
+SOLUTION, INSTALL = "solution", "install"  # tags of cells that students must not see, and that install the kit
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _HEADING = re.compile(r"^(#{1,6})[ \t]+(.+?)[ \t#]*$", re.MULTILINE)
 _SETUP = re.compile(r"[\d.\s]*setup\W*", re.IGNORECASE)
@@ -61,12 +61,23 @@ def read(path: Path) -> list[Cell]:
         missing = isinstance(error, FileNotFoundError)
         raise InvalidNotebook(f"{path.name} {'is missing' if missing else 'cannot be read as UTF-8 text'}") from error
     try:
-        cells = [_cell(cell) for cell in json.loads(text)["cells"]]
+        cells = parse(text)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise InvalidNotebook(f"{path.name} is not a Jupyter notebook (format 4): save it again with Jupyter") from error
     if not any(cell.kind == "code" for cell in cells):
         raise InvalidNotebook(f"{path.name} has no code cells")
     return cells
+
+
+def parse(text: str) -> list[Cell]:
+    """Return the cells of a notebook's JSON."""
+    return [_cell(cell) for cell in json.loads(text)["cells"]]
+
+
+def written(cells: Sequence[Cell]) -> set[str]:
+    """Return the names that the cells bind, other than definitions with an empty body and variables that are None or ``...``."""
+    statements = [s for cell in cells if cell.kind == "code" for s in statements_of(cell.source)]
+    return {name for s in statements if not _is_empty(s.node) for name in s.names.bound}
 
 
 def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[str, Sequence[str]]) -> Iterator[str]:
@@ -91,7 +102,7 @@ def errors(cells: Sequence[Cell], names: Collection[str], parameters: Mapping[st
 def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
     """Return the Setup as Python without magics: the code under the heading "Setup", else the code before the first solution.
 
-    It ends at the next heading of that level and never contains a solution, one of the ``names``.
+    It ends at the next heading of that level and contains neither a solution, one of the ``names``, nor the kit's installation.
     """
     marked = [(at, level) for at, cell in enumerate(cells) for level, text in cell.headings if _SETUP.fullmatch(text)]
     start, level = marked[0] if marked else (-1, 0)
@@ -99,7 +110,7 @@ def setup(cells: Sequence[Cell], names: Collection[str]) -> str:
     for cell in cells[start + 1 :]:
         if cell.is_solution(names) or any(other <= level for other, _ in cell.headings):
             break
-        taken += [python_of(cell.source) or ""] if cell.kind == "code" else []
+        taken += [python_of(cell.source) or ""] if cell.kind == "code" and INSTALL not in cell.tags else []
     return "\n\n".join(text.strip("\n") for text in taken) + "\n"
 
 
@@ -124,6 +135,14 @@ def _cell(cell: Mapping[str, Any]) -> Cell:
     shown = {name: picture for name, picture in cell.get("attachments", {}).items() if f"attachment:{name}" in source}
     tags = tuple(map(str, cell.get("metadata", {}).get("tags", ())))
     return Cell(kind, source, str(cell.get("id", "")), tags, {} if code else shown)
+
+
+def _is_empty(node: ast.AST) -> bool:
+    if isinstance(node, DEFINITION):
+        return all(map(_is_empty, node.body))
+    value = node.value if isinstance(node, ast.Expr | ast.Assign) else None
+    text = isinstance(node, ast.Expr) and isinstance(value, ast.Constant)
+    return text or isinstance(node, ast.Pass) or (isinstance(value, ast.Constant) and value.value in (None, ...))
 
 
 def _syntax_error(source: str) -> str:

@@ -2,6 +2,7 @@
 
 import functools
 import importlib
+import importlib.machinery
 import importlib.util
 import os
 import sys
@@ -13,10 +14,10 @@ import exercises
 from exercises import validation
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.author import Notebook
-from exercises.validation import NEEDED, format_error, syntax_errors
+from exercises.validation import format_error, syntax_errors
 
 SETTING = "POLHODE_ASSIGNMENTS"
-ONE_FILE = "assignment.py"
+DECLARATION = "assignment.py"
 
 
 def folders() -> list[Path]:
@@ -55,14 +56,12 @@ def slug_of(folder: Path) -> str:
 
 
 def load(folder: Path) -> tuple[Any, list[str]]:
-    """Import the folder as a part of ``exercises`` and return its ``ASSIGNMENT``, or None and all errors that
-    prevent it.
+    """Import the folder as a part of ``exercises`` and return the assignment that its assignment.py declares, or
+    None and all errors that prevent it.
     """
-    one_file = (folder / ONE_FILE).is_file()
-    wanted = [] if one_file else [*NEEDED, "__init__.py"]
-    errors = [f"{name} is missing" for name in wanted if not (folder / name).is_file()] if folder.is_dir() else []
+    errors = [] if (folder / DECLARATION).is_file() else [f"{DECLARATION} is missing"]
     if not folder.is_dir():
-        errors.append(f"there is no folder {folder}")
+        errors = [f"there is no folder {folder}"]
     if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
         rule = "use lower-case letters from a to z, digits, and _ between them"
         errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
@@ -71,30 +70,25 @@ def load(folder: Path) -> tuple[Any, list[str]]:
         return None, errors
     if errors := _taken(folder):
         return None, errors
-    module = _imported(folder)
-    if one_file:
-        return _declared(module, folder)
-    if not hasattr(module, "ASSIGNMENT"):
-        return None, ["__init__.py defines no ASSIGNMENT"]
-    return module.ASSIGNMENT, []
+    notebooks = [value for value in vars(_imported(folder)).values() if isinstance(value, Notebook)]
+    if len(notebooks) != 1:
+        return None, [f"{DECLARATION} makes {len(notebooks)} notebooks; it must make one"]
+    errors = notebooks[0].errors(folder)
+    return (None, errors) if errors else (notebooks[0].assignment(folder), [])
 
 
 def discover(named: Path) -> list[Path]:
     """Return the assignment that a folder is, or every assignment in it. A folder that does not exist is
     returned itself.
     """
-    if not named.is_dir() or any((named / file).is_file() for file in (ONE_FILE, "__init__.py", *NEEDED)):
+    if not named.is_dir() or any((named / file).is_file() for file in (DECLARATION, "__init__.py", "plays.py")):
         return [named]
-    return sorted({path.parent for file in (ONE_FILE, "__init__.py") for path in named.glob(f"*/{file}")})
+    return sorted(path.parent for path in named.glob(f"*/{DECLARATION}"))
 
 
 def _here() -> list[Path]:
     """Return the folders of assignments in this package."""
-    return sorted({path.parent for root in exercises.__path__ for path in Path(root).glob("*/*.py") if _is_declared(path)})
-
-
-def _is_declared(path: Path) -> bool:
-    return path.name == ONE_FILE or (path.name == "__init__.py" and path.parent.name != "kinds")
+    return sorted({path.parent for root in exercises.__path__ for path in Path(root).glob(f"*/{DECLARATION}")})
 
 
 def _named() -> list[Path]:
@@ -104,39 +98,22 @@ def _named() -> list[Path]:
 def _taken(folder: Path) -> list[str]:
     """Return an error if ``exercises`` already has another module of that name."""
     spec = importlib.util.find_spec(f"exercises.{folder.name}")
-    if spec is None or spec.origin in (None, str(_entry(folder))):
+    found = [] if spec is None else list(spec.submodule_search_locations or [str(spec.origin)])
+    if not found or str(folder) in found:
         return []
-    return [f"the name {folder.name} is already used by {spec.origin or 'a folder of polhode'}: choose another"]
+    return [f"the name {folder.name} is already used by {found[0]}: choose another"]
 
 
 def _imported(folder: Path) -> ModuleType:
-    """Import the package as one of ``exercises``, from any folder. The packages next to it are not imported."""
+    """Import the folder's assignment.py as a module of the package ``exercises.NAME``, from any folder. The
+    packages next to it are not imported.
+    """
     name = f"exercises.{folder.name}"
-    entry = _entry(folder)
-    if name in sys.modules or (entry.name == "__init__.py" and str(folder.parent) in exercises.__path__):
-        return importlib.import_module(name)
-    spec = importlib.util.spec_from_file_location(name, entry, submodule_search_locations=[str(folder)])
-    assert spec is not None and spec.loader is not None
-    sys.modules[name] = module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
-
-
-def _entry(folder: Path) -> Path:
-    """Return the file of the folder's declaration, which is imported as its package."""
-    return folder / (ONE_FILE if (folder / ONE_FILE).is_file() else "__init__.py")
-
-
-def _declared(module: ModuleType, folder: Path) -> tuple[Any, list[str]]:
-    notebooks = [value for value in vars(module).values() if isinstance(value, Notebook)]
-    if len(notebooks) != 1:
-        return None, [f"{ONE_FILE} makes {len(notebooks)} notebooks; it must make one"]
-    errors = notebooks[0].errors(folder)
-    return (None, errors) if errors else (notebooks[0].assignment(folder), [])
+    if name not in sys.modules:
+        spec = importlib.machinery.ModuleSpec(name, None, is_package=True)
+        spec.submodule_search_locations = [str(folder)]
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+    return importlib.import_module(f"{name}.assignment")
 
 
 class Catalogue(NamedTuple):
@@ -189,12 +166,7 @@ def _load(slug: str, folder: Path) -> Assignment:
         raise InvalidAssignment(slug, error.errors) from error
     except (Exception, SystemExit) as error:
         raise InvalidAssignment(slug, [format_error(error, folder)]) from error
-    if not errors and not isinstance(assignment, Assignment):
-        errors = [f"ASSIGNMENT is a {type(assignment).__name__}, not an Assignment"]
-    elif not errors and assignment.slug != slug:
-        errors = [f"its slug is {assignment.slug}, but its folder's name requires {slug}"]
-    elif not errors:
-        errors = validation.errors(assignment)
+    errors = errors or validation.errors(assignment)
     if errors:
         raise InvalidAssignment(slug, errors)
     return assignment

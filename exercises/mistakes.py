@@ -1,44 +1,33 @@
 """What follows from the mistakes of a declaration: variants of the right solution that predict numbers, and samples."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from ecp.judge import Verdict
+from exercises import author_notebook
 from exercises.mutation import variants
 from exercises.question import Question
 from exercises.samples import codes
-
-
-@dataclass(frozen=True)
-class Variant:
-    """A wrong solution: its whole source, and the diagnosis of a submission that returns the same numbers.
-
-    ``declared`` variants are the author's mistakes; a mistake without a code has no diagnosis. The others change one node of the
-    right solution.
-    """
-
-    source: str
-    code: str | None
-    sentence: str
-    declared: bool
+from exercises.solution import Variant
 
 
 def variants_of(question: Question, before: str) -> list[Variant]:
-    """Return the right solution itself, then each mistake and each one-node change of it, behind the source ``before``."""
-
-    def variant(source: str, code: str | None, sentence: str, declared: bool) -> Variant:
-        return Variant(f"{before}\n\n{source}", code, sentence, declared)
-
+    """Return the right solution itself, then each mistake and each one-place change of it, behind the source ``before``."""
     right = question.source
-    declared = [variant(m.source(right), m.code, m.sentence, True) for m in question.mistakes]
-    made = [variant(v.source, v.code, v.sentence, False) for v in variants(right, question.function)]
-    return [variant(right, None, "", True), *declared, *made]
+    declared = [Variant("", "", right), *(Variant(m.code or "", m.sentence, m.source(right)) for m in question.mistakes)]
+    made = [*(replace(v, declared=True) for v in declared), *variants(right)]
+    return [replace(v, source=f"{before}\n\n{v.source}") for v in made]
+
+
+UNSEEN = "every check is ✓: the mistake changes nothing that the checks see"
 
 
 @dataclass(frozen=True)
 class MadeSample:
-    """A sample made from the declaration: all right solutions, or those up to one question with one of its mistakes.
+    """A sample made from the declaration: all right solutions, those up to one question with one of its mistakes, or the author's
+    notebook.
 
     ``ask`` are its exercises. A wrong sample fails at least one check, and its report has ``code``, if the mistake has one.
     """
@@ -49,25 +38,36 @@ class MadeSample:
     right: bool
     code: str | None = None
 
+    @property
+    def is_notebook(self) -> bool:
+        """Whether this is the author's notebook."""
+        return self.name.endswith(".ipynb")
+
     def unexpected(self, report: Mapping[str, Any]) -> list[str]:
         """Return the differences of a report, as JSON, from the expected one, one sentence each."""
         outcomes = [o for e in report["exercises"] for o in e["outcomes"]]
         failed = [o["id"] for o in outcomes if o["verdict"] != Verdict.PASS]
         if self.right:
             return [f"{id} is not ✓" for id in failed]
-        found, wrong = codes(report), [] if failed else ["every check is ✓: the mistake changes nothing that the checks see"]
-        if self.code and failed and found != {self.code}:
-            wrong.append(f"diagnosis codes {sorted(found)}, not {self.code}")
-        return wrong
+        found = ", ".join(sorted(codes(report))) or "none"
+        if not failed:
+            return [UNSEEN]
+        return [f"the diagnosis is {found}, not {self.code}"] if self.code and found != self.code else []
 
 
-def made_samples(questions: Sequence[tuple[str, Question]]) -> Iterator[MadeSample]:
-    """Yield the sample of all right solutions, then one for each mistake; ``questions`` are those of each exercise's number.
+def made_samples(questions: Sequence[tuple[str, Question]], notebook: Path | None = None) -> Iterator[MadeSample]:
+    """Yield the sample of all right solutions, the author's ``notebook``, and a sample for each mistake.
 
-    A sample of a mistake has the right solutions of the questions before it and of the others of its exercise.
+    ``questions`` are those of each exercise's number. The notebook is a sample of the exercises that it solves. A sample of a
+    mistake has the right solutions of the questions before it and of the others of its exercise.
     """
     numbers = tuple(dict.fromkeys(number for number, _ in questions))
     yield MadeSample("right_all.py", source_before(questions, len(questions)), numbers, right=True)
+    if notebook is not None:
+        written = author_notebook.written(author_notebook.read(notebook))
+        absent = {number for number, question in questions if not written.issuperset(question.names)}
+        if solved := tuple(number for number in numbers if number not in absent):
+            yield MadeSample(notebook.name, notebook.read_text(encoding="utf-8"), solved, right=True)
     for k, (number, question) in enumerate(questions):
         for at, mistake in enumerate(question.mistakes, 1):
             others = [q.source for n, q in questions[k + 1 :] if n == number and q.source != question.source]

@@ -1,13 +1,14 @@
 """Wrong versions of a right solution: each changes one place of its source and says so in a sentence."""
 
 import ast
-from collections.abc import Iterator
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
 from exercises.equivalence import fingerprint
-from exercises.solution import PRODUCT, SUM, Change, Solution, called, integer, is_operation
+from exercises.solution import PRODUCT, SUM, Solution, Variant, called, is_operation
 
 CODES = (
     *("sign-flipped", "missing-term", "wrong-index", "missing-brackets", "constant-factor", "missing-division", "wrong-divisor"),
@@ -22,220 +23,230 @@ ALIKE = (
 IN_PLACE_OF = {a: b for pair in ALIKE.split(";") for a, b in (pair.split(","), pair.split(",")[::-1])}
 DROPPED = "sqrt,exp,log,abs,absolute,conj,conjugate,real,floor,int,round,inv,sort,cumsum,radians,deg2rad,fftshift,unwrap"
 COMMUTATIVE = "min,max,minimum,maximum,hypot,allclose,isclose,isinstance,zip,range"
-OPERATORS = {ast.Mult: "* /", ast.Div: "/ *", ast.FloorDiv: "// /", ast.Mod: "% //", ast.Pow: "** *", ast.MatMult: "@ *"}
-COMPARED = {ast.Lt: "< > <=", ast.LtE: "<= >= <", ast.Gt: "> < >=", ast.GtE: ">= <= >", ast.Eq: "== !=", ast.NotEq: "!= =="}
-ASSIGNED = {ast.Add: "+= =", ast.Sub: "-= =", ast.Mult: "*= /=", ast.Div: "/= *="}
 
 
-@dataclass(frozen=True)
-class Variant:
-    """A wrong version of a right solution.
-
-    ``code``: one of ``CODES``. ``sentence``: what a student with this version did. ``source``: the
-    whole changed source. ``line``: the changed line.
-    """
-
-    code: str
-    sentence: str
-    source: str
-    line: int
+Rule = Callable[[Solution, Any], Iterator[Variant]]
 
 
-def variants(source: str, function: str) -> list[Variant]:
-    """Return the wrong versions of ``function``, which ``source`` defines, in the order of its lines.
+def variants(source: str) -> list[Variant]:
+    """Return the wrong versions of a solution in the order of its lines.
 
-    They change what the function uses of the source, other than imports. No version equals the source
-    or another version up to rules of arithmetic; of equal ones the most common mistake stays.
+    No version equals the source or another version up to rules of arithmetic; of equal ones the most common mistake stays.
 
     Raises SyntaxError if the source is not valid Python.
     """
-    solution = Solution(source, function)
-    seen, found = {fingerprint(solution.tree)}, []
-    for change in (c for rule in RULES for node in solution.nodes for c in rule(solution, node)):
-        text = solution.changed(change)
-        if text is not None and (key := fingerprint(ast.parse(text))) not in seen:
-            seen.add(key)
-            found.append(Variant(change.code, change.sentence, text, solution.bytes.count(b"\n", 0, change.span[0]) + 1))
-    return sorted(found, key=lambda variant: variant.line)
+    solution, found = Solution(source), {fingerprint(source): Variant("", "", source)}
+    for variant in (variant for rule in RULES for node in solution.nodes for variant in rule(solution, node)):
+        with suppress(SyntaxError):
+            found.setdefault(fingerprint(variant.source), variant)
+    return sorted(list(found.values())[1:], key=lambda variant: variant.line)
 
 
-def _terms(s: Solution, node: Any) -> Iterator[Change]:
-    if is_operation(node, *SUM):
-        minus = is_operation(node, ast.Sub)
-        left, right, opposite = node.left, node.right, "{} + {}" if minus else "{} - {}"
-        yield s.change("sign-flipped", f"{s.term(right)} has the opposite sign", node, opposite, left, right, at=right)
-        if minus:
-            yield s.change("sign-flipped", f"{s.quote(node)} has the opposite sign", node, "{} - {}", right, left)
-        yield s.change("missing-term", f"{s.term(right)} is missing", node, "{}", left, at=right)
-        if not is_operation(left, *SUM):
-            yield s.change("missing-term", f"{s.term(left)} is missing", node, "-{}" if minus else "{}", right, at=left)
-    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
-        whole = s.product(node)
-        yield s.change("sign-flipped", f"{s.term(whole)} has the opposite sign", node, "{}", node.operand, at=whole)
-    elif isinstance(node, ast.AugAssign) and isinstance(node.op, SUM):
-        new = "{} -= {}" if isinstance(node.op, ast.Add) else "{} += {}"
-        what = f"{s.term(node.value)} has the opposite sign"
-        yield s.change("sign-flipped", what, node, new, node.target, node.value, at=node.value, exact=True)
-    elif s.is_term(node) and not s.text(node).startswith("-"):
-        yield s.change("sign-flipped", f"{s.term(node)} has the opposite sign", node, "-{}", node)
+CLASSES: Mapping[str, Callable[[Solution, Any], bool]] = {
+    "F": lambda s, node: not is_operation(node, *PRODUCT) and not isinstance(node, ast.UnaryOp),
+    "H": lambda s, node: s.is_term(node) and s.outer(node, ast.Subscript, ast.Compare, ast.stmt) is s.outer(node, ast.stmt),
+    "D": lambda s, node: CLASSES["H"](s, node) and (is_operation(node, *PRODUCT) or s.is_returned(node)),
+    "M": lambda s, node: (
+        isinstance(node, ast.Name) and node.id[0].isupper() and (is_operation(s.parents[node], ast.MatMult) or s.is_returned(node))
+    ),
+    **dict.fromkeys(
+        "PQ", lambda s, node: not any(isinstance(n, ast.Call) or is_operation(n, *PRODUCT, ast.Pow) for n in ast.walk(node))
+    ),
+    "S": lambda s, node: not is_operation(node, *SUM),
+    "T": lambda s, node: s.is_term(node) and not s.text(node).startswith("-"),
+    "V": lambda s, node: not isinstance(node, ast.Constant),
+}
+"""What a name of one letter in a pattern stands for; the other letters stand for any expression."""
 
 
-def _indices(s: Solution, node: Any) -> Iterator[Change]:
-    if not isinstance(node, ast.Subscript):
-        return
-    indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-    bounds = [b for i in indices if isinstance(i, ast.Slice) for b in (i.lower, i.upper, i.step) if b is not None]
-    for part in (*indices, *bounds):
-        value = integer(part)
-        others: list[Any] = [value + 1, value - 1] if value else [1] if value == 0 else []
-        if part in bounds:
-            others = ["", *(other for other in others if other != 0)]
-        elif isinstance(part, ast.Name):
-            others = [f"{part.id} - 1", f"{part.id} + 1"]
-        elif value == -1:
-            others = [-2]
-        for other in others:
-            yield s.stands("wrong-index", part, str(other), node)
-    if len(indices) == 2 and isinstance(node.ctx, ast.Load):
-        what = f"the indices of {s.quote(node)} are exchanged"
-        yield s.change("wrong-index", what, indices[0], "{}, {}", *indices[::-1], at=node, last=indices[1], exact=True)
+def table(*rows: tuple[str, str, str, str]) -> Rule:
+    """Return the rule with these rows: code, pattern, what stands in its place, and the sentence, whose last part is the place.
+
+    The parts are the letters of the pattern, ``node``, and ``whole``, the largest product around it, in their ``Solution.forms``.
+    A missing factor that is a number has the code constant-factor.
+    """
+    patterns = [(code, ast.parse(pattern).body[0], new, sentence) for code, pattern, new, sentence in rows]
+
+    def rule(s: Solution, node: Any) -> Iterator[Variant]:
+        for code, pattern, new, sentence in patterns:
+            nodes: dict[str, Any] = {}
+            if _matches(s, pattern.value if isinstance(pattern, ast.Expr) else pattern, node, nodes):
+                nodes |= {"node": node, "whole": s.product(node)}
+                forms = {form: text for name, part in nodes.items() for form, text in s.forms(name, part).items()}
+                first, *_, at = re.findall(r"{(\w+?)_", sentence) * 2
+                factor = at == "whole" and isinstance(nodes[first], ast.Constant)
+                named = "constant-factor" if factor else code
+                yield s.change(named, sentence.format(**forms), node, new.format(**forms), at=nodes[at])
+
+    return rule
 
 
-def _brackets(s: Solution, node: Any) -> Iterator[Change]:
+def _matches(s: Solution, pattern: Any, node: Any, nodes: dict[str, Any]) -> bool:
+    """Return whether a node has the form of a pattern, and add what the pattern's letters stand for to ``nodes``."""
+    match pattern:
+        case ast.Name(id=letter):
+            nodes[letter] = node
+            return isinstance(node, ast.expr | ast.Slice) and (letter not in CLASSES or CLASSES[letter](s, node))
+        case ast.AST():
+            fields = ast.iter_fields(pattern)
+            return type(pattern) is type(node) and all(_matches(s, part, getattr(node, name), nodes) for name, part in fields)
+        case list():
+            return len(pattern) == len(node) and all(_matches(s, *pair, nodes) for pair in zip(pattern, node, strict=True))
+    return bool(pattern == node)
+
+
+OPPOSITE, MISSING = "{B_t} has the opposite sign", "the factor {%s_q} in {whole_q} is missing"
+INSTEAD = "`%s` stands in place of `%s` in {node_q}"
+
+_terms = table(
+    ("sign-flipped", "A + B", "{A} - {B}", OPPOSITE),
+    ("sign-flipped", "A - B", "{A} + {B}", OPPOSITE),
+    ("sign-flipped", "A - B", "{B} - {A}", "{node_q} has the opposite sign"),
+    ("missing-term", "A + B", "{A}", "{B_t} is missing"),
+    ("missing-term", "A - B", "{A}", "{B_t} is missing"),
+    ("missing-term", "S + B", "{B}", "{S_t} is missing"),
+    ("missing-term", "S - B", "-{B}", "{S_t} is missing"),
+    ("sign-flipped", "-V", "{V}", "{whole_t} has the opposite sign"),
+    ("sign-flipped", "A += B", "{A} -= {B}", OPPOSITE),
+    ("sign-flipped", "A -= B", "{A} += {B}", OPPOSITE),
+    ("sign-flipped", "T", "-{T}", "{T_t} has the opposite sign"),
+)
+_exchanged_indices = table(("wrong-index", "A[B, C]", "{A}[{C_r}, {B_r}]", "the indices of {node_q} are exchanged"))
+_factors = table(
+    ("missing-term", "A * B", "{A}", MISSING % "B"),
+    ("missing-division", "A / B", "{A}", "the division by {B_q} in {whole_q} is missing"),
+    ("missing-term", "F * B", "{B}", MISSING % "F"),
+    ("missing-term", "-A * B", "-{B}", MISSING % "A"),
+    ("missing-term", "F / B", "1 / {B}", MISSING % "F"),
+    ("missing-term", "-A / B", "-1 / {B}", MISSING % "A"),
+    ("wrong-divisor", "A / B", "{B} / {A}", "numerator and denominator of {node_q} are exchanged"),
+    ("wrong-power", "A ** B", "{A}", "the exponent {B_q} of {node_q} is missing"),
+)
+_multiples = table(
+    ("constant-factor", "H", "{H} / 2", "{H_q} is halved"),
+    ("constant-factor", "D", "2 * {D}", "{D_q} is doubled"),
+)
+_operators = table(
+    *[
+        ("wrong-operator", f"A {old} B", f"{{A}} {new} {{B}}", f"`{new}` stands in place of `{old}` before {{B_q}} in {{node_q}}")
+        for old, new in ("*/", "/*", ("//", "/"), ("%", "//"), ("**", "*"), "@*")
+    ],
+    *[
+        ("wrong-operator", f"A {old} B", f"{{A}} {new} {{B}}", INSTEAD % (new, old))
+        for old, new in (("+=", "="), ("-=", "="), ("*=", "/="), ("/=", "*="), ("and", "or"), ("or", "and"))
+    ],
+    ("wrong-comparison", "not A", "{A}", "the condition {node_q} is reversed"),
+    *[
+        ("wrong-comparison", f"A {old} B", f"{{A}} {new} {{B}}", "the comparison {node_q} is reversed")
+        for old, new in ("<>", "><", ("<=", ">="), (">=", "<="), ("==", "!="), ("!=", "=="))
+    ],
+    *[
+        ("wrong-comparison", f"P {old} Q", f"{{P}} {new} {{Q}}", INSTEAD % (new, old))
+        for old, new in (("<", "<="), ("<=", "<"), (">", ">="), (">=", ">"))
+    ],
+)
+_transposed = table(
+    ("transposed", "A.T", "{A}", "`.T` is missing after {A_q}{node_r:.0}"),  # the place is the node, not A
+    ("transposed", "M", "{M}.T", "`{M_r}.T` stands in place of {M_q}"),
+)
+
+
+def _indices(s: Solution, node: Any) -> Iterator[Variant]:
+    if isinstance(node, ast.Subscript):
+        indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        bounds = [b for i in indices if isinstance(i, ast.Slice) for b in (i.lower, i.upper, i.step) if b is not None]
+        for part in (*indices, *bounds):
+            near = [] if (value := _integer(part)) is None else [k for k in (value + 1, value - 1) if (k < 0) == (value < 0)]
+            others = ["", *map(str, filter(None, near))] if part in bounds else list(map(str, near))
+            if isinstance(part, ast.Name) and part in indices:
+                others = [f"{part.id} - 1", f"{part.id} + 1"]
+            yield from (s.stands("wrong-index", part, other, node) for other in others)
+
+
+def _brackets(s: Solution, node: Any) -> Iterator[Variant]:
     if isinstance(node, ast.BinOp) and isinstance(s.parents[node], ast.BinOp | ast.UnaryOp):
         start, end = s.span(node)
         if s.bytes[start - 1 : start] + s.bytes[end : end + 1] == b"()":
             what = f"the brackets around {s.quote(node)} are missing{s.place(s.parents[node])}"
-            yield Change("missing-brackets", what, (start - 1, end + 1), "{}", (node,), exact=True)
+            yield s.replaced("missing-brackets", what, (start - 1, end + 1), s.text(node))
 
 
-def _factors(s: Solution, node: Any) -> Iterator[Change]:
-    if is_operation(node, *PRODUCT):
-        whole, divided, left, right = s.product(node), is_operation(node, ast.Div), node.left, node.right
-        number, where = isinstance(right, ast.Constant), f"in {s.quote(whole)} is missing"
-        code = "constant-factor" if number else "missing-division" if divided else "missing-term"
-        yield s.change(code, f"the {'division by' if divided else 'factor'} {s.quote(right)} {where}", node, "{}", left, at=whole)
-        if not is_operation(left, *PRODUCT):
-            minus = isinstance(left, ast.UnaryOp)
-            factor, new = left.operand if minus else left, ("-" if minus else "") + ("1 / {}" if divided else "{}")
-            code = "constant-factor" if isinstance(factor, ast.Constant) else "missing-term"
-            yield s.change(code, f"the factor {s.quote(factor)} {where}", node, new, right, at=whole)
-        if divided:
-            what = f"numerator and denominator of {s.quote(node)} are exchanged"
-            yield s.change("wrong-divisor", what, node, "{} / {}", right, left)
-    elif is_operation(node, ast.Pow):
-        what = f"the exponent {s.quote(node.right)} of {s.quote(node)} is missing"
-        yield s.change("wrong-power", what, node, "{}", node.left)
-
-
-def _multiples(s: Solution, node: Any) -> Iterator[Change]:
-    if s.is_term(node) and s.outer(node, ast.Subscript, ast.Compare, ast.stmt) is s.outer(node, ast.stmt):
-        yield s.change("constant-factor", f"{s.quote(node)} is halved", node, "{} / 2", node)
-        if is_operation(node, *PRODUCT) or s.is_returned(node):
-            yield s.change("constant-factor", f"{s.quote(node)} is doubled", node, "2 * {}", node)
-
-
-def _calls(s: Solution, node: Any) -> Iterator[Change]:
-    name = called(node)
-    args: list[Any] = getattr(node, "args", [])
+def _calls(s: Solution, node: Any) -> Iterator[Variant]:
+    name, args = called(node), getattr(node, "args", [])
     if not name or any(isinstance(a, ast.Starred) for a in args):
         return
-    method = isinstance(node.func, ast.Attribute)
+    of = s.text(node.func.value) if isinstance(node.func, ast.Attribute) else ""
     if other := IN_PLACE_OF.get(name):
-        what, new = f"`{other}` stands in place of `{name}` in {s.quote(node)}", f"{{}}.{other}" if method else other
-        yield s.change("wrong-function", what, node.func, new, *([node.func.value] if method else []), at=node)
-    if name in DROPPED.split(",") and (args or method):
-        yield s.change(
-            "wrong-function", f"`{name}` is missing in {s.quote(node)}", node, "{}", args[0] if args else node.func.value
-        )
+        what = f"`{other}` stands in place of `{name}` in {s.quote(node)}"
+        yield s.change("wrong-function", what, node.func, f"{of}.{other}" if of else other, at=node)
+    if name in DROPPED.split(",") and (args or of):
+        yield s.change("wrong-function", f"`{name}` is missing in {s.quote(node)}", node, s.text(args[0]) if args else of)
     for bound in args[:2] if name == "range" else ():
-        for new, word in (("{} - 1", "less"), ("{} + 1", "more")):
-            yield s.change("off-by-one", f"the bound {s.quote(bound)} of {s.quote(node)} is one {word}", bound, new, bound, at=node)
-    if len(args) > 1 and name not in COMMUTATIVE.split(",") and ast.dump(args[0]) != ast.dump(args[1]):
+        for sign, word in (("-", "less"), ("+", "more")):
+            what = f"the bound {s.quote(bound)} of {s.quote(node)} is one {word}"
+            yield s.change("off-by-one", what, bound, f"{s.text(bound)} {sign} 1", at=node)
+    if len(args) > 1 and name not in COMMUTATIVE.split(","):
         what = f"the arguments {s.quote(args[0])} and {s.quote(args[1])} of `{name}` are exchanged"
-        yield s.change("swapped-arguments", what, args[0], "{}, {}", args[1], args[0], at=node, last=args[1], exact=True)
-    for before, given in pairwise([*args[-2 if method else -1 :], *getattr(node, "keywords", ())]):
-        value, key = (given.value, given.arg) if isinstance(given, ast.keyword) else (None, "")
-        if isinstance(value, ast.Constant) and isinstance(value.value, bool):
+        yield s.change("swapped-arguments", what, args[0], f"{s.text(args[1])}, {s.text(args[0])}", at=node, last=args[1])
+    for before, given in pairwise([*args[-2 if of else -1 :], *node.keywords]):
+        key, value = getattr(given, "arg", ""), getattr(given, "value", given)
+        if key and isinstance(getattr(value, "value", None), bool):
             yield s.stands("wrong-option", value, str(not value.value), given)
         elif key is not None and key != "dtype":
-            if key == "axis" and (axis := integer(value)) is not None:
+            if key == "axis" and (axis := _integer(value)) is not None:
                 yield s.stands("wrong-index", value, "0" if axis else "1", given)
             what = f"the argument {s.quote(given)} of `{name}` is missing"
-            yield s.change("missing-argument", what, before, "{}", before, at=node, last=given, exact=True)
+            yield s.change("missing-argument", what, before, s.text(before), at=node, last=given)
 
 
-def _operators(s: Solution, node: Any) -> Iterator[Change]:
-    kind = type(getattr(node, "op", None))
-    against_zero = any(integer(side) == 0 for side in getattr(s.parents.get(node), "comparators", ()))
-    if isinstance(node, ast.BinOp) and kind in OPERATORS and not against_zero:
-        old, new = OPERATORS[kind].split()
-        what = f"`{new}` stands in place of `{old}` before {s.quote(node.right)} in {s.quote(node)}"
-        yield s.change("wrong-operator", what, node, f"{{}} {new} {{}}", node.left, node.right)
-    elif isinstance(node, ast.AugAssign) and kind in ASSIGNED:
-        old, new = ASSIGNED[kind].split()
-        what = f"`{new}` stands in place of `{old}` in {s.quote(node)}"
-        yield s.change("wrong-operator", what, node, f"{{}} {new} {{}}", node.target, node.value, exact=True)
-    elif isinstance(node, ast.BoolOp) and len(node.values) == 2:
-        old, new = ("and", "or") if kind is ast.And else ("or", "and")
-        what = f"`{new}` stands in place of `{old}` in {s.quote(node)}"
-        yield s.change("wrong-operator", what, node, f"{{}} {new} {{}}", *node.values)
-    elif kind is ast.Not:
-        yield s.change("wrong-comparison", f"the condition {s.quote(node)} is reversed", node, "{}", node.operand)
-    elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in COMPARED:
-        old, reverse, *equality = COMPARED[type(node.ops[0])].split()
-        sides = (node.left, node.comparators[0])
-        yield s.change("wrong-comparison", f"the comparison {s.quote(node)} is reversed", node, f"{{}} {reverse} {{}}", *sides)
-        if equality and not any(isinstance(n, ast.Call) or is_operation(n, *PRODUCT, ast.Pow) for n in ast.walk(node)):
-            what = f"`{equality[0]}` stands in place of `{old}` in {s.quote(node)}"
-            yield s.change("wrong-comparison", what, node, f"{{}} {equality[0]} {{}}", *sides)
-
-
-def _orders(s: Solution, node: Any) -> Iterator[Change]:
+def _orders(s: Solution, node: Any) -> Iterator[Variant]:
     if isinstance(node, ast.List | ast.Tuple) and node.elts and s.is_returned(node.elts[0]):
         for first, second in pairwise(node.elts[:4]):
             what = f"{s.quote(first)} and {s.quote(second)} are returned in the other order"
-            yield Change("component-order", what, s.span(first, second), "{}, {}", (second, first), exact=True)
-    elif isinstance(node, ast.Attribute) and node.attr == "T":
-        yield s.change("transposed", f"`.T` is missing after {s.quote(node.value)}", node, "{}", node.value)
-    elif (
-        isinstance(node, ast.Name) and node.id[0].isupper() and (is_operation(s.parents[node], ast.MatMult) or s.is_returned(node))
-    ):
-        yield s.stands("transposed", node, f"{node.id}.T")
+            yield s.replaced("component-order", what, s.span(first, second), f"{s.text(second)}, {s.text(first)}")
 
 
-def _constants(s: Solution, node: Any) -> Iterator[Change]:
+def _constants(s: Solution, node: Any) -> Iterator[Variant]:
     parent, value = s.parents.get(node), getattr(node, "value", None)
     if not isinstance(node, ast.Constant) or not isinstance(value, int | float) or isinstance(value, bool):
         return
     if isinstance(parent, ast.Subscript | ast.Slice | ast.keyword) or called(parent) == "range":
         return
-    code = "constant-factor" if is_operation(parent, *PRODUCT) else "wrong-constant"
-    code = "wrong-power" if is_operation(parent, ast.Pow) else code
+    factor, power = is_operation(parent, *PRODUCT), is_operation(parent, ast.Pow)
+    code = "constant-factor" if factor else "wrong-power" if power else "wrong-constant"
     for other in (value + 1, value - 1) if isinstance(value, int) else (value * 2, value / 2):
         if other > 0:
             yield s.stands(code, node, repr(other), parent if isinstance(parent, ast.BinOp) else node)
 
 
-def _names(s: Solution, node: Any) -> Iterator[Change]:
+def _names(s: Solution, node: Any) -> Iterator[Variant]:
     attribute = isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
     if not (attribute or isinstance(node, ast.Name)) or not isinstance(node.ctx, ast.Load):
         return
     around = s.outer(node, ast.stmt, ast.Compare)
-    if (
-        called(s.parents[node]).endswith(("_like", "len"))
-        or isinstance(around, ast.Compare)
-        or (isinstance(around, ast.Assign) and "self." in s.text(around.targets[0]))
-    ):
+    stored = isinstance(around, ast.Assign) and "self." in s.text(around.targets[0])
+    if stored or isinstance(around, ast.Compare) or called(s.parents[node]).endswith(("_like", "len")):
         return
-    outer, own = s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), node.attr if attribute else node.id
-    known = s.variables(outer, attribute)
+    own = node.attr if attribute else node.id
+    known = s.variables(s.outer(node, ast.ClassDef if attribute else ast.FunctionDef), ast.Attribute if attribute else ast.Name)
     _, use = known.get(own, (0, {"called"}))
     alike = [n for n, (first, uses) in known.items() if n == own or (uses in (set(), use) and (attribute or first < node.lineno))]
     k = alike.index(own) if own in alike else 0
+    whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
     for other in [] if "called" in use else alike[max(k - 1, 0) : k] + alike[k + 1 : k + 2]:
-        whole = s.parents[node] if isinstance(s.parents[node], ast.Attribute) else node
         yield s.stands("wrong-variable", node, f"self.{other}" if attribute else other, whole)
 
 
-RULES = (_terms, _indices, _brackets, _factors, _multiples, _calls, _operators, _orders, _constants, _names)  # common first
+def _integer(node: Any) -> int | None:
+    """Return the value of an integer literal, also a negative one, None if ``node`` is no such literal."""
+    with suppress(ValueError, TypeError):
+        value = ast.literal_eval(node)
+        return value if type(value) is int else None
+    return None
+
+
+RULES: tuple[Rule, ...] = (
+    *(_terms, _indices, _exchanged_indices, _brackets, _factors, _multiples, _calls, _operators, _orders),
+    *(_transposed, _constants, _names),
+)
+"""The rules, common mistakes first."""

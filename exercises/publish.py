@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ecp.exercise import Exercise
 from ecp.notebook.cells import DEFINITION, python_of, statements_of
 from ecp.notebook.names import names_in
 from exercises.author_notebook import SOLUTION, Cell, with_ids
@@ -29,16 +30,18 @@ EMPTY = "# your code here"
 
 
 class Section(NamedTuple):
-    """An exercise of the declaration."""
+    """An exercise of the declaration: its questions, or the author's ``own`` exercise."""
 
     number: str
     title: str
-    questions: tuple[Question, ...]
+    questions: tuple[Question, ...] = ()
+    own: Exercise | None = None
 
     @property
     def names(self) -> list[str]:
         """The names that the student defines."""
-        return list(dict.fromkeys(name for question in self.questions for name in question.names))
+        own = [] if self.own is None else [*self.own.functions, *self.own.optional]
+        return list(dict.fromkeys([*own, *(name for question in self.questions for name in question.names)]))
 
 
 def plain(title: str, setup: str, sections: Sequence[Section]) -> list[Cell]:

@@ -10,14 +10,13 @@ from pathlib import Path, PurePosixPath
 from ecp.exercise import Exercise
 from exercises.assignment import Assignment
 
-NEEDED = ("setup.py", "plays.py")
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
 MOST_DATA = 5_000_000  # bytes of a data file
 
 
 def errors(assignment: Assignment) -> list[str]:
     """Return the errors of the declaration, empty if there are none."""
-    found = [] if assignment.questions else [f"{name} is missing" for name in NEEDED if not (assignment.folder / name).is_file()]
+    found = []
     if not isinstance(assignment.packages, tuple) or not all(isinstance(name, str) and name for name in assignment.packages):
         found.append(f"packages is {assignment.packages!r}, not a tuple of names")
     if assignment.cpu_s is not None and not (assignment.cpu_s > 0 and math.isfinite(assignment.cpu_s)):
@@ -46,10 +45,9 @@ def syntax_errors(folder: Path) -> list[str]:
 
 
 def _imports(assignment: Assignment) -> Iterator[str]:
-    """Yield an error for each import in plays.py and setup.py of a module that the guest does not have."""
-    for name in NEEDED:
-        path = assignment.folder / name
-        for node in ast.walk(ast.parse(path.read_bytes())) if path.is_file() else ():
+    """Yield an error for each import in plays.py and the Setup of a module that the guest does not have."""
+    for name, source in (("plays.py", assignment.plays), ("the Setup", assignment.setup)):
+        for node in ast.walk(_parsed(source)):
             if isinstance(node, ast.Import | ast.ImportFrom):
                 of = "." * node.level + (node.module or "") if isinstance(node, ast.ImportFrom) else None
                 for module in [of] if of else [alias.name for alias in node.names]:
@@ -105,7 +103,7 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
 
 
 def _of_scenes(assignment: Assignment) -> Iterator[str]:
-    names, plays = [s.name for s in assignment.scenes], None if assignment.questions else _plays(assignment.folder / "plays.py")
+    names, plays = [s.name for s in assignment.scenes], _bound(_parsed(assignment.plays))
     for at, scene in enumerate(assignment.scenes):
         if scene.after is not None and scene.after not in names[:at]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
@@ -117,16 +115,22 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
     for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:
         for play in (scene.play, *([scene.drive.play] if scene.drive else [])):
-            if plays is not None and play not in plays:
+            if play not in plays:
                 yield f"scene {scene.name}: plays.py has no function {play}"
 
 
-def _plays(path: Path) -> set[str] | None:
-    """Return the names of the functions of plays.py, or None if it cannot be read."""
+def _parsed(source: str) -> ast.Module:
+    """Return the syntax tree, empty if the source is invalid."""
     try:
-        return {node.name for node in ast.parse(path.read_bytes()).body if isinstance(node, ast.FunctionDef)}
-    except (OSError, SyntaxError, ValueError):
-        return None
+        return ast.parse(source)
+    except (SyntaxError, ValueError):
+        return ast.Module([], [])
+
+
+def _bound(tree: ast.Module) -> set[str]:
+    """Return the names of the functions that a module defines or imports."""
+    imported = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    return imported | {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
 def _twice(names: Iterable[str]) -> list[str]:

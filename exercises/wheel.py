@@ -34,7 +34,6 @@ Requires-Dist: scipy
 Requires-Dist: matplotlib
 """
 WHEEL = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
-NOTEBOOK = "notebook.ipynb"
 
 
 def filename(slug: str | None = None) -> str:
@@ -68,17 +67,11 @@ def wheel(slug: str | None = None, server: str | None = None) -> bytes:
     return zipfiles.wheel(info, files)
 
 
-def has_notebook(assignment: Assignment) -> bool:
-    """Return whether the assignment has a notebook for students."""
-    return assignment.notebook is not None or (assignment.folder / NOTEBOOK).is_file()
-
-
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
     """Return the notebook for students with the addresses of ``server`` and ``kit`` and the list of
     importable packages.
     """
-    text = assignment.notebook() if assignment.notebook else (assignment.folder / NOTEBOOK).read_text(encoding="utf-8")
-    listing = packages.listing(assignment.packages)
+    text, listing = assignment.notebook(), packages.listing(assignment.packages)
     for mark, value in {"{{SERVER}}": server, "{{KIT_URL}}": kit, "{{PACKAGES}}": listing}.items():
         text = text.replace(mark, json.dumps(value)[1:-1])
     return text.encode()
@@ -113,17 +106,16 @@ def _content(slug: str | None) -> dict[str, bytes]:
 def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     for path in sorted((assignment.folder / "public").glob("*.py")):
         yield path.name, path.read_bytes()
-    yield "plays.py", assignment.source("plays").encode()
+    yield "plays.py", assignment.plays.encode()
     scenes = _public_scenes(assignment)
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
     sent = list(dict.fromkeys([*precursors.values(), *scenes]))
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
     declared = {"version": assignment.version, "hidden": hidden, "scenes": [_declared(s) for s in sent]}
-    if assignment.questions:
-        titles = {e.number: e.title for e in assignment.exercises}
-        asked = assignment.questions.items()
-        declared["exercises"] = [{"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked]
-    yield "public.json", json.dumps(declared, default=_listed, allow_nan=False).encode()
+    titles = {e.number: e.title for e in assignment.exercises}
+    asked = assignment.questions.items()
+    declared["exercises"] = [{"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked]
+    yield "public.json", json.dumps(declared, default=_listed).encode()
     yield "truth.npz", _packed({f"{s.name}/{key}": array for s in sent for key, array in _truth(s).items()})
 
 

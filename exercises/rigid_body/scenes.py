@@ -5,24 +5,20 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import reference
 from exercises.assignment import ArraySpec, Inputs, Scene
 from exercises.kinds.animation import RECORDING
-from exercises.rigid_body import probes
+from exercises.rigid_body import draws, probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
 from exercises.rigid_body.public.parameters import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
-from exercises.rigid_body.random_motions import DRAWN
-from exercises.rigid_body.turning import TURNING
 
 Array = NDArray[np.float64]
 
 BOOK = reference.box_moments(*BOX)
-UNEQUAL = 8  # boxes with no two moments nearly equal
-BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # inputs of box_moments and of principal_moments
 SENSED = 60  # times at which a motion's sensitivity is evaluated
 
 
@@ -66,51 +62,10 @@ def _probes(rng: np.random.Generator) -> Inputs:
     return probes.draw(rng, [motion.inputs for motion in TRAJECTORIES if not callable(motion.inputs)])
 
 
-def _boxes(rng: np.random.Generator) -> Inputs:
-    """Draw boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars,
-    large and small ones.
-    """
-    boxes: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
-    for m, a, b, c in (_unequal_box(rng) for _ in range(2)):
-        long, thin = 20 * max(a, b, c), min(a, b, c) / 20
-        boxes += [(m, a, a, a), (m, b, a, a), (m, a, b, a), (m, a, a, b), (m, a, b, thin), (m, long, b, c)]
-    sizes = [(1e3, 1e3), (1e-3, 1e-3), (1e-3, 1e3), (1e3, 1e-3)]
-    boxes += [np.array(_unequal_box(rng)) * [mass, *[length] * 3] for mass, length in sizes]
-    return {"boxes": np.array(boxes)}
-
-
-def _unequal_box(rng: np.random.Generator) -> tuple[float, ...]:
-    while True:
-        box = (rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3))
-        if np.diff(np.sort(reference.box_moments(*box))).min() > 0.05 * reference.box_moments(*box).max():
-            return box
-
-
 def _exact_boxes(inputs: Inputs) -> Mapping[str, Array]:
     boxes = np.asarray(inputs["boxes"])
     moments = np.array([reference.box_moments(*row) for row in boxes])
     return {"moments": moments, "exact": moments, "at": boxes}
-
-
-def _tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
-    return {"tensors": [reference.box_tensor(m, a, b, c, _rotation(rng)).tolist() for m, a, b, c in boxes]}
-
-
-def _rotation(rng: np.random.Generator) -> Array:
-    Q = np.linalg.qr(rng.random((3, 3)))[0]
-    return np.asarray(Q * np.linalg.det(Q))
-
-
-def _drawn_tensors(rng: np.random.Generator) -> Inputs:
-    """Draw tilted boxes, some of them diagonal already or of other sizes.
-
-    No two moments are nearly equal: the roots of the characteristic polynomial would lose half their digits
-    or become complex.
-    """
-    boxes = np.array([_unequal_box(rng) for _ in range(UNEQUAL)])
-    given = [*np.asarray(_tilted(boxes, rng)["tensors"]), *(np.diag(reference.box_moments(*box)) for box in boxes[:2])]
-    given += [size * tensor for size, tensor in zip((1e2, 1e-2), given, strict=False)]
-    return {"tensors": np.array(given)}
 
 
 def _exact_tensors(inputs: Inputs) -> Mapping[str, Array]:
@@ -170,7 +125,7 @@ FILM = RECORDING | {
     "own_t": ArraySpec((4000, 1), up_to=True),
     "own_I": ArraySpec((8, 3), up_to=True),
 }
-THE_TENSOR = _tilted(np.array([BOX]), np.random.default_rng(7))
+THE_TENSOR = draws.tilted(np.array([BOX]), np.random.default_rng(7))
 TRAJECTORIES = (
     _trajectory("torque-free", TORQUE_FREE, BODY, 20.0, 3100, orientation=True),
     _trajectory("polhode-3", _same_energy(0.2, 0.3, 1.1), BODY, 20.0, 1000),
@@ -184,9 +139,20 @@ TRAJECTORIES = (
 POINTS = probes.number_of_points(len(TRAJECTORIES))
 
 SCENES = (
-    Scene("boxes", "box", "box_moments", _boxes, {"moments": ArraySpec((BOXES, 3))}, _exact_boxes, 1.0, known=("exact", "at")),
+    Scene(
+        "boxes",
+        "box",
+        "box_moments",
+        draws.boxes,
+        {"moments": ArraySpec((draws.BOXES, 3))},
+        _exact_boxes,
+        1.0,
+        known=("exact", "at"),
+    ),
     Scene("tensor", "tensors", "principal_moments", THE_TENSOR, {"moments": ArraySpec((1, 3))}, _exact_tensors, 1.0),
-    Scene("tensors", "tensors", "principal_moments", _drawn_tensors, {"moments": ArraySpec((TENSORS, 3))}, _exact_tensors, 1.0),
+    Scene(
+        "tensors", "tensors", "principal_moments", draws.tensors, {"moments": ArraySpec((draws.TENSORS, 3))}, _exact_tensors, 1.0
+    ),
     Scene(
         "probes",
         "pointwise",
@@ -199,10 +165,10 @@ SCENES = (
         twice=True,
     ),
     *TRAJECTORIES,
-    *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in DRAWN.items()),
+    *(_motion(name, draw, n, orientation) for name, (draw, n, orientation) in draws.DRAWN.items()),
     *(
         Scene(name, "precession", "precession_rate", given, {"rate": ArraySpec(())}, _exact_precession, 1.0)
-        for name, given in TURNING.items()
+        for name, given in draws.TURNING.items()
     ),
     _film("film", "animate_precession", (2.2, 0.0, 0.5), FILMED, "L"),
     _film("tumble-film", "animate_tumble", (0.1, 3.0, 0.15), BOOK, "half"),

@@ -39,8 +39,6 @@ async def kit(name: str, request: Request) -> Response:
 async def notebook(slug: str, request: Request) -> Response:
     """Return the assignment's notebook, ready to run against this server."""
     assignment, server = find_assignment(slug), public_address(request)
-    if not wheel.has_notebook(assignment):
-        raise Problem(404, "not-found", f"the assignment {slug} has no notebook: submit a .py or .ipynb file instead")
     content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.filename(slug)}")
     headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
     return Response(content, media_type=NOTEBOOK, headers=headers)

@@ -69,7 +69,7 @@ async def show_assignment(slug: str) -> dict[str, Any]:
         for e in assignment.exercises
     ]
     described = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
-    notebook = f"/v1/assignments/{slug}/notebook.ipynb" if wheel.has_notebook(assignment) else None
+    notebook = f"/v1/assignments/{slug}/notebook.ipynb"
     build = await asyncio.to_thread(wheel.build, slug)
     importable = packages.versions(assignment.packages)
     return described | {"kit": f"/kit/{wheel.filename(slug)}", "kit_build": build, "notebook": notebook, "packages": importable}

@@ -83,11 +83,9 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
         "--out", type=Path, default=Path("charts"), metavar="DIR", help="folder for the CSV, JSON and SVG files (default charts)"
     )
     chart.set_defaults(run=_chart)
-    mutants = commands.add_parser(
-        "mutants", help="grade wrong versions of a right submission and list those that the checks accept"
-    )
+    mutants = commands.add_parser("mutants", help="grade mutants of the solution and list those that the checks misjudge")
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
-    mutants.add_argument("functions", nargs="*", metavar="FUNCTION", help="functions to change (default: all)")
+    mutants.add_argument("functions", nargs="*", metavar="FUNCTION", help="of an assignment's own exercises (default: all)")
     mutants.add_argument("--most", type=grade.count, metavar="N", help="only the first N mutants")
     mutants.set_defaults(run=_mutants)
     for more in (grade, verify, new_assignment, publish, export_assignment, database, queue, plan, people):
@@ -181,18 +179,21 @@ def _chart(arguments: argparse.Namespace) -> int:
 def _mutants(arguments: argparse.Namespace) -> int:
     from exercises.assignment import InvalidAssignment, NoAssignment
     from exercises.catalogue import find
-    from service.cli.mutants import NoMutants, grade_mutants, table
+    from service.cli.mutants import NoMutants, grade_mutants, kill_rate, table
+    from service.sandbox.result import SystemFault
+    from service.sandbox.select import IsolationUnavailable
 
     try:
         results = list(grade_mutants(find(arguments.assignment), arguments.functions, arguments.most))
-    except (InvalidAssignment, NoAssignment, NoMutants) as error:
+    except (InvalidAssignment, NoAssignment, NoMutants, SystemFault, IsolationUnavailable) as error:
         print(f"polhode: cannot grade mutants: {error}", file=sys.stderr)
         return 2
-    print(table(results))
-    accepted = [result for result in results if result.accepted]
-    for result in accepted:
-        print(f"accepted: {result.function} line {result.variant.line}: {result.variant.sentence}")
-    return 1 if accepted else 0
+    print(table(results), kill_rate(results), sep="\n")
+    kinds = {(True, True): "WRONG, BUT ACCEPTED", (False, True): "right, but rejected", (False, False): "turned out correct"}
+    for result in results:
+        if result.misjudged or not result.wrong:
+            print(f"{kinds[result.wrong, result.misjudged]}: {result.mutant.code}, {result.mutant.sentence}")
+    return 1 if any(result.misjudged for result in results) else 0
 
 
 def _doctor(arguments: argparse.Namespace) -> int:

@@ -14,6 +14,7 @@ import reference
 import service
 from exercises import zipfiles
 from exercises.assignment import Assignment
+from exercises.catalogue import DECLARATION
 from exercises.zipfiles import zipped
 
 FORM = b"Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
@@ -58,10 +59,9 @@ def _files(home: Path, into: str) -> Iterator[tuple[str, bytes]]:
 
 
 def _is_packaged(path: Path) -> bool:
-    """Return False for a notebook that is neither the students' own nor the source of a declaration's Setup: it may contain
-    solutions.
-    """
-    return path.suffix != ".ipynb" or path.name == "notebook.ipynb" or (path.parent / "assignment.py").is_file()
+    """Return False for a notebook that the declaration beside it does not name: it may contain solutions."""
+    declaration = path.parent / DECLARATION
+    return path.suffix != ".ipynb" or (declaration.is_file() and path.name in declaration.read_text(encoding="utf-8"))
 
 
 def bundle(assignment: Assignment, numbers: Sequence[str] | None) -> bytes:

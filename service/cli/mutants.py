@@ -1,77 +1,141 @@
-"""The strength of an assignment's checks: wrong versions of a right submission graded in the sandbox, and which of
-them the checks accept.
-"""
+"""The strength of an assignment's checks: wrong versions of its right solutions, and which of them the checks accept."""
 
+import contextlib
+import itertools
 import multiprocessing
 import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 from ecp.judge import Verdict
+from ecp.outcome import Outcome
 from exercises.assignment import Assignment
-from exercises.mutation import Variant, variants
+from exercises.mutation import variants
+from exercises.solution import Variant
 from service.grading import grader
+from service.grading.grade import draw_inputs, job_of
+from service.grading.reproduction import play_variants
 from service.grading.submission import Submission
-from service.sandbox.select import choose
+from service.sandbox.isolation import Isolation
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose, with_packages
+from service.sandbox.time_budget import TimeLimits
 from service.settings import Settings
 
 SEED = 1
+LIMITS = TimeLimits(cpu_s=3600, wall_s=7200)  # of a scene with all variants of a question
+EQUAL, SIMILAR = 1000.0, 3.0
+"""Numbers are right that deviate by a thousandth of what a check allows, or by three times as much as those of the solution."""
 
 
 class NoMutants(LookupError):
-    """No right submission defines a function whose wrong versions are asked for."""
+    """The assignment has no right solution to change."""
 
 
 @dataclass(frozen=True)
-class Mutant:
-    """The grading of one wrong version of ``function``: whether the public checks alone, and all checks, accept it."""
-
-    function: str
-    variant: Variant
-    public: bool
-    accepted: bool
-
-
-def grade_mutants(assignment: Assignment, functions: Sequence[str] = (), most: int | None = None) -> Iterator[Mutant]:
-    """Yield the result of each wrong version of ``functions``, or of all that the assignment asks for (of the first
-    ``most``), graded by one process per core in the exercises that call the function.
-
-    Raises NoMutants if no right submission defines a function.
+class MutantResult:
+    """The grading of one mutant. ``wrong``: it differs from the solution by more than rounding; ``accepted``:
+    all checks are ✓; ``measured``: it returns numbers.
     """
-    versions: list[tuple[str, Variant]] = []
+
+    mutant: Variant
+    wrong: bool
+    accepted: bool
+    measured: bool = True
+
+    @property
+    def misjudged(self) -> bool:
+        """Whether polhode accepts a wrong mutant or rejects a right one."""
+        return self.wrong == self.accepted
+
+
+def grade_mutants(assignment: Assignment, functions: Sequence[str] = (), most: int | None = None) -> Iterator[MutantResult]:
+    """Yield the result of each mutant (of the first ``most``).
+
+    The mutants are the generated variants of every question of a declaration, judged by the checks of that question. Those of
+    an assignment's own exercises are variants of right samples of ``functions``, or of all functions that it asks for, graded
+    by one process per core. Raises NoMutants if no right sample defines one of them.
+    """
+    isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
+    if assignment.questions:
+        with contextlib.closing(Sandbox(with_packages(isolation, assignment.packages))) as sandbox:
+            yield from itertools.islice(_declared(assignment, sandbox), most)
+    else:
+        yield from _of_samples(assignment, functions, isolation, most)
+
+
+def _of_samples(assignment: Assignment, functions: Sequence[str], isolation: Isolation, most: int | None) -> Iterator[MutantResult]:
+    right, versions = {}, list[tuple[str, Variant]]()
     for function in functions or dict.fromkeys(scene.function for scene in assignment.scenes):
         if (source := assignment.right_submission(function)) is None:
             raise NoMutants(f"no right submission defines {function}: add a sample right_….py")
-        versions += [(function, variant) for variant in variants(source, function)]
-    isolation = choose(Settings().min_isolation, Settings().allow_root_guest)
+        right[function] = Variant("", "", source)
+        versions += [(function, variant) for variant in variants(source)]
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
-        graded = [
-            pool.submit(grader.grade_one, Submission(variant.source), assignment.slug, _calling(assignment, function), SEED)
-            for function, variant in versions[:most]
-        ]
-        hidden = {check.id for exercise in assignment.exercises for check in exercise.checks if assignment.hidden(check)}
-        for (function, variant), job in zip(versions, graded, strict=False):
-            rejecting = {outcome.id for outcome in job.result()[0].outcomes() if outcome.verdict is not Verdict.PASS}
-            yield Mutant(function, variant, public=rejecting <= hidden, accepted=not rejecting)
+
+        def graded(function: str, variant: Variant) -> Future[Any]:
+            named = {scene.name for scene in assignment.scenes if scene.function == function}
+            calling = [e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks)]
+            return pool.submit(grader.grade_one, Submission(variant.source), assignment.slug, calling, SEED)
+
+        def outcomes(job: Future[Any]) -> dict[str, Outcome]:
+            return {outcome.id: outcome for outcome in job.result()[0].outcomes()}
+
+        solutions = {function: graded(function, variant) for function, variant in right.items()}
+        jobs = [(function, variant, graded(function, variant)) for function, variant in versions[:most]]
+        for function, variant, job in jobs:
+            yield _judged(variant, outcomes(job), outcomes(solutions[function]))
 
 
-def table(found: Sequence[Mutant]) -> str:
-    """Return a Markdown table: for each function and each diagnosis code the number of wrong versions, and how many of
-    them the public checks alone and all checks accept.
+def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:
+    for id in [question["id"] for questions in assignment.questions.values() for question in questions]:
+        right, *variants = [one for k, one in enumerate(assignment.variants(id)) if k == 0 or not one.declared]
+        scenes = [s for s in assignment.scenes if s.question is not None and s.question["id"] == id]
+        inputs = {s.name: draw_inputs(s, SEED) for s in scenes}
+        job = job_of(Submission(""), assignment, scenes, inputs)
+        outcomes: dict[Variant, dict[str, Outcome]] = {variant: {} for variant in (right, *variants)}
+        for scene in scenes:
+            exact = scene.truth(inputs[scene.name])
+            known = {name: exact[name] for name in scene.known}
+            checks = [check for check in assignment.checks() if check.scenes == (scene.name,)]
+            found = play_variants(job, scene.name, list(outcomes), sandbox, budget_s=scene.budget_s, limits=LIMITS)
+            for variant, arrays in found.items():
+                outcomes[variant] |= {check.id: check.judge([{**arrays, **known}], [exact]) for check in checks}
+        for variant in variants:
+            yield _judged(variant, outcomes[variant], outcomes[right])
+
+
+def _judged(mutant: Variant, outcomes: Mapping[str, Outcome], right: Mapping[str, Outcome]) -> MutantResult:
+    def is_right(outcome: Outcome) -> bool:
+        deviation = abs((outcome.measured or 0.0) - (outcome.expected or 0.0))
+        solution = abs((right[outcome.id].measured or 0.0) - (outcome.expected or 0.0))
+        return deviation <= SIMILAR * solution or (outcome.margin or EQUAL) >= EQUAL
+
+    accepted = outcomes.keys() == right.keys() and all(o.verdict is Verdict.PASS for o in outcomes.values())
+    failed = any(o.verdict is Verdict.FAIL for o in outcomes.values())
+    equal = accepted and all(map(is_right, outcomes.values()))
+    return MutantResult(mutant, not equal, accepted, accepted or failed)
+
+
+def kill_rate(found: Sequence[MutantResult]) -> str:
+    """Return how many of the wrong mutants that return numbers polhode rejects."""
+    wrong = [f for f in found if f.wrong and f.measured]
+    rejected = sum(not f.accepted for f in wrong)
+    share = f" ({100 * rejected / len(wrong):.1f} %)" if wrong else ""
+    return f"{rejected} of {len(wrong)} wrong functions that return numbers fail a check{share}"
+
+
+def table(found: Sequence[MutantResult]) -> str:
+    """Return a Markdown table: for each kind of mutant the number made, the number that turned out correct, and
+    how many wrong ones polhode accepts.
     """
-    kinds = dict.fromkeys((mutant.function, mutant.variant.code) for mutant in found)
-    rows = [_row(*kind, [m for m in found if (m.function, m.variant.code) == kind]) for kind in kinds]
-    head = "| function | changed | made | accepted by the public checks | accepted by all checks |\n|---|---|---|---|---|"
-    return "\n".join([head, *rows, _row("all", "", found)])
+    kinds = dict.fromkeys(f.mutant.code for f in found)
+    rows = [_row(kind, [f for f in found if f.mutant.code == kind]) for kind in kinds]
+    head = "| changed functions | made | turned out correct | wrong, but accepted |\n|---|---|---|---|"
+    return "\n".join([head, *rows, _row("all", found)])
 
 
-def _calling(assignment: Assignment, function: str) -> list[str]:
-    """Return the numbers of the exercises that call ``function``."""
-    named = {scene.name for scene in assignment.scenes if scene.function == function}
-    return [e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks)]
-
-
-def _row(function: str, code: str, found: Sequence[Mutant]) -> str:
-    numbers = [len(found), sum(mutant.public for mutant in found), sum(mutant.accepted for mutant in found)]
-    return f"| {function} | {code} | {' | '.join(map(str, numbers))} |"
+def _row(kind: str, found: Sequence[MutantResult]) -> str:
+    return f"| {kind} | {len(found)} | {sum(not f.wrong for f in found)} | {sum(f.wrong and f.accepted for f in found)} |"

@@ -27,8 +27,6 @@ def _publish(arguments: argparse.Namespace) -> int:
         error = ""
         if not server:
             error = "the notebook needs the address of the course server: give --server URL or set POLHODE_PUBLIC_URL"
-        elif not wheel.has_notebook(assignment):
-            error = f"the assignment {assignment.slug} has no notebook"
         elif arguments.into.resolve() == assignment.folder.resolve():
             error = f"{file} would lie beside the author's notebook: choose another folder with --into"
         else:

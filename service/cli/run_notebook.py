@@ -1,8 +1,8 @@
 """A program for ``polhode verify``: run a published notebook with each of several solutions and print what ``ecp.check`` finds.
 
-It runs apart from polhode, with the students' kit. Arguments: the folder of the kit, and a JSON file with the notebook's ``cells``
-(source and tags), the ``names`` of the solutions and the ``samples`` (name, source and exercises). Prints JSON: for each sample the
-verdict and line of each check by its id, or the ``error`` that a cell raised.
+It runs apart from polhode, with the students' kit. Arguments: the folder of the kit, and a JSON file with the notebook's
+``statements`` (source, cell number, whether it defines a solution) and the ``samples`` (name, source and exercises). Prints a line
+of JSON for each sample: the verdict and line of each check by its id, or the ``error`` that a cell raised.
 """
 
 import contextlib
@@ -21,31 +21,28 @@ def main() -> None:
     os.environ["MPLBACKEND"] = "agg"
     with open(job, encoding="utf-8") as file:
         document = json.load(file)
-    found = {sample["name"]: _run(document["cells"], document["slug"], sample) for sample in document["samples"]}
-    print(json.dumps(found))
+    for sample in document["samples"]:
+        print(json.dumps(_run(document["statements"], document["slug"], sample)), flush=True)
 
 
-def _run(cells: list[dict[str, Any]], slug: str, sample: dict[str, Any]) -> dict[str, Any]:
-    """Run the cells, those that hold a solution replaced by the sample's, and check its exercises."""
+def _run(statements: list[dict[str, Any]], slug: str, sample: dict[str, Any]) -> dict[str, Any]:
+    """Run the statements, the sample in place of those that define a solution, and check its exercises."""
     import ecp
 
     module = sys.modules["__main__"] = types.ModuleType("__main__")
     names = vars(module)
     names["ecp"] = ecp  # as the cell that installs the kit imports it
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        place = ""
         try:
-            solved = False
-            for number, cell in enumerate(cells, 1):
-                if cell["solution"]:
-                    if not solved:
-                        exec(compile(sample["source"], "sample", "exec"), names)
-                    solved = True
-                elif not cell["skipped"]:
-                    exec(compile(cell["source"], f"cell {number}", "exec"), names)
+            for statement in statements:
+                place = statement["cell"]
+                exec(compile(sample["source"] if statement["solution"] else statement["source"], place, "exec"), names)
+            place = "ecp.check"
             names["slug"], names["asked"] = slug, sample["ask"]
             exec("report = ecp.check(*asked, assignment=slug)", names)
         except BaseException as error:
-            return {"error": f"{type(error).__name__}: {error}"}
+            return {"error": f"{place}: {type(error).__name__}: {error}"}
     return {outcome.id: [outcome.verdict, outcome.line] for outcome in names["report"].outcomes()}
 
 

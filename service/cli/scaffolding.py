@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exercises import catalogue
 
-TEMPLATE = Path(__file__).parent / "scaffold" / catalogue.ONE_FILE
+TEMPLATE = Path(__file__).parent / "scaffold" / catalogue.DECLARATION
 TITLE = '"The pendulum"'
 LONGEST, MOST_TITLE = 60, 100
 
@@ -31,7 +31,7 @@ def scaffold(slug: str, title: str, into: Path) -> Path:
         folder.mkdir()
         text = TEMPLATE.read_text(encoding="utf-8")
         assert text.count(TITLE) == 1
-        (folder / catalogue.ONE_FILE).write_text(text.replace(TITLE, _python(title)), encoding="utf-8")
+        (folder / catalogue.DECLARATION).write_text(text.replace(TITLE, _python(title)), encoding="utf-8")
         folder.rename(into / name)
     return into / name
 

@@ -8,7 +8,6 @@ from ecp.judge import MARKS, Verdict
 from ecp.outcome import Ended
 from ecp.report import Report
 from exercises.assignment import Assignment
-from exercises.mistakes import MadeSample
 from exercises.samples import Sample, SampleSet, codes, entry
 from service.grading.result import GradedFile
 from service.sandbox.time_budget import DEFAULT_LIMITS
@@ -51,25 +50,8 @@ def differences(sample: Sample, graded: GradedFile) -> list[str]:
     return [*_check_differences(sample, graded.report), *_code_differences(sample.codes, codes(report), graded.report)]
 
 
-def made_differences(sample: MadeSample, graded: GradedFile) -> list[str]:
-    """Return the differences of a sample made from a declaration from its expected report."""
-    if graded.report is None:
-        return [f"cannot be graded: {graded.refused}"]
-    report = document(graded.report)
-    wrong = sample.unexpected(report)
-    return [*wrong, *(f"  {line}" for line in graded.report.text().split("\n"))] if wrong else []
-
-
-def made_summary(assignment: Assignment, tally: Tally, seeds: int, whole: bool) -> Iterator[str]:
-    """Yield how many samples are as expected on all seeds; for a ``whole`` set also warnings."""
-    agreed = tally.samples - tally.unexpected
-    yield f"{assignment.slug}: {agreed} of {tally.samples} samples as expected on {seeds} seeds, {len(tally.made)} checks"
-    if whole:
-        yield from _warning("no sample fails", [c.id for c in assignment.checks() if c.id not in tally.failed])
-        yield from _cpu_warning(assignment, tally)
-
-
-def _cpu_warning(assignment: Assignment, tally: Tally) -> Iterator[str]:
+def cpu_warning(assignment: Assignment, tally: Tally) -> Iterator[str]:
+    """Yield a warning if slower solutions than the right one would use up the CPU time of a grading."""
     if CPU_FACTOR * tally.cpu_s > DEFAULT_LIMITS.at_least(assignment.cpu_s).cpu_s:
         yield (
             f"warning: grading a right sample used {tally.cpu_s:.1f} s of CPU time; declare "
@@ -114,7 +96,7 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
         yield from _warning("no sample shows the diagnosis codes", [c for c in assignment.codes if c not in tally.named])
         if not tally.right:
             yield "warning: no sample is all ✓"
-        yield from _cpu_warning(assignment, tally)
+        yield from cpu_warning(assignment, tally)
 
 
 def _check_differences(sample: Sample, report: Report) -> Iterator[str]:

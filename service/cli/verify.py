@@ -6,7 +6,6 @@ assignment is broken.
 
 import argparse
 import sys
-import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
@@ -50,6 +49,7 @@ def _verify(arguments: argparse.Namespace) -> int:
         from exercises import validation
         from exercises.assignment import InvalidAssignment
         from exercises.samples import load_samples
+        from service.cli.verify_made import verify_made
 
         selected, invalid = _select(arguments.assignments)
     sets: list[tuple[Assignment, SampleSet]] = []
@@ -64,9 +64,13 @@ def _verify(arguments: argparse.Namespace) -> int:
     codes = [2 if invalid or not sets else 0]
     for assignment, found in sets:
         try:
+            own = bool(found.samples or found.unlisted or not assignment.questions)
             if assignment.questions:
-                codes.append(_verify_made(assignment, arguments, isolation.result()))
-            if found.samples or found.unlisted or not assignment.questions:
+                made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
+                seeds = range(arguments.seed, arguments.seed + arguments.seeds)
+                if made or not own:
+                    codes.append(verify_made(assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only))
+            if own:
                 codes.append(_verify_one(assignment, found, arguments, isolation.result()))
         except BrokenPipeError:
             raise
@@ -87,7 +91,7 @@ def _select(names: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
     selected, invalid = [], []
     for name in names:
         slugs = _slugs(name)
-        invalid += [] if slugs else [f"no assignment found in {name}"]
+        invalid += [] if slugs else [f"no assignment found in {name}: name a slug, or a folder that contains assignment.py"]
         for slug in slugs:
             try:
                 selected.append(find(slug))
@@ -99,18 +103,21 @@ def _select(names: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
 def _slugs(name: str) -> list[str]:
     """Return the slugs selected by a slug, an assignment folder, its samples folder or a folder of assignments.
 
-    Assignments outside the known folders are registered.
+    A known slug takes precedence over a folder of that name. Assignments outside the known folders are registered.
     """
     from exercises import catalogue
     from exercises.catalogue import load_catalogue
 
     if not Path(name).is_dir():
         return [name]
+    known, broken = load_catalogue()
+    if name.replace("_", "-") in {*known, *broken}:
+        return [name]
     named = Path(name).resolve()
     selected = catalogue.discover(named.parent if named.name == "samples" else named)
-    known = [folder.resolve() for folder in catalogue.folders()]
+    folders = [folder.resolve() for folder in catalogue.folders()]
     for folder in selected:
-        if folder not in known:
+        if folder not in folders:
             catalogue.register_folder(folder)
             load_catalogue.cache_clear()
     return [catalogue.slug_of(folder) for folder in selected]
@@ -149,42 +156,6 @@ def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argpars
     for line in verification.summary(assignment, found, tally, whole=not arguments.only and not faults):
         print(line)
     return 2 if faults else 1 if tally.unexpected or found.missing else 0
-
-
-def _verify_made(assignment: "Assignment", arguments: argparse.Namespace, isolation: "Isolation") -> int:
-    """Grade the samples that follow from the declaration, on several seeds."""
-    from service.cli import verification
-    from service.cli.progress import Progress
-    from service.cli.verify_notebook import notebook_differences
-    from service.grading.batch import GradeOptions, GradeRequest, grade_files
-
-    made = {sample.name: sample for sample in assignment.made_samples() if _is_selected(sample.name, arguments.only)}
-    tally, faults, reports = verification.Tally(), 0, {}
-    differences: dict[str, list[str]] = {name: [] for name in made}
-    seeds = range(arguments.seed, arguments.seed + arguments.seeds)
-    with tempfile.TemporaryDirectory() as folder, Progress(len(made) * len(seeds), "as expected") as progress:
-        requests = [GradeRequest(Path(folder, name), sample.ask) for name, sample in made.items()]
-        for request in requests:
-            request.file.write_text(made[request.file.name].source, encoding="utf-8")
-        for seed in seeds:
-            for graded in grade_files(requests, GradeOptions(assignment, seed), isolation, arguments.jobs):
-                if graded.fault:
-                    faults += 1
-                    differences[graded.file.name].append(f"seed {seed}: not graded (system fault): {graded.fault}")
-                    continue
-                wrong = verification.made_differences(made[graded.file.name], graded)
-                tally.add(graded, expected=not wrong)
-                if graded.report is not None:
-                    reports[graded.file.name] = graded.report
-                differences[graded.file.name] += [f"seed {seed}: {line}" for line in wrong]
-        for name, wrong in notebook_differences(assignment, list(made.values()), reports).items():
-            tally.unexpected += bool(wrong)
-            differences[name] += wrong
-        for name, wrong in differences.items():
-            progress.print("\n     ".join([f"{'✗' if wrong else '✓'}  {name}", *wrong]), good=not wrong)
-    for line in verification.made_summary(assignment, tally, len(seeds), whole=not arguments.only and not faults):
-        print(line)
-    return 2 if faults else 1 if tally.unexpected else 0
 
 
 def _is_selected(name: str, only: Sequence[str] | None) -> bool:

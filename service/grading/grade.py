@@ -171,8 +171,7 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
     )
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
-    setup, plays = assignment.source("setup"), assignment.source("plays")
-    return Job(setup, plays, submission.cells(), functions, requests, variables=variables, data=data)
+    return Job(assignment.setup, assignment.plays, submission.cells(), functions, requests, variables=variables, data=data)
 
 
 @functools.cache

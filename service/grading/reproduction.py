@@ -11,8 +11,9 @@ from ecp.checks import Arrays
 from ecp.kinds import diagnose, reproduces
 from ecp.outcome import Diagnosis
 from exercises.assignment import Assignment, Scene
-from exercises.mistakes import Variant
+from exercises.solution import Variant
 from service.grading.crosscheck import PlayedJob
+from service.sandbox.job import Job
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget, TimeLimits
 
@@ -56,17 +57,20 @@ def _predict(
     assert scene.question is not None
     right, *variants = assignment.variants(scene.question["id"])
     chosen = [right, *(variants if only is None else only)]
-    (request,) = (request for request in played.job.scenes if request.name == scene.name)
-    one = replace(request, budget_s=VARIANT_S, after=None)
-    requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(chosen))
-    job = replace(played.job, cells=(), functions=(), variables=(), scenes=requests)
-    found = sandbox.play(job, budget=TimeBudget(LIMITS)).arrays
-    exact = found.get("0", {})
-    differing = {
-        variant: found[str(k)]
-        for k, variant in enumerate(chosen)
-        if str(k) in found and k and not reproduces(scene.question, found[str(k)], exact)
-    }
+    found = play_variants(played.job, scene.name, chosen, sandbox, budget_s=VARIANT_S, limits=LIMITS)
+    exact = found.pop(right, {})
+    differing = {variant: arrays for variant, arrays in found.items() if not reproduces(scene.question, arrays, exact)}
     if not callable(scene.inputs):
         _public[scene] = differing
     return differing
+
+
+def play_variants(
+    job: Job, scene: str, variants: Sequence[Variant], sandbox: Sandbox, *, budget_s: float, limits: TimeLimits
+) -> dict[Variant, Arrays]:
+    """Play one scene of a job with each variant in place of the submission. Return the arrays of those that finish it in time."""
+    (request,) = (request for request in job.scenes if request.name == scene)
+    one = replace(request, budget_s=budget_s, after=None)
+    requests = tuple(replace(one, name=str(k), source=variant.source) for k, variant in enumerate(variants))
+    found = sandbox.play(replace(job, cells=(), functions=(), variables=(), scenes=requests), budget=TimeBudget(limits)).arrays
+    return {variant: found[str(k)] for k, variant in enumerate(variants) if str(k) in found}

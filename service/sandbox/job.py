@@ -111,7 +111,7 @@ class Job:
 
 
 def _encoded(document: Any) -> bytes:
-    text = json.dumps(document, default=_listed, allow_nan=False).encode()
+    text = json.dumps(document, default=_listed).encode()
     return LENGTH.pack(len(text)) + text
 
 

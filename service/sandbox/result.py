@@ -81,4 +81,4 @@ class SystemFault(Exception):
 
 
 class NotPrepared(SystemFault):
-    """The assignment's setup.py or plays.py failed before the submission ran."""
+    """The assignment's Setup or plays.py failed before the submission ran."""

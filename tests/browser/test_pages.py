@@ -122,6 +122,7 @@ def test_an_assistant_filters_the_class_cancels_what_runs_and_may_not_decide(see
         assert going.value.status == 403 and heading(page) == "Permission denied", path
 
 
+@pytest.mark.slow
 def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(seen_by, server, paths, tmp_path):
     page, file = seen_by("prof", "/people"), tmp_path / "class.csv"
     file.write_text("name,role,full_name\nzoe,student,Zoë Ågård\n")

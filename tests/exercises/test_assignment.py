@@ -5,6 +5,7 @@ from ecp.checks import close
 from exercises import validation
 from exercises.assignment import Exercise
 from exercises.catalogue import assignments, load_catalogue
+from tests.support.assignments import copied
 
 
 def test_rigid_body_is_found_by_its_folder(rigid_body):
@@ -12,32 +13,27 @@ def test_rigid_body_is_found_by_its_folder(rigid_body):
     assert [e.number for e in rigid_body.exercises] == ["1", "2", "3", "4", "5", "6"]
 
 
-def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch, rigid_body):
+def test_a_new_assignment_is_a_new_folder(tmp_path, monkeypatch):
     import exercises
 
-    folder = tmp_path / "second"
-    folder.mkdir()
-    for name in ("setup.py", "plays.py"):
-        (folder / name).write_text((rigid_body.folder / name).read_text())
-    (folder / "__init__.py").write_text(
-        "import dataclasses\nfrom exercises.rigid_body import ASSIGNMENT as A\nASSIGNMENT = dataclasses.replace(A, slug='second')\n"
-    )
+    copied(tmp_path, "second")
     before = set(assignments())
     monkeypatch.setattr(exercises, "__path__", [*exercises.__path__, str(tmp_path)])
     load_catalogue.cache_clear()
     try:
         assert set(assignments()) == before | {"second"}
     finally:
-        sys.modules.pop("exercises.second", None)
+        for name in [name for name in sys.modules if name.startswith("exercises.second")]:
+            del sys.modules[name]
         load_catalogue.cache_clear()
 
 
-def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):
+def test_all_errors_of_a_declaration_come_at_once(rigid_body):
     bad = close("2-energy", "a   b", "nowhere", measured=lambda s: s, expected=0.0, rtol=-1.0, atol=0.0, reason=" ")
     broken = dataclasses.replace(rigid_body.scenes[-1], after="unknown")
     declared = dataclasses.replace(
         rigid_body,
-        folder=tmp_path,
+        plays="",
         scenes=(*rigid_body.scenes, broken),
         exercises=(*rigid_body.exercises, Exercise("7", "t", (), (bad,))),
     )
@@ -45,8 +41,7 @@ def test_all_errors_of_a_declaration_come_at_once(rigid_body, tmp_path):
     for part in (
         "scene tumble-film is declared twice",
         "check id 2-energy is used twice",
-        "setup.py is missing",
-        "plays.py is missing",
+        "plays.py has no function tensors",
         "no scene nowhere",
         "has no reason",
         "finite number",

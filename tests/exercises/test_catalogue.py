@@ -33,7 +33,6 @@ def spoiled(folder):
 
 def incomplete(folder):
     (folder / "plays.py").unlink()
-    (folder / "setup.py").unlink()
     (folder / "causes.py").write_text("x = 1\ndef f(:\n")
     (folder / "truth.py").write_bytes(b"x = 1\0")
 
@@ -52,16 +51,11 @@ BROKEN = [
             "scene probes: plays.py has no function ratse",
         ],
     ),
-    (incomplete, ["plays.py is missing", "setup.py is missing", "causes.py line 2: invalid syntax", "truth.py"]),
+    (incomplete, ["causes.py line 2: invalid syntax", "truth.py"]),
     (raising, ["scenes.py line 15: ZeroDivisionError: division by zero"]),
     (lambda folder: change(folder / "causes.py", "import numpy as np", "import nunpy as np"), ["causes.py line 5", "nunpy"]),
-    (
-        lambda folder: change(folder / "__init__.py", "damped-oscillator", "other"),
-        ["its slug is other", "requires damped-oscillator"],
-    ),
-    (lambda folder: change(folder / "__init__.py", "ASSIGNMENT =", "assignment ="), ["defines no ASSIGNMENT"]),
-    (lambda folder: (folder / "__init__.py").write_text("ASSIGNMENT = 'x'"), ["ASSIGNMENT is a str, not an Assignment"]),
-    (lambda folder: (folder / "__init__.py").write_text("raise SystemExit(0)"), ["SystemExit"]),
+    (lambda folder: (folder / "assignment.py").write_text("notebook = 'x'"), ["assignment.py makes 0 notebooks; it must make one"]),
+    (lambda folder: (folder / "assignment.py").write_text("raise SystemExit(0)"), ["assignment.py line 1: SystemExit"]),
 ]
 
 
@@ -91,5 +85,8 @@ def test_a_folder_that_is_not_there_or_no_package(tmp_path):
     with known(tmp_path / "nowhere", tmp_path) as found:
         assert "there is no folder" in str(found.invalid["nowhere"])
         assert "Two-Words is not a package name" in str(found.invalid["Two-Words"])
+    (tmp_path / "Two-Words" / "assignment.py").rename(tmp_path / "Two-Words" / "declaration.py")
+    with known(tmp_path / "Two-Words") as found:
+        assert "assignment.py is missing" in str(found.invalid["Two-Words"])
     with known(), pytest.raises(NoAssignment, match=r"no assignment knitting; known: rigid-body; .* in POLHODE_ASSIGNMENTS"):
         find("knitting")

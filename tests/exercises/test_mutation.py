@@ -66,12 +66,17 @@ CHANGES = {
 
 
 def made(answer):
-    return variants(f"def f(x, v, w, g):\n    return {answer}\n", "f")
+    return variants(f"def f(x, v, w, g):\n    return {answer}\n")
+
+
+def returned(variant):
+    return ast.dump(ast.parse(variant.source.split("return ")[1].strip()))
 
 
 @pytest.mark.parametrize(("right", "code", "sentence", "wrong"), [(r, *c) for r, changes in CHANGES.items() for c in changes])
 def test_a_change_and_its_sentence(right, code, sentence, wrong):
-    assert (code, sentence, wrong) in [(v.code, v.sentence, v.source.split("return ")[1].strip()) for v in made(right)]
+    wrong = ast.dump(ast.parse(wrong))
+    assert (code, sentence, wrong) in [(v.code, v.sentence, returned(v)) for v in made(right)]
 
 
 EQUAL = [
@@ -81,24 +86,19 @@ EQUAL = [
     ("abs(x - w)", "abs(w - x)"),
     ("max(x, w)", "max(w, x)"),
     ("np.hypot(x, w)", "np.hypot(w, x)"),
-    ("x if x * w > 0 else v", "x if x / w > 0 else v"),
     ("x if x - w > 0 else v", "x if (x - w) / 2 > 0 else v"),
 ]
 
 
 @pytest.mark.parametrize(("right", "equal"), EQUAL)
 def test_no_variant_is_equal_by_the_rules_of_arithmetic(right, equal):
-    assert equal not in [v.source.split("return ")[1].strip() for v in made(right)]
+    assert ast.dump(ast.parse(equal)) not in map(returned, made(right))
 
 
 SOURCE = '''import numpy as np
 from math import sin as sine
 
 G = 9.81  # µ = 1
-
-
-def unused(x):
-    return 3 * x
 
 
 class Pendulum:
@@ -121,8 +121,8 @@ def run(l, g):
 '''
 
 
-def test_only_one_place_changes_and_only_what_the_function_uses():
-    found = variants(SOURCE, "run")
+def test_only_one_place_changes_in_the_code():
+    found = variants(SOURCE)
     lines = SOURCE.splitlines()
     changed = {
         n
@@ -130,14 +130,14 @@ def test_only_one_place_changes_and_only_what_the_function_uses():
         for n, (a, b) in enumerate(zip(lines, v.source.splitlines(), strict=False), 1)
         if a != b and len(v.source.splitlines()) == len(lines)
     }
-    assert min(changed) >= 4 and not {8, 12, 14, 18, 26} & changed and {4, 19, 21, 27} <= {v.line for v in found} | changed
+    assert min(changed) >= 4 and not {8, 10, 14, 22} & changed and {4, 15, 17, 23} <= {v.line for v in found} | changed
     assert any("self.l  # the length\n            / self.g" in v.source for v in found), "comments stay"
 
 
 @pytest.mark.parametrize("bad", ["def f(:", "x = = 2"])
 def test_a_source_that_is_not_python_raises(bad):
     with pytest.raises(SyntaxError):
-        variants(bad, "f")
+        variants(bad)
 
 
 RIGHT = {
@@ -269,7 +269,7 @@ def same(one, other):
 def measured(name):
     """Return the variants, those of them with the right numbers, and groups of those with the same wrong numbers."""
     source = RIGHT[name].lstrip()
-    right, found, equal, groups = numbers(source, name), variants(source, name), [], []
+    right, found, equal, groups = numbers(source, name), variants(source), [], []
     for variant, answer in [(v, n) for v in found if (n := numbers(v.source, name)) is not None]:
         if same(answer, right):
             equal.append(variant)
@@ -283,7 +283,7 @@ def measured(name):
 @pytest.mark.parametrize("name", RIGHT)
 def test_each_variant_compiles_has_a_documented_code_and_no_other_has_its_meaning(name):
     source = RIGHT[name].lstrip()
-    found = variants(source, name)
+    found = variants(source)
     assert len(found) >= 10 and {v.code for v in found} <= set(CODES)
     meanings = {ast.dump(compile(v.source, name, "exec", ast.PyCF_ONLY_AST)) for v in found} | {ast.dump(ast.parse(source))}
     assert len(meanings) == len(found) + 1

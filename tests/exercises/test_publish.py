@@ -186,7 +186,6 @@ def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():
     assert cells[-1] == "ecp.submit()"
     with known(FOLDER) as found:
         served = wheel.notebook(found.valid["toolbox"], "https://x.org", "https://x.org/the-kit").decode()
-        assert wheel.has_notebook(found.valid["toolbox"])
     assert "{{" not in served and "%pip install -q https://x.org/the-kit" in served
 
 

@@ -86,16 +86,27 @@ def test_the_glossary_is_whole(word):
     assert re.search(rf"^\| {re.escape(word)} \| .{{5,}} \|$", doc("README.md"), re.MULTILINE)
 
 
-@pytest.fixture(scope="module")
-def example(tmp_path_factory):
-    """The assignment that all Python blocks of docs/authors.md make, one after the other."""
-    folder = tmp_path_factory.mktemp("docs") / "falling"
-    folder.mkdir()
+def examples():
+    """The two files that the Python blocks of docs/authors.md make: a whole notebook, and all others one after the other."""
     blocks = re.findall(r"^```python\n(.*?)^```", doc("docs/authors.md"), re.MULTILINE | re.DOTALL)
-    (folder / "assignment.py").write_text("\n\n".join(blocks))
+    whole = next(block for block in blocks if "Radioactive decay" in block)
+    return {"decay": whole, "falling": "\n\n".join(block for block in blocks if block is not whole)}
+
+
+def test_the_whole_notebook_for_authors_is_short():
+    text = examples()["decay"]
+    assert len(text.splitlines()) <= 120 and text.count("mistake(") >= 12 and text.count("notebook.exercise(") == 6
+
+
+@pytest.fixture(scope="module", params=["falling", "decay"])
+def example(request, tmp_path_factory):
+    """An assignment of docs/authors.md."""
+    folder = tmp_path_factory.mktemp("docs") / request.param
+    folder.mkdir()
+    (folder / "assignment.py").write_text(examples()[request.param])
     with known(folder) as found:
         assert not found.invalid, found.invalid
-        yield found.valid["falling"]
+        yield found.valid[request.param]
 
 
 def graded(sample, assignment, sandbox):

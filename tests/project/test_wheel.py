@@ -70,7 +70,7 @@ def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_pat
 
 
 def test_an_assignment_from_outside_comes_along_without_its_samples(rigid_body, tmp_path):
-    shutil.copytree(rigid_body.folder, tmp_path / "spinning_top")
+    shutil.copytree(rigid_body.folder, tmp_path / "spinning_top", ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "spinning_top" / ".git").mkdir()
     for private in (".env", ".git/config", "solution.ipynb"):
         (tmp_path / "spinning_top" / private).write_text("mine")

@@ -24,6 +24,7 @@ def outermost():
     return separatrix((1e-2, 1e-8))
 
 
+@pytest.mark.slow
 def test_the_wrong_side_of_the_separatrix_by_the_outermost_nudges(outermost):
     assert SEPARATRIX.holds(outermost), outermost
 

@@ -58,7 +58,7 @@ ecp.connect(assignment="lab-course")
 reports = []
 for source in json.load(sys.stdin):
     names = {"ecp": ecp}
-    exec(open("site/setup.py").read() + source, names)
+    exec(open("site/Setup").read() + source, names)
     report = eval("ecp.check()", names)
     reports.append([repr(report), [e.number for e in report.exercises], report.summary()])
 print(json.dumps(reports))
@@ -66,7 +66,7 @@ print(json.dumps(reports))
 
 
 def checked(home, lab, *sources):
-    shutil.copy(lab.folder / "setup.py", home / "site")
+    (home / "site" / "Setup").write_text(lab.setup)
     command = [sys.executable, "-P", "-W", "error", "-c", KERNEL]
     done = subprocess.run(command, input=json.dumps(sources), capture_output=True, text=True, timeout=60, cwd=home, env={})
     assert done.returncode == 0, done.stderr

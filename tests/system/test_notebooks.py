@@ -263,7 +263,8 @@ def solutions(rigid_body):
 CELLS = ["as downloaded", "with right functions, without drawings", "with right functions"]
 
 
-@pytest.mark.parametrize("which", [pytest.param(c, marks=[] if "without" in c else pytest.mark.slow) for c in CELLS])
+@pytest.mark.slow
+@pytest.mark.parametrize("which", CELLS)
 def test_the_course_notebook_as_the_server_gives_it(which, server, play, tmp_path, monkeypatch, rigid_body):
     """Its %pip cell installs the kit from the server that runs; nothing of ours is there before.
 

@@ -193,6 +193,7 @@ def test_each_search_finds_the_reference_where_the_submission_itself_has_it(sand
         assert "ESCAPED" in result.stdout, name
 
 
+@pytest.mark.slow
 def test_processes_of_the_same_user_cannot_read_it_without_the_other_layers_either():
     """Only the refusal to be traced (PR_SET_DUMPABLE) is left."""
     sandbox = Sandbox(process_isolation(["limits"]))
@@ -225,6 +226,7 @@ def test_a_scene_does_not_wait_for_a_reference_that_sleeps(sandboxes):
     assert unharmed(sandboxes["process"])
 
 
+@pytest.mark.slow
 def test_right_solutions_that_cannot_be_loaded_are_a_system_fault(sandboxes):
     with pytest.raises(SystemFault, match="the right solutions: NameError: name 'missing' is not defined"):
         played(sandboxes["process"], LATER, reference="missing")

@@ -12,7 +12,7 @@ from ecp.errors import NotebookError
 from ecp.return_value import WrongAnswer
 
 KIT = Path(__file__).parent
-SOURCES = ("plays.py", "setup.py", "question")  # names of code that is not read from a file
+SOURCES = ("plays.py", "Setup", "question")  # names of code that is not read from a file
 LIBRARIES = {"site-packages", "dist-packages"}
 UNUSABLE = "the checks could not call {function} or use what it returned ({error})"
 

@@ -84,8 +84,12 @@ class PublicAssignment:
         return {name for e in self.exercises for name in e.variables}
 
 
-def _by_kind(scenes: Mapping[str, PublicScene]) -> Diagnose:
-    return lambda scene, inputs, seen, truth: diagnose(scenes[scene].question or {}, seen, truth) or []
+def _by_kind(scenes: Mapping[str, PublicScene], own: Diagnose) -> Diagnose:
+    def by_kind(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
+        question = scenes[scene].question
+        return own(scene, inputs, seen, truth) if question is None else diagnose(question, seen, truth) or []
+
+    return by_kind
 
 
 _connected: list[Course] = [Course()]
@@ -213,9 +217,11 @@ def _load(slug: str) -> PublicAssignment:
         scenes[scene["name"]] = PublicScene(**scene | {"truth": truth})
     plays: dict[str, Any] = {"__name__": "plays"}
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
-    if asked := declared.get("exercises"):
-        exercises = tuple(exercise(e["number"], e["title"], e["questions"], False) for e in asked)
-        return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays, _by_kind(scenes))
-    module = importlib.import_module(f"ecp.assignments.{name}")
-    diagnose = getattr(module, "diagnose", _no_diagnosis)
-    return PublicAssignment(slug, declared["version"], declared["hidden"], module.EXERCISES, scenes, plays, diagnose)
+    found = {e["number"]: exercise(e["number"], e["title"], e["questions"], False) for e in declared.get("exercises", ())}
+    own = _no_diagnosis
+    if (FOLDER / name / "__init__.py").is_file():  # exercises of the author's own
+        module = importlib.import_module(f"ecp.assignments.{name}")
+        found |= {e.number: e for e in module.EXERCISES}
+        own = getattr(module, "diagnose", own)
+    exercises = tuple(found[number] for number in declared["hidden"] if number in found)
+    return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays, _by_kind(scenes, own))

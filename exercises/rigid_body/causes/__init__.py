@@ -3,15 +3,13 @@
 import numpy as np
 
 from ecp.checks import Arrays
-from ecp.kinds.animation.shown import standstill
+from ecp.kinds.animation.body import diagnose
 from ecp.outcome import Diagnosis
 from exercises.assignment import Answers, Inputs
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
 from exercises.rigid_body.causes.precession import causes_of_rate
 from exercises.rigid_body.causes.rates import causes_of_rates
-from exercises.rigid_body.public.animation_checks import body_shown
-from exercises.rigid_body.public.diagnosis import cause
-from exercises.rigid_body.public.momentum import momentum_shown
+from exercises.rigid_body.public.common_checks import filmed
 
 CODES = (
     *("sign-flipped", "sign-reversed", "cyclic-order", "component-order", "missing-division", "wrong-divisor"),
@@ -43,24 +41,9 @@ def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
     """Return the likely cause behind the numbers of one scene, which may overflow arithmetic."""
     with np.errstate(all="ignore"):
         if scene in ("film", "tumble-film"):
-            return _of_film(inputs, seen)
+            return diagnose(seen, filmed(inputs))
         if scene == "probes":
             return causes_of_rates(inputs, np.asarray(seen["wdot"]))
         if scene == "boxes":
             return causes_of_boxes(inputs, np.asarray(seen["moments"]))
     return []
-
-
-def _of_film(inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
-    """Return the cause: nothing moves; L moves, as in a drawing in body axes; or what moves follows something
-    other than the body.
-    """
-    if sentence := standstill(seen):
-        return [cause("static", sentence)]
-    t, R = np.asarray(inputs["t"]), np.asarray(inputs["R"])
-    L, half = (np.asarray(inputs[name]) if name in inputs else None for name in ("L", "half"))
-    momentum = None if L is None else momentum_shown(seen, t, R, L)
-    shown = momentum if momentum and momentum.found is False else body_shown(seen, t, R, None if L is None else 2, L, half=half)
-    if momentum and not shown.code:
-        shown = momentum
-    return [cause(shown.code, shown.sentence)] if shown.code else []

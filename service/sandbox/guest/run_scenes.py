@@ -183,7 +183,7 @@ def prepare(setup: str) -> Names:
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
     install_stubs(module.__dict__)
-    exec(compile(setup, "setup.py", "exec"), module.__dict__)
+    exec(compile(setup, "Setup", "exec"), module.__dict__)
     sys.modules["__main__"] = module
     return module.__dict__
 

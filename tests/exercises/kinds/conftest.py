@@ -12,4 +12,4 @@ from tests.support.toolbox import FOLDER, Toolbox
 def toolbox():
     with known(FOLDER) as catalogue:
         assert not catalogue.invalid
-        yield Toolbox(sys.modules["exercises.toolbox"].notebook, catalogue.valid["toolbox"])
+        yield Toolbox(sys.modules["exercises.toolbox.assignment"].notebook, catalogue.valid["toolbox"])

@@ -98,6 +98,7 @@ def test_too_large_a_form_is_told_as_one(server, boss):
     assert status == 413 and f"the form is larger than {forms.MOST_FORM} bytes" in page
 
 
+@pytest.mark.slow
 def test_the_largest_course_is_entered_at_once(new_app, database_url):
     """One by one, five thousand with tokens took longer than a transaction may: 503."""
     server, boss = new_app(database_url=database_url), entered(database_url, "boss", "instructor")

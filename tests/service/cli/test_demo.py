@@ -36,6 +36,7 @@ def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report
     )
 
 
+@pytest.mark.slow
 def test_its_class_is_entered_once(database_url):
     settings = Settings(database_url=database_url)
     count = add_class(settings, demo.SLUG)
@@ -43,6 +44,7 @@ def test_its_class_is_entered_once(database_url):
     assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
 
 
+@pytest.mark.slow
 def test_it_waits_for_a_server_too_busy_to_answer_in_time(monkeypatch, capsys):
     """The first two questions stay without an answer until they are given up."""
     monkeypatch.setattr(demo, "ANSWER_S", 0.1)

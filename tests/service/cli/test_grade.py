@@ -11,7 +11,7 @@ import pytest
 
 from service.cli.__main__ import main
 from service.cli.output_dir import write
-from tests.support.assignments import copied, known
+from tests.support.assignments import change, copied, known
 from tests.support.limits import largest_file
 
 COMMAND = [sys.executable, "-m", "service.cli"]
@@ -178,6 +178,7 @@ def test_a_reader_that_goes_away_gets_no_verdict(folder):
         assert running.wait(60) == 141 and running.stderr.read() == b""
 
 
+@pytest.mark.slow
 def test_a_lost_process_is_a_fault_of_the_files_it_had(folder, tmp_path):
     files = [folder / "hostile_endless.py", folder / "hostile_memory.py", folder / "right_terms.py"]
     command = [*COMMAND, "grade", *files, "--exercise", "2", "--jobs", "2", "--json"]
@@ -254,8 +255,7 @@ def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(polhode, folder
 
 def test_a_fault_exits_with_2_and_is_no_verdict(tmp_path, capsys):
     folder = copied(tmp_path, "pendulum")
-    with (folder / "setup.py").open("a") as setup:
-        setup.write("1 / 0\n")  # in the child, before it reads the submission
+    change(folder / "assignment.py", 'notebook="notebook.ipynb"', 'setup="1 / 0"')  # in the child, before it reads the submission
     mine = folder / "samples/right_terms.py"
     with known(folder):
         assert main(["grade", str(mine), "--assignment", "pendulum", "--json"]) == 2

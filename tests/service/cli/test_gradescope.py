@@ -32,6 +32,7 @@ def grade(home, files):
     return code, (results["score"], sum(test.get("max_score", 0) for test in results["tests"]), results["output"])
 
 
+@pytest.mark.slow
 def test_a_submission_gets_its_points(home, rigid_body):
     wrong = (rigid_body.folder / "samples" / "wrong_zeros.py").read_bytes()
     code, results = grade(home, {"wrong_zeros.py": wrong, ".ipynb_checkpoints/old.py": b"x = 1", "notes.txt": b"mine"})

@@ -18,8 +18,9 @@ def test_the_samples_stay_out(rigid_body, tmp_path):
     outside = tmp_path / "pendulum"
     (outside / "samples").mkdir(parents=True)
     (outside / "samples/right_one.py").write_text("def solved(): pass")
-    for file in ("assignment.py", "1.1.ipynb"):  # a declaration and the notebook that has its Setup
+    for file in ("1.1.ipynb", "2.1.ipynb"):
         (outside / file).touch()
+    (outside / "assignment.py").write_text('notebook = Notebook("Pendulum", notebook="1.1.ipynb")\n')
     name, content = own_wheel(outside)
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         held = {path: archive.read(path) for path in archive.namelist()}
@@ -36,6 +37,7 @@ def test_the_samples_stay_out(rigid_body, tmp_path):
     solutions = {path.read_bytes() for path in (rigid_body.folder / "samples").iterdir() if path.is_file()} | {
         b"def solved(): pass"
     }
+    assert "exercises/pendulum/2.1.ipynb" not in held
     assert not [path for path in held if "/samples/" in path] and not solutions & set(held.values())
 
 

@@ -1,20 +1,21 @@
 """The strength of the checks, on a few mutants in the real sandbox; `polhode mutants` does all."""
 
 import os
+import re
 
 import pytest
 
-from exercises.mutation import Variant
+from exercises.catalogue import load_catalogue
+from exercises.solution import Variant
 from service.cli.__main__ import main
-from service.cli.mutants import Mutant, grade_mutants, table
+from service.cli.mutants import MutantResult, grade_mutants, kill_rate, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
 def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     found = list(grade_mutants(rigid_body, ["euler_eqs"], most=6))
-    assert len(found) == 6 and not any(mutant.accepted for mutant in found)
-    assert {mutant.function for mutant in found} == {"euler_eqs"}
+    assert len(found) == 6 and all(f.wrong and not f.accepted for f in found)
 
 
 @pytest.mark.parametrize(
@@ -30,18 +31,63 @@ def test_the_command_says_what_is_missing(arguments, reason, capsys):
 
 
 def test_table():
-    sign, factor = (Variant(code, "x", "", 1) for code in ("sign-flipped", "constant-factor"))
+    one, two = Variant("kind a", "x", ""), Variant("kind b", "y", "")
     found = [
-        Mutant("f", sign, public=True, accepted=False),
-        Mutant("f", sign, public=False, accepted=False),
-        Mutant("f", factor, public=True, accepted=True),
-        Mutant("g", factor, public=False, accepted=False),
+        MutantResult(one, wrong=True, accepted=True),
+        MutantResult(one, wrong=False, accepted=True),
+        MutantResult(two, wrong=True, accepted=False),
     ]
     assert table(found).split("\n") == [
-        "| function | changed | made | accepted by the public checks | accepted by all checks |",
-        "|---|---|---|---|---|",
-        "| f | sign-flipped | 2 | 1 | 0 |",
-        "| f | constant-factor | 1 | 1 | 1 |",
-        "| g | constant-factor | 1 | 0 | 0 |",
-        "| all |  | 4 | 2 | 1 |",
+        "| changed functions | made | turned out correct | wrong, but accepted |",
+        "|---|---|---|---|",
+        "| kind a | 2 | 1 | 1 |",
+        "| kind b | 1 | 0 | 0 |",
+        "| all | 3 | 1 | 1 |",
     ]
+
+
+DECLARED = """
+from exercises.author import Notebook, Tolerance, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Doubling")
+
+
+def double(x):
+    y = abs(2 * x)
+    return y - x + x
+
+
+NEAR = Tolerance(atol=0.5, reason="a wide one")
+notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, truth=lambda x: x + x, agree=NEAR))
+"""
+
+
+def test_the_variants_of_a_declaration(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    folder = tmp_path / "doubling"
+    folder.mkdir()
+    (folder / "assignment.py").write_text(DECLARED)
+    monkeypatch.setenv("POLHODE_ASSIGNMENTS", str(tmp_path))
+    load_catalogue.cache_clear()
+    try:
+        assert main(["mutants", "doubling"]) == 1
+    finally:
+        monkeypatch.undo()
+        load_catalogue.cache_clear()
+    lines = capsys.readouterr().out.splitlines()
+    assert "turned out correct: wrong-function, `abs` is missing in `abs(2 * x)`" in lines
+    assert "WRONG, BUT ACCEPTED: constant-factor, `x` is halved in `y - x`" in lines
+    assert any(
+        re.fullmatch(r"(\d+) of \d+ wrong functions that return numbers fail a check \(\d\d\.\d %\)", line) for line in lines
+    )
+
+
+def test_the_rate_counts_wrong_functions_that_return_numbers():
+    one = Variant("a", "x", "")
+    rejected, right, accepted = (
+        MutantResult(one, wrong, accepted) for wrong, accepted in ((True, False), (False, True), (True, True))
+    )
+    no_numbers = MutantResult(one, wrong=True, accepted=False, measured=False)
+    found = [rejected, rejected, right, accepted, no_numbers]
+    assert kill_rate(found) == "2 of 3 wrong functions that return numbers fail a check (66.7 %)"

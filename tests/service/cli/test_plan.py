@@ -145,6 +145,7 @@ def test_mean_wait_is_erlangs(workers, load):
     assert mean_wait(given, workers) == pytest.approx(waiting / (workers - offered), rel=0.03)
 
 
+@pytest.mark.slow
 def test_mean_wait_is_that_of_pollaczek_and_khinchine():
     """M/D/1: half of M/M/1."""
     assert mean_wait(poisson(200_000, 0.6, 1.0, seed=3), 1) == pytest.approx(0.6 / (2 * (1 - 0.6)), rel=0.03)

@@ -51,6 +51,7 @@ def test_one_grading_in_every_form_agrees(polhode, folder):
         }
 
 
+@pytest.mark.slow
 def test_points_are_out_of_the_exercises_asked_for_also_of_what_is_no_submission(polhode, folder):
     """Else all that was asked would be a seventh of the points, and a grade's most would change with a file that cannot be read."""
     (folder / "binary.py").write_bytes(b"\0")

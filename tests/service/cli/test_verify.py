@@ -176,8 +176,7 @@ def test_every_error_of_the_expectations_is_told_and_nothing_is_graded(folder, c
 
 def test_what_cannot_be_graded_is_no_difference(folder, capsys):
     """A setup cell that fails is the author's: not one sample gets a verdict, and none an entry."""
-    with (folder / "setup.py").open("a") as setup:
-        setup.write("raise RuntimeError('no data file')\n")
+    change(folder / "assignment.py", 'notebook="notebook.ipynb"', 'setup="raise RuntimeError()"')
     (folder / "samples" / "expected.toml").unlink()
     assert verify(folder, "--only", "right_terms.py", "--write") == 2
     told = capsys.readouterr()
@@ -207,7 +206,8 @@ def test_an_assignment_that_leaves_by_sys_exit_gives_no_verdict(folder, capsys, 
     with known(folder):
         assert main(["grade", "--jobs", jobs, *files]) == 2
     told = capsys.readouterr()
-    assert "wrong_zeros.py: not graded: causes.py line" in told.err and "SystemExit: 0" in told.err
+    place = "wrong_zeros.py: not graded: assignment damped-oscillator has an error: causes.py line"
+    assert place in told.err and "SystemExit: 0" in told.err
     assert "2 files: 1 all ✓, 1 not graded" in told.out
 
 
@@ -229,7 +229,7 @@ def test_nothing_to_grade(folder, capsys):
     for path in (folder, folder / "samples", folder.parent):
         assert verify(path, "--only", "nothing*") == 2
         assert "damped-oscillator: no sample to grade" in capsys.readouterr().err
-    (folder / "__init__.py").unlink()
-    assert verify(folder) == 2 and "damped-oscillator: __init__.py is missing" in capsys.readouterr().err
+    (folder / "assignment.py").unlink()
+    assert verify(folder) == 2 and "damped-oscillator: assignment.py is missing" in capsys.readouterr().err
     assert verify(folder.parent) == 2 and f"no assignment found in {folder.parent}" in capsys.readouterr().err
     assert main(["verify", "knitting"]) == 2 and "there is no assignment knitting" in capsys.readouterr().err

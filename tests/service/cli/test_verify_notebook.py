@@ -40,13 +40,16 @@ def doubling(tmp_path, sandbox):
         with known(folder) as catalogue:
             assignment = catalogue.valid["doubling"]
             samples = list(assignment.made_samples())
-            reports = [grade(Submission(sample.source), assignment, sandbox, 1, sample.ask).report for sample in samples]
+            reports = [
+                grade(Submission(sample.source, sample.name), assignment, sandbox, 1, sample.ask).report for sample in samples
+            ]
             named = zip([sample.name for sample in samples], reports[::-1] if swapped else reports, strict=True)
             return notebook_differences(assignment, samples, dict(named))
 
     return run
 
 
+@pytest.mark.slow
 def test_only_the_server_has_a_reference(toolbox_samples, sandbox):
     assignment, samples = toolbox_samples
     reports = {one.name: grade(Submission(one.source), assignment, sandbox, 1, one.ask).report for one in samples}
@@ -70,6 +73,7 @@ def test_right_and_wrong_solutions_get_the_verdicts_of_the_server(doubling):
     assert found == {"right_all.py": [], "wrong_1_1_constant_factor.py": []}
 
 
+@pytest.mark.slow
 def test_another_verdict_than_the_servers_is_reported(doubling):
     found = doubling(SETUP, SOLUTION, swapped=True)
     assert ["✓  double is right" in line and "on the server: ✗" in line for line in found["right_all.py"]] == [True]
@@ -78,4 +82,15 @@ def test_another_verdict_than_the_servers_is_reported(doubling):
 
 def test_a_cell_that_fails_with_the_right_solution_is_reported(doubling):
     found = doubling(SETUP, SOLUTION, "assert double(2) == 5")
-    assert found["right_all.py"] == ["in the notebook: AssertionError: "]
+    assert found["right_all.py"] == ["in the notebook: code cell 3: AssertionError: "]
+
+
+def test_later_cells_read_what_the_authors_solution_cell_sets_besides(doubling):
+    found = doubling(SETUP, "k = 3\ndef double(x):\n    return 2 * x\nfour = double(2)", "assert four in (4, 6) and k == 3")
+    assert found == {"right_all.py": [], "wrong_1_1_constant_factor.py": []}
+
+
+def test_a_program_that_stops_is_reported_once(doubling):
+    found = doubling(SETUP, SOLUTION, "import os; os._exit(3)")
+    assert list(found) == ["right_all.py", "wrong_1_1_constant_factor.py"]
+    assert found["right_all.py"] == ["the notebook could not be run: exit code 3"] and found["wrong_1_1_constant_factor.py"] == []

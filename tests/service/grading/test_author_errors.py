@@ -13,13 +13,12 @@ from service.sandbox.result import SystemFault
 from tests.support.assignments import change, known
 
 FILES = {
-    "__init__.py": """from pathlib import Path
-
-import numpy as np
+    "assignment.py": """import numpy as np
 
 from ecp.checks import close
 from ecp.exercise import Exercise, Figure
-from exercises.assignment import ArraySpec, Assignment, Scene
+from exercises.assignment import ArraySpec, Scene
+from exercises.author import Notebook
 
 
 def draw(rng):
@@ -45,7 +44,8 @@ def plot(canvas, seen, truth):
 SCENE = Scene("points", "points", "double", draw, {"y": ArraySpec((4,))}, exact, 2.0)
 CHECK = close("1-points", "double is right", "points", measured=returned, expected=wanted, rtol=1e-9, atol=0.0, reason="rounding")
 EXERCISE = Exercise("1", "Doubling", ("double",), (CHECK,), (Figure("values", "Values", "points", ("points",), plot),))
-ASSIGNMENT = Assignment("doubling", "Doubling", "1", Path(__file__).parent, (SCENE,), (EXERCISE,))
+notebook = Notebook("Doubling", setup="import numpy as np\\n", scenes=(SCENE,))
+notebook.own_exercise(EXERCISE)
 """,
     "plays.py": """import numpy as np
 
@@ -55,7 +55,6 @@ def points(student, inputs):
     values = answer["y"]
     return {"y": np.array(values)}
 """,
-    "setup.py": "import numpy as np\n",
     "samples/right_dict.py": "def double(x):\n    return {'y': 2 * x}\n",
 }
 RIGHT = FILES["samples/right_dict.py"]
@@ -97,19 +96,19 @@ def test_without_an_error_it_is_graded(folder, sandbox):
             marks=pytest.mark.slow,
         ),  # starts a new guest
         pytest.param(
-            "setup.py", "import numpy as np\n", "1 / 0\n", "setup.py line 1: ZeroDivisionError", marks=pytest.mark.slow
+            "assignment.py", 'setup="import numpy as np', 'setup="1 / 0', "Setup line 1: ZeroDivisionError", marks=pytest.mark.slow
         ),  # starts a new guest
-        ("__init__.py", "rng.uniform(", "rng.uniforms(", "__init__.py line 11: AttributeError"),
-        ("__init__.py", 'inputs["x"]', 'inputs["z"]', "__init__.py line 15: KeyError: 'z'"),
-        ("__init__.py", 'return seen["y"]', 'return seen["z"]', "check 1-points: __init__.py line 19: KeyError: 'z'"),
-        ("__init__.py", 'return truth["y"]', 'return truth["y"] @ 1', "check 1-points: __init__.py line 23: ValueError"),
+        ("assignment.py", "rng.uniform(", "rng.uniforms(", "assignment.py line 10: AttributeError"),
+        ("assignment.py", 'inputs["x"]', 'inputs["z"]', "assignment.py line 14: KeyError: 'z'"),
+        ("assignment.py", 'return seen["y"]', 'return seen["z"]', "check 1-points: assignment.py line 18: KeyError: 'z'"),
+        ("assignment.py", 'return truth["y"]', 'return truth["y"] @ 1', "check 1-points: assignment.py line 22: ValueError"),
         (
-            "__init__.py",
+            "assignment.py",
             'return truth["y"]',
             'return truth["y"][:3]',
-            "check 1-points: __init__.py line 22: ValueError: shape (4,)",
+            "check 1-points: assignment.py line 21: ValueError: shape (4,)",
         ),
-        ("__init__.py", 'return truth["y"]', 'return str(truth["y"])', "check 1-points: __init__.py line 22: TypeError"),
+        ("assignment.py", 'return truth["y"]', 'return str(truth["y"])', "check 1-points: assignment.py line 21: TypeError"),
     ],
 )
 def test_an_error_of_the_author_is_a_fault_with_file_and_line(folder, sandbox, file, old, new, message):
@@ -121,11 +120,11 @@ def test_an_error_of_the_author_is_a_fault_with_file_and_line(folder, sandbox, f
 
 
 def test_an_error_in_a_figure_is_a_fault_with_file_and_line(folder, sandbox):
-    change(folder / "__init__.py", 'seen[0]["y"])', 'truth[0]["y"][4])')
+    change(folder / "assignment.py", 'seen[0]["y"])', 'truth[0]["y"][4])')
     with known(folder) as catalogue:
         assignment = catalogue.valid["doubling"]
         arrays = grade(Submission(RIGHT), assignment, sandbox, 1).arrays
-        with pytest.raises(SystemFault, match=r"figure values: __init__.py line 27: IndexError"):
+        with pytest.raises(SystemFault, match=r"figure values: assignment.py line 26: IndexError"):
             rendering.draw(assignment, rendering.find(assignment, "values"), arrays, 1, "png")
 
 
@@ -235,7 +234,13 @@ notebook.exercise(
 @pytest.mark.parametrize(
     ("old", "new", "source", "message"),
     [
-        ("return 0.5 * x", "return [0.5 * x]", None, "assignment.py line 18: question 1: WrongAnswer: half must return shape ()"),
+        (
+            "return 0.5 * x",
+            "return [0.5 * x]",
+            None,
+            "assignment.py line 18: question 1: ValueError: the truth does not answer as the right solution does for the "
+            "first input: half must return a number; it returned shape (1,)",
+        ),
         ("return 0.5 * x", "return 0.5 * y", None, "assignment.py line 12: NameError: name 'y' is not defined"),
         ("uniform(1, 2)", "integers(2, 1)", None, "assignment.py line 18: question 1: ValueError: low > high"),
         ("return x / 2", "return x / 0", "def half(x): return x / 2", "assignment.py line 8: ZeroDivisionError"),

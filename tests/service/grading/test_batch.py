@@ -11,13 +11,12 @@ from service.sandbox.select import choose
 from tests.support.big_notebook import with_outputs
 
 
+@pytest.mark.slow
 def test_a_sandbox_that_fails_is_a_fault_and_no_refused_submission(rigid_body, tmp_path):
-    (tmp_path / "setup.py").write_text("1 / 0")  # fails in the child before it reads the submission
-    (tmp_path / "plays.py").write_bytes((rigid_body.folder / "plays.py").read_bytes())
     files = [tmp_path / "mine.py", tmp_path / "none.py"]
     for file, content in zip(files, (b"def euler_eqs(t, w, I): return w", b"\xff\xfe"), strict=True):
         file.write_bytes(content)
-    wanted = GradeOptions(replace(rigid_body, folder=tmp_path), seed=1)
+    wanted = GradeOptions(replace(rigid_body, setup="1 / 0"), seed=1)  # fails in the child before it reads the submission
     failed, refused = grade_files([GradeRequest(file, ("2",)) for file in files], wanted, choose(), jobs=1)
     assert "before the submission ran" in failed.fault and failed.refused is None and failed.points is None
     assert "not a text file" in refused.refused and refused.fault is None and refused.points == 0
@@ -40,6 +39,7 @@ def test_a_notebook_with_outputs_is_graded_as_without_and_its_lines_are_those_of
         assert "def euler_eqs" in lines[number - 1] and number != SourceLines(plain, rigid_body).line_of(outcome)
 
 
+@pytest.mark.slow
 def test_a_json_document_is_graded_as_the_api_grades_it(rigid_body, tmp_path):
     right = (rigid_body.folder / "samples" / "right_terms.py").read_text()
     wrong = {"source": right, "exercises": ["9"]}, {"source": right, "filename": "a.md"}, ["x"]

@@ -10,6 +10,7 @@ from service.grading import charts
 from tests.support.asgi import visit
 
 
+@pytest.mark.slow
 def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
     from reference import work_precision
     from reference.methods import METHODS

@@ -78,6 +78,7 @@ def test_a_motion_is_not_believed_if_its_function_was_not_asked_again(rigid_body
     assert "when repeated" in found["2-pointwise"].detail
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_report(rigid_body, sandbox):
     one, two = (grade(Submission(WRONG), rigid_body, sandbox, 11, ["2", "3"]).report for _ in range(2))
     assert document(one) == document(two)

@@ -85,6 +85,7 @@ def test_impossible_calls_and_seconds_are_refused(source, number, rigid_body, sa
         sweep(Submission(source.replace("NUMBER", number)), rigid_body, sandbox)
 
 
+@pytest.mark.slow
 def test_a_class_is_drawn_without_the_sweeps_whose_numbers_cannot_be(swept):
     wild = replace(swept, points=[replace(point, calls=10**400, seconds=-1.0) for point in swept.points])
     assert b"class, DOP853" in grader.draw_class([document(wild), document(swept)])

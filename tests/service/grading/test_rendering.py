@@ -16,6 +16,7 @@ def graded(rigid_body, sandbox):
     return grade(Submission.from_bytes(source, "right_all.py"), rigid_body, sandbox, 5)
 
 
+@pytest.mark.slow
 def test_every_figure_of_the_report_can_be_drawn_and_has_its_alt_text(graded, rigid_body):
     packed = rendering.pack(graded)
     arrays = rendering.unpack(packed["arrays.npz"])

@@ -111,6 +111,7 @@ def test_a_body_is_cut_that_is_sent_to_a_route_which_does_not_read_it(connected,
     assert response.startswith(b"HTTP/1.1 200") and rest(connected(hurried)) == b""
 
 
+@pytest.mark.slow
 def test_a_large_body_over_a_slow_line_is_accepted(connected, hurried):
     """At 40 kB/s it takes four times as long as a body that trickles may."""
     body = b'{"source": "' + b"#" * 64_000 + b'"}'
@@ -122,6 +123,7 @@ def test_a_large_body_over_a_slow_line_is_accepted(connected, hurried):
     assert status(rest(connection)) == 202
 
 
+@pytest.mark.slow
 def test_a_stream_of_events_outlives_the_deadlines(connected, hurried, url):
     id, _ = submitted(url, "local")
     connection = connected(hurried, f"GET /v1/submissions/{id}/events HTTP/1.1\r\n".encode() + HOST + b"\r\n")

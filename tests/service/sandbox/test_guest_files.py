@@ -46,6 +46,7 @@ def test_without_it_the_error_lists_what_there_is(rigid_body, sandbox):
     assert f"stopped with {scene_end.sentence}" in report.outcomes()[0].line
 
 
+@pytest.mark.slow
 def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_path):
     lacking = replace(rigid_body, packages=("no-such-package",))
     with pytest.raises(SystemFault, match="rigid-body needs packages that are not installed on this server: no-such-package"):

@@ -37,7 +37,7 @@ LAZY = "import bz2, scipy.stats, ecp.pyodide, matplotlib.tri\nprint(open('/dev/n
 def copied(tmp_path):
     """A copy of the guest's code below a folder that is closed to others."""
     tmp_path.chmod(0o700)
-    return shutil.copytree(isolation.GUEST, tmp_path / "open" / "guest")
+    return shutil.copytree(isolation.GUEST, tmp_path / "open" / "guest", ignore=shutil.ignore_patterns("__pycache__"))
 
 
 def identity_of(isolation):

@@ -79,6 +79,7 @@ def test_what_finished_before_the_limit_is_kept(sandbox):
     assert [name for name in seen.scene_ends if seen.finished(name)] == ["s0", "s1"]
 
 
+@pytest.mark.slow
 def test_a_submission_that_sleeps_through_its_grading_gets_a_report(rigid_body, sandbox, monkeypatch):
     monkeypatch.setattr(sandbox, "limits", TimeLimits(cpu_s=5.0, wall_s=1.5))
     began = time.monotonic()

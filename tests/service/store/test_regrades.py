@@ -157,6 +157,7 @@ def test_a_fault_stays_held_and_the_others_are_applied(database_url):
     assert sql(database_url, "SELECT submission_id FROM grading WHERE preview") == [(ben,)]
 
 
+@pytest.mark.slow
 def test_applied_twice_or_dropped_meanwhile_is_decided_once(database_url):
     ann = graded(database_url, "ann", "-")
     for k in range(4):
@@ -192,6 +193,7 @@ def test_dropped_it_grades_no_more_and_stays_held(database_url):
     assert run(database_url, lambda d: regrade(d, "all", "x")) == 2
 
 
+@pytest.mark.slow
 def test_begun_while_students_submit(database_url):
     for name in ("ann", "ben", "cleo"):
         graded(database_url, name, "+")

@@ -193,6 +193,7 @@ def test_a_regrade_does_not_hide_what_there_was(database_url, grading):
     assert run(database_url, lambda d: records.recent(d, 5))[0].status == "graded"
 
 
+@pytest.mark.slow
 def test_persons_take_turns(database_url):
     """Ann sends five, then Ben two and Cleo one: nobody's next passes another's first, and Ann's second waits for no latecomer."""
 

@@ -70,6 +70,7 @@ def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting, mo
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
 
 
+@pytest.mark.slow
 def test_a_worker_whose_grading_hangs_gives_it_back_and_ends(database_url, waiting, sandbox, monkeypatch):
     def leave(code):
         raise Left
@@ -149,6 +150,7 @@ def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(database_url, sandbox, monkeypatch):
     _, grading = submitted(database_url, source="x = 1")
     monkeypatch.setattr(grader, "_sandbox", sandbox)

@@ -75,6 +75,7 @@ def test_hidden_artists_and_furniture_are_not_drawn():
     assert artists.drawn(figure) == []
 
 
+@pytest.mark.slow
 def test_a_trail_keeps_its_ends_and_an_arrow_drawn_anew_is_the_same_artist():
     figure, axes = _axes(True)
 
@@ -103,6 +104,7 @@ def test_within():
     assert judge.within([1e-9], [0.0], 0.0, 1.0).verdict is judge.Verdict.FAIL, "no allowance where there is no scale"
 
 
+@pytest.mark.slow
 def test_frames_of_a_generator_are_drawn_as_they_come():
     figure, axes = _axes(False)
     (line,) = axes.plot([0, 1], [0, 0])

@@ -70,6 +70,7 @@ def test_a_second_kit_leaves_the_first_as_it_was(installed):
     assert both[2].startswith("No assignment is set (kits of damped-oscillator, rigid-body are installed)") and both[3] == SERVER
 
 
+@pytest.mark.slow
 def test_the_kit_at_the_older_address_holds_all_assignments(installed):
     checks = ('ecp.check("2", assignment="rigid-body")', 'ecp.check("1", assignment="damped-oscillator")')
     reports = kernel(installed(None), *checks, 'ecp.course.build("rigid-body")')

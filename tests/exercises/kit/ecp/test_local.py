@@ -52,7 +52,7 @@ LONG = [
 KERNEL = """
 import contextlib, io, json, sys
 import ecp
-setup, told = compile(open({setup!r}).read(), "setup.py", "exec"), {{}}
+setup, told = compile({setup!r}, "Setup", "exec"), {{}}
 for file, numbers in {files!r}:
     names = {{"__name__": "__main__"}}
     exec(setup, names)
@@ -75,7 +75,7 @@ print(json.dumps(told))
 def checked(kit, rigid_body, *files, drawn=False):
     """What a fresh kernel without any of our packages makes of (file, numbers of exercises), with figures if ``drawn``."""
     listed = [(str(file), numbers) for file, numbers in files]
-    code = KERNEL.format(setup=str(rigid_body.folder / "setup.py"), files=listed, drawn=drawn)
+    code = KERNEL.format(setup=rigid_body.setup, files=listed, drawn=drawn)
     command = [sys.executable, "-P", "-W", "error", "-c", f"import sys; sys.path.insert(0, {str(kit)!r})\n{code}"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=kit)
     assert done.returncode == 0, done.stderr

@@ -111,6 +111,7 @@ def test_an_artist_that_appears_late_counts():
     assert _moving(_film(update))
 
 
+@pytest.mark.slow
 def test_a_white_line_on_a_coloured_disc_counts_with_the_axes_cleared_in_every_frame():
     def update(figure, axes):
         def change(k):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exercises.rigid_body.causes import diagnose_function
-from exercises.rigid_body.turning import TURNING
+from exercises.rigid_body.draws import TURNING
 from service.grading.grade import draw_inputs
 
 

@@ -19,6 +19,7 @@ from tests.support.database import new, run, sql
 from tests.support.submissions import hand_in
 
 
+@pytest.mark.slow
 def test_a_backup_under_load_restores_to_a_consistent_state(database_url, empty_url, tmp_path):
     async def write_and_back_up(database):
         writing = asyncio.create_task(_keep_writing(database))

@@ -49,6 +49,7 @@ LOSSES = {
 }
 
 
+@pytest.mark.slow
 def test_a_running_server_notices_each_loss_and_the_return(database, tmp_path):
     folder = Path(database.url.split("host=")[1]).with_name("postgres")
     ((oid,),) = sql(database.url, "SELECT oid::int8 FROM pg_database WHERE datname = 'polhode'")

@@ -64,6 +64,7 @@ def test_a_killed_owner_loses_nothing(data):
     database.stop()
 
 
+@pytest.mark.slow
 def test_a_long_path_gets_its_socket_elsewhere(tmp_path):
     deep = tmp_path / ("d" * 60) / ("e" * 60)
     database = EmbeddedPostgres(deep)
@@ -123,6 +124,7 @@ def test_programs_are_found():
     assert (server.find_programs() / "postgres").exists()
 
 
+@pytest.mark.slow
 def test_a_process_that_has_got_the_number_of_a_dead_server_is_left_alone_and_in_nobodys_way(tmp_path):
     database = EmbeddedPostgres(tmp_path / "data")
     database.start()

@@ -6,8 +6,8 @@ import pytest
 import reference
 from ecp.judge import Verdict
 from exercises.rigid_body import plays
+from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public import tolerance
-from exercises.rigid_body.random_motions import DRAWN
 from service.grading.grade import draw_inputs, truth
 
 SPELLINGS = {

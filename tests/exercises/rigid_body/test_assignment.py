@@ -8,14 +8,14 @@ import pytest
 import reference
 from exercises.catalogue import assignments
 
-SOURCE = (assignments()["rigid-body"].folder / "setup.py").read_text(encoding="utf-8")
+SOURCE = assignments()["rigid-body"].setup
 I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)
 
 
 @pytest.fixture
 def names():
     scope = {}
-    exec(compile(SOURCE, "setup.py", "exec"), scope)
+    exec(compile(SOURCE, "Setup", "exec"), scope)
     scope["euler_eqs"] = lambda t, w, I: reference.euler_rhs(np.asarray(w), I)
     return scope
 

@@ -1,10 +1,9 @@
 """An assignment for tests: a play with two functions, a variable, a class, and data files."""
 
-from pathlib import Path
-
 import numpy as np
 
-from exercises.assignment import ArraySpec, Assignment, Scene
+from exercises.assignment import ArraySpec, Scene
+from exercises.author import Notebook
 
 from .public import EXERCISES
 
@@ -24,12 +23,11 @@ SCENES = (
     Scene("settings", "entry", "settings", {"key": "g"}, NUMBER, _number(9.81), 2.0),
     Scene("steps", "steps", "Pendulum", {"n": 3}, NUMBER, _number(3.0), 2.0),
 )
-ASSIGNMENT = Assignment(
-    slug="lab-course",
-    title="A lab course",
-    version="1",
-    folder=Path(__file__).parent,
-    scenes=SCENES,
-    exercises=EXERCISES,
+notebook = Notebook(
+    "A lab course",
+    setup='import numpy as np\n\nPOINTS = np.loadtxt("points.csv")\n',
     data=("points.csv", "runs/first.csv"),
+    scenes=SCENES,
 )
+for exercise in EXERCISES:
+    notebook.own_exercise(exercise)

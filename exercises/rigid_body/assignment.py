@@ -1,0 +1,20 @@
+"""The declaration of notebook 2.6: six exercises of its own."""
+
+from exercises.author import Notebook
+from exercises.rigid_body.causes import CODES, diagnose_function, diagnose_scene
+from exercises.rigid_body.hidden_checks import HIDDEN
+from exercises.rigid_body.public import EXERCISES
+from exercises.rigid_body.scenes import SCENES
+from exercises.rigid_body.sweep import SWEEP
+
+notebook = Notebook(
+    "2.6 Rigid-Body Rotation and the Spinning Top",
+    notebook="notebook.ipynb",
+    scenes=SCENES,
+    diagnose=diagnose_scene,
+    diagnose_function=diagnose_function,
+    sweep=SWEEP,
+    codes=CODES,
+)
+for exercise in EXERCISES:
+    notebook.own_exercise(exercise, *HIDDEN[exercise.number])

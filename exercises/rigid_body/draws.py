@@ -1,0 +1,221 @@
+"""The inputs drawn for each submission: boxes, tensors, motions by family, and motions (t, ω) for ``precession_rate``."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import reference
+from exercises.assignment import Inputs
+
+Array = NDArray[np.float64]
+Rng = np.random.Generator
+
+UNEQUAL = 8  # boxes with no two moments nearly equal
+BOXES, TENSORS = UNEQUAL + 16, UNEQUAL + 4  # inputs of box_moments and of principal_moments
+APART = 0.05  # least relative distance of two moments that are not equal
+OFF_SEPARATRIX = 0.02  # least relative distance of |L|² from 2 T I₂ in the two polhode families
+
+TURN_SAMPLES, UNEVEN = 600, 0.5  # of a given precession; the longest of its uneven steps is four times the shortest
+SWAY, SWAYS = 0.006, 2.5  # relative variation of an uneven rate of turn, and its number of periods, a half-integer
+COARSE_SAMPLES, COARSE_STEP = 21, (0.46, 0.468)  # of a turn from sample to sample, less than half with a margin for fits
+SHORT_SAMPLES, SHORT_TURNS = 100, (0.6, 0.9)
+
+
+def boxes(rng: np.random.Generator) -> Inputs:
+    """Draw boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars,
+    large and small ones.
+    """
+    boxes: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
+    for m, a, b, c in (_unequal_box(rng) for _ in range(2)):
+        long, thin = 20 * max(a, b, c), min(a, b, c) / 20
+        boxes += [(m, a, a, a), (m, b, a, a), (m, a, b, a), (m, a, a, b), (m, a, b, thin), (m, long, b, c)]
+    sizes = [(1e3, 1e3), (1e-3, 1e-3), (1e-3, 1e3), (1e3, 1e-3)]
+    boxes += [np.array(_unequal_box(rng)) * [mass, *[length] * 3] for mass, length in sizes]
+    return {"boxes": np.array(boxes)}
+
+
+def tensors(rng: np.random.Generator) -> Inputs:
+    """Draw tilted boxes, some of them diagonal already or of other sizes.
+
+    No two moments are nearly equal: the roots of the characteristic polynomial would lose half their digits
+    or become complex.
+    """
+    boxes = np.array([_unequal_box(rng) for _ in range(UNEQUAL)])
+    given = [*np.asarray(tilted(boxes, rng)["tensors"]), *(np.diag(reference.box_moments(*box)) for box in boxes[:2])]
+    given += [size * tensor for size, tensor in zip((1e2, 1e-2), given, strict=False)]
+    return {"tensors": np.array(given)}
+
+
+def tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
+    """Return the tensors of boxes (m, a, b, c) (n, 4), each turned at random."""
+    return {"tensors": [reference.box_tensor(m, a, b, c, _rotation(rng)).tolist() for m, a, b, c in boxes]}
+
+
+def _unequal_box(rng: np.random.Generator) -> tuple[float, ...]:
+    while True:
+        box = (rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3))
+        if np.diff(np.sort(reference.box_moments(*box))).min() > 0.05 * reference.box_moments(*box).max():
+            return box
+
+
+def _rotation(rng: np.random.Generator) -> Array:
+    Q = np.linalg.qr(rng.random((3, 3)))[0]
+    return np.asarray(Q * np.linalg.det(Q))
+
+
+def body(rng: Rng) -> Array:
+    """Return moments (3,) of a box in kg m², in any order, no two nearly equal."""
+    while True:
+        moments = reference.box_moments(rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3))
+        low, mid, high = np.sort(moments)
+        if min(mid - low, high - mid) > APART * high:
+            return moments
+
+
+def long_run(rng: Rng) -> Inputs:
+    """Draw a general motion over sixty radians."""
+    w0 = _spin(rng)
+    return _inputs(w0, body(rng), 60.0 / np.linalg.norm(w0), 600)
+
+
+def about_least(rng: Rng) -> Inputs:
+    """Draw a polhode around the axis of the least moment."""
+    return _family(rng, -1)
+
+
+def about_greatest(rng: Rng) -> Inputs:
+    """Draw a polhode around the axis of the greatest moment."""
+    return _family(rng, 1)
+
+
+def symmetric(rng: Rng) -> Inputs:
+    """Draw a body with two moments equal to the last bit; the third is that of any of the three axes."""
+    equal = rng.uniform(0.5, 3.0)
+    moments = np.full(3, equal)
+    moments[rng.integers(3)] = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
+    w0 = _spin(rng)
+    return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+
+
+def sphere(rng: Rng) -> Inputs:
+    """Draw a body with three equal moments, whose ω is constant."""
+    w0 = _spin(rng)
+    return _inputs(w0, np.full(3, rng.uniform(0.5, 3.0)), 10.0 / np.linalg.norm(w0), 100)
+
+
+def tumble(rng: Rng) -> Inputs:
+    """Draw a spin so near the intermediate axis that the body turns over once, along the separatrix."""
+    moments, spin, nudge = body(rng), rng.uniform(2.0, 6.0), 10 ** rng.uniform(-4.0, -2.0)
+    axis = int(np.argsort(moments)[1])
+    t_end = 1.5 * np.log(4.0 / nudge) / reference.steady_spin_growth_rate(moments, axis, spin)
+    while True:
+        w0 = spin * nudge * rng.choice([-1.0, 1.0], 3)
+        w0[axis] = spin * rng.choice([-1.0, 1.0])
+        path = reference.Exact(w0, moments).omega(np.linspace(0.0, t_end, 100))[axis]
+        if path.min() / spin < -0.9 and path.max() / spin > 0.9:  # with other signs it first comes nearer to the axis
+            return _inputs(w0, moments, t_end, 400)
+
+
+def attitude(rng: Rng) -> Inputs:
+    """Draw a general motion with its attitude."""
+    w0 = _spin(rng)
+    return _inputs(w0, body(rng), 20.0 / np.linalg.norm(w0), 120, orientation=True)
+
+
+def _family(rng: Rng, side: int) -> Inputs:
+    moments = body(rng)
+    while True:
+        w0 = _spin(rng)
+        excess = float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
+        if side * excess > OFF_SEPARATRIX:
+            return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+
+
+def _spin(rng: Rng) -> Array:
+    direction = rng.normal(size=3)
+    return np.asarray(rng.uniform(0.8, 4.0) * direction / np.linalg.norm(direction))
+
+
+def _inputs(w0: Array, moments: Array, t_end: "float | np.floating[Any]", n: int, orientation: bool = False) -> Inputs:
+    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": float(t_end), "n": n, "orientation": orientation}
+
+
+DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
+    "drawn-long": (long_run, 600, False),
+    "drawn-least": (about_least, 300, False),
+    "drawn-greatest": (about_greatest, 300, False),
+    "drawn-symmetric": (symmetric, 300, False),
+    "drawn-sphere": (sphere, 100, False),
+    "drawn-tumble": (tumble, 400, False),
+    "drawn-attitude": (attitude, 120, True),
+}
+
+
+def uneven_times(rng: Rng) -> Inputs:
+    """Draw even turning at uneven times: the last steps are several times as long as the first, or the first
+    as the last.
+    """
+    rate, samples = _top(rng, rng.uniform(1.1, 1.9)), np.linspace(0.0, 1.0, TURN_SAMPLES)
+    uneven = (1 - UNEVEN) * samples + UNEVEN * samples**3
+    return _turning(rng, rate, uneven if rng.random() < 0.5 else 1 - uneven[::-1], 0.0)
+
+
+def backward(rng: Rng) -> Inputs:
+    """Draw backward turning at even times with a varying rate; its mean, slope and median are the same."""
+    rate = _top(rng, rng.uniform(0.3, 0.8))
+    return _turning(rng, rate, np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY)
+
+
+def coarse(rng: Rng) -> Inputs:
+    """Draw even turning in steps of nearly half a turn: ten of the twenty steps jump past ±π."""
+    turns = (COARSE_SAMPLES - 1) * rng.uniform(*COARSE_STEP)
+    return _even(rng, turns, rng.uniform(0.1, 0.9) * (turns - 9), COARSE_SAMPLES)
+
+
+def short(rng: Rng) -> Inputs:
+    """Draw even turning through less than one turn, past ±π."""
+    turns = rng.uniform(*SHORT_TURNS)
+    return _even(rng, turns, rng.uniform(0.1, 0.9) * turns, SHORT_SAMPLES)
+
+
+def _even(rng: Rng, turns: float, before: float, samples: int) -> Inputs:
+    """Return ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at
+    zero.
+
+    It passes ±π for the first time after ``before`` of its ``turns``.
+    """
+    part, transverse, w3 = np.linspace(0.0, 1.0, samples), rng.uniform(0.1, 0.8), rng.uniform(1.0, 4.0)
+    duration, angle = turns * rng.uniform(2.0, 6.0), rng.choice([-1.0, 1.0]) * np.pi * (1 - 2 * before + 2 * turns * part)
+    w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
+    return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
+
+
+def _top(rng: Rng, i3: float) -> tuple[float, float]:
+    """Return precession rate and ω₃ of a symmetric top with I₃ = ``i3`` I₁."""
+    w3 = rng.uniform(1.0, 4.0)
+    return reference.free_precession_rate((1.0, 1.0, i3), w3), w3
+
+
+def _turning(rng: Rng, top: tuple[float, float], part: Array, sway: float) -> Inputs:
+    """Return ω (3, n) over two to three turns, so that a phase that is not unwrapped jumps, at times (n,)
+    that do not start at zero.
+
+    ``part`` (n,) runs from 0 to 1. The rate of turn varies by ``sway`` in two and a half periods about the
+    middle. It is odd there, so every way of taking the mean (slope, total, median) gives the same number.
+    """
+    (rate, w3), transverse, phase, turns = top, rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
+    duration = turns * 2 * np.pi / abs(rate)
+    ahead = sway * rate * duration / (2 * np.pi * SWAYS) * np.cos(2 * np.pi * SWAYS * (part - 0.5))
+    angle = phase + rate * duration * part + ahead
+    w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
+    return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
+
+
+TURNING: dict[str, Callable[[Rng], Inputs]] = {
+    "rate": uneven_times,
+    "rate-retrograde": backward,
+    "rate-coarse": coarse,
+    "rate-short": short,
+}

@@ -67,26 +67,27 @@ def grade_mutants(assignment: Assignment, functions: Sequence[str] = (), most: i
 
 
 def _of_samples(assignment: Assignment, functions: Sequence[str], isolation: Isolation, most: int | None) -> Iterator[MutantResult]:
-    right, versions = {}, list[tuple[str, Variant]]()
+    sources: dict[str, str] = {}
     for function in functions or dict.fromkeys(scene.function for scene in assignment.scenes):
         if (source := assignment.right_submission(function)) is None:
             raise NoMutants(f"no right submission defines {function}: add a sample right_….py")
-        right[function] = Variant("", "", source)
-        versions += [(function, variant) for variant in variants(source)]
+        sources[function] = source
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
 
-        def graded(function: str, variant: Variant) -> Future[Any]:
+        def graded(function: str, source: str) -> Future[Any]:
             named = {scene.name for scene in assignment.scenes if scene.function == function}
             calling = [e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks)]
-            return pool.submit(grader.grade_one, Submission(variant.source), assignment.slug, calling, SEED)
+            return pool.submit(grader.grade_one, Submission(source), assignment.slug, calling, SEED)
 
-        def outcomes(job: Future[Any]) -> dict[str, Outcome]:
-            return {outcome.id: outcome for outcome in job.result()[0].outcomes()}
+        versions = [(function, variant) for function, source in sources.items() for variant in variants(source)][:most]
+        right = {function: graded(function, source) for function, source in sources.items()}
+        jobs = [graded(function, variant.source) for function, variant in versions]
+        for (function, variant), job in zip(versions, jobs, strict=True):
+            yield _judged(variant, _outcomes(job), _outcomes(right[function]))
 
-        solutions = {function: graded(function, variant) for function, variant in right.items()}
-        jobs = [(function, variant, graded(function, variant)) for function, variant in versions[:most]]
-        for function, variant, job in jobs:
-            yield _judged(variant, outcomes(job), outcomes(solutions[function]))
+
+def _outcomes(job: Future[Any]) -> dict[str, Outcome]:
+    return {outcome.id: outcome for outcome in job.result()[0].outcomes()}
 
 
 def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:

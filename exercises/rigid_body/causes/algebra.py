@@ -181,24 +181,16 @@ def extra_terms(column: Array, k: int, w: Array, moments: Array) -> list[list[Sl
     i, j = (k + 1) % 3, (k + 2) % 3
     wk, ik, speed = w[:, k], moments[:, k], np.linalg.norm(w, axis=1)
     drag = {"{wk}": wk, "|ω|{wk}": speed * wk, "|{wk}|{wk}": np.abs(wk) * wk, "": np.ones_like(wk)}
-    terms = {
-        **drag,
-        **{f"{name}/{{ik}}": x / ik for name, x in drag.items()},
-        "{wk}³": wk**3,
-        "{wk}²": wk**2,
-        "{wi}": w[:, i],
-        "{wj}": w[:, j],
-    }
+    powers = {"{wk}³": wk**3, "{wk}²": wk**2, "{wi}": w[:, i], "{wj}": w[:, j]}
+    terms = drag | {f"{name}/{{ik}}": values / ik for name, values in drag.items()} | powers
     right = [moments[:, a] * w[:, i] * w[:, j] / ik for a in (i, j)]
     designs = {(a, b): np.column_stack([*right, terms[a], terms[b]]) for a, b in itertools.combinations(terms, 2)}
     found = []
     for names, (first, second, *sizes) in sums(designs, column[:, None], _size(w, moments), _slack(w, moments))[0]:
-        if first == -second:
-            own = scaled(first) if first else [Slip("missing-component", "{c} lacks its own term")]
-            added = [f"{size:+.6g} {name}".rstrip() for name, size in zip(names, sizes, strict=True) if size]
-            found.append(
-                own + [Slip("extra-term", f"{{c}} has an extra term {term}: torque-free equations have none") for term in added]
-            )
+        added = [f"{size:+.6g} {name}".rstrip() for name, size in zip(names, sizes, strict=True) if size]
+        extra = [Slip("extra-term", f"{{c}} has an extra term {term}: torque-free equations have none") for term in added]
+        own = scaled(first) if first else [Slip("missing-component", "{c} lacks its own term")]
+        found += [own + extra] if first == -second else []
     return found
 
 

@@ -1,5 +1,6 @@
 """The strength of an assignment's checks: wrong versions of its right solutions, and which of them the checks accept."""
 
+import ast
 import contextlib
 import itertools
 import multiprocessing
@@ -79,11 +80,17 @@ def _of_samples(assignment: Assignment, functions: Sequence[str], isolation: Iso
             calling = [e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks)]
             return pool.submit(grader.grade_one, Submission(source), assignment.slug, calling, SEED)
 
-        versions = [(function, variant) for function, source in sources.items() for variant in variants(source)][:most]
+        versions = [(function, variant) for function, source in sources.items() for variant in _versions(function, source)]
         right = {function: graded(function, source) for function, source in sources.items()}
-        jobs = [graded(function, variant.source) for function, variant in versions]
-        for (function, variant), job in zip(versions, jobs, strict=True):
+        jobs = [graded(function, variant.source) for function, variant in versions[:most]]
+        for (function, variant), job in zip(versions, jobs, strict=False):
             yield _judged(variant, _outcomes(job), _outcomes(right[function]))
+
+
+def _versions(function: str, source: str) -> list[Variant]:
+    """Return the wrong versions of a sample that change ``function``."""
+    places = [range(n.lineno, (n.end_lineno or 0) + 1) for n in ast.parse(source).body if getattr(n, "name", None) == function]
+    return [variant for variant in variants(source) if any(variant.line in place for place in places)]
 
 
 def _outcomes(job: Future[Any]) -> dict[str, Outcome]:

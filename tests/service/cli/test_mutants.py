@@ -8,7 +8,7 @@ import pytest
 from exercises.catalogue import load_catalogue
 from exercises.solution import Variant
 from service.cli.__main__ import main
-from service.cli.mutants import MutantResult, grade_mutants, kill_rate, table
+from service.cli.mutants import MutantResult, _versions, grade_mutants, kill_rate, table
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
@@ -16,6 +16,11 @@ def test_a_few_in_the_sandbox(rigid_body, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     found = list(grade_mutants(rigid_body, ["euler_eqs"], most=6))
     assert len(found) == 6 and all(f.wrong and not f.accepted for f in found)
+
+
+def test_a_sample_is_changed_in_the_function_alone():
+    source = "def g(x):\n    return 2 * x\n\n\ndef f(x):\n    return g(x) + x\n"
+    assert {variant.line for variant in _versions("f", source)} == {6}
 
 
 @pytest.mark.parametrize(

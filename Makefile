@@ -57,7 +57,7 @@ test-all: lint .venv/browser  ## run also the slow tests: all samples over HTTP,
 
 exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotage, chaos, the image, and newer Pythons if installed
 	@$(TEST) -m exhaustive
-	@$(CLEAN_ENV) $(BIN)/polhode mutants
+	@$(CLEAN_ENV) $(BIN)/polhode mutants rigid-body euler_eqs box_moments principal_moments precession_rate
 	@$(MAKE) --no-print-directory sabotage
 	@$(MAKE) --no-print-directory chaos KILLS=1000
 	@$(MAKE) --no-print-directory image-test

@@ -1,8 +1,7 @@
 """The declaration of notebook 2.6: six exercises of its own."""
 
 from exercises.author import Notebook
-from exercises.rigid_body.causes import diagnose_function, diagnose_scene
-from exercises.rigid_body.codes import CODES
+from exercises.rigid_body.causes import CODES, diagnose_function, diagnose_scene
 from exercises.rigid_body.hidden_checks import HIDDEN
 from exercises.rigid_body.public import EXERCISES
 from exercises.rigid_body.scenes import SCENES

@@ -96,6 +96,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     chart.set_defaults(run=_chart)
     mutants = commands.add_parser("mutants", help="grade mutants of the solution and list those that the checks misjudge")
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
+    mutants.add_argument("functions", nargs="*", metavar="FUNCTION", help="of an assignment's own exercises (default: all)")
     mutants.add_argument("--most", type=grade.count, metavar="N", help="only the first N mutants")
     mutants.set_defaults(run=_mutants)
     for more in (grade, verify, new_assignment, import_notebook, publish, export_assignment, database, queue, plan, people):
@@ -194,7 +195,7 @@ def _mutants(arguments: argparse.Namespace) -> int:
     from service.sandbox.select import IsolationUnavailable
 
     try:
-        results = list(grade_mutants(find(arguments.assignment), arguments.most))
+        results = list(grade_mutants(find(arguments.assignment), arguments.functions, arguments.most))
     except (InvalidAssignment, NoAssignment, NoMutants, SystemFault, IsolationUnavailable) as error:
         print(f"polhode: cannot grade mutants: {error}", file=sys.stderr)
         return 2

@@ -194,10 +194,10 @@ RIGID_BODY = [
     ),
     Breakage(
         "a slip of sign gets another diagnosis code",
-        "exercises/rigid_body/causes/errors.py",
-        'Slip("sign-flipped", "sign"',
-        'Slip("constant-factor", "sign"',
-        ("tests/exercises/rigid_body/causes/test_errors.py",),
+        "exercises/rigid_body/causes/algebra.py",
+        'Slip("sign-flipped", "{c} has',
+        'Slip("constant-factor", "{c} has',
+        ("tests/exercises/rigid_body/causes/test_rates.py",),
     ),
     Breakage(
         "every motion counts as certified",

@@ -3,12 +3,25 @@
 import numpy as np
 
 from ecp.checks import Arrays
+from ecp.kinds.animation.body import diagnose
 from ecp.outcome import Diagnosis
 from exercises.assignment import Answers, Inputs
-from exercises.rigid_body.causes.film import causes_of_film
 from exercises.rigid_body.causes.moments import causes_of_boxes, causes_of_tensors
 from exercises.rigid_body.causes.precession import causes_of_rate
 from exercises.rigid_body.causes.rates import causes_of_rates
+from exercises.rigid_body.public.common_checks import filmed
+
+CODES = (
+    *("sign-flipped", "sign-reversed", "cyclic-order", "component-order", "missing-division", "wrong-divisor"),
+    *("constant-factor", "moment-sum", "returns-zero", "missing-component", "returns-input", "missing-term", "moment-order"),
+    *("hard-coded-moments", "extra-term", "time-dependent", "precision-loss", "diagonal-only", "wrong-quantity", "units"),
+    *("not-unwrapped", "signature", "swapped-arguments", "not-finite", "mutates-input", "returns-nothing", "wrong-shape"),
+    *("no-animation", "static", "wrong-axis", "transposed-rotation", "moving-angular-momentum", "reversed-angular-momentum"),
+    *("wrong-angular-momentum", "wrong-motion", "wrong-frames", "wrong-proportions", "mirrored", "too-many-frames"),
+    *("missing-brackets", "absolute-value", "floor-division", "clipped", "normalised", "inverted-moments", "wrong-power"),
+    *("partly-right", "nearly-right", "wrong-times", "wrong-components", "unbounded"),
+)
+"""The diagnosis codes of this assignment; docs/checks.md describes them."""
 
 
 def diagnose_function(function: str, answers: Answers) -> list[Diagnosis] | None:
@@ -28,7 +41,7 @@ def diagnose_scene(scene: str, inputs: Inputs, seen: Arrays) -> list[Diagnosis]:
     """Return the likely cause behind the numbers of one scene, which may overflow arithmetic."""
     with np.errstate(all="ignore"):
         if scene in ("film", "tumble-film"):
-            return causes_of_film(inputs, seen)
+            return diagnose(seen, filmed(inputs))
         if scene == "probes":
             return causes_of_rates(inputs, np.asarray(seen["wdot"]))
         if scene == "boxes":

@@ -3,29 +3,33 @@ unique.
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-import reference
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
-from exercises.rigid_body.causes.agreement import Mask, agree, same
-from exercises.rigid_body.causes.errors import COMPONENT, MOMENT, Slip, diagnoses_of, read, slips
-from exercises.rigid_body.causes.extra import extra_terms
-from exercises.rigid_body.causes.hard_coded import same_body
-from exercises.rigid_body.causes.partly import nearly_right, partly_right
-from exercises.rigid_body.causes.precision import SINGLE, digits_kept, in_single, lost, precision_lost
-from exercises.rigid_body.causes.sectors import described
-from exercises.rigid_body.causes.table import readings, table
-from exercises.rigid_body.causes.term_fit import LEAST_POINTS, Form, Points, relabelled
+from exercises.rigid_body.causes import formulas
+from exercises.rigid_body.causes.algebra import MOMENT, SAME, Form, Slip, diagnoses, extra_terms, forms, readings, scaled
+from exercises.rigid_body.causes.fit import LEAST_POINTS
+from exercises.rigid_body.causes.places import described, partly_right
+from exercises.rigid_body.probes import scale
+from exercises.rigid_body.public.diagnosis import (
+    ROUNDING,
+    Mistake,
+    agree,
+    cause,
+    known_rates,
+    named,
+    nearly_right,
+    not_finite,
+)
 
 Array = NDArray[np.float64]
-Order = tuple[int, int, int]
-ORDERS: tuple[Order, ...] = ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0))
-SAME: Order = (0, 1, 2)
-MOST_SLIPS = 4
+ORDERS = list(itertools.permutations(range(3)))
+MOST = 4  # errors of forms: more of them may reproduce any numbers of that kind
+SINGLE = 1e-6  # agreement to expect in single precision
 
 
 def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
@@ -33,148 +37,110 @@ def causes_of_rates(inputs: Inputs, wdot: Array) -> list[Diagnosis]:
     nothing singles one out.
     """
     t, w, moments = (np.asarray(inputs[name], dtype=float) for name in ("t", "w", "I"))
-    finite: Mask = np.asarray(np.all(np.isfinite(wdot), axis=1))
-    if np.all(finite):
+    finite = np.asarray(np.isfinite(wdot).all(axis=1))
+    if finite.all():
         return _finite(t, w, moments, wdot)
-    if found := _something_else(w, moments, wdot):
+    if found := _whole(w, moments, wdot):
         return found
-    rest = _finite(t[finite], w[finite], moments[finite], wdot[finite]) if finite.sum() > LEAST_POINTS else []
-    return [*(cause for cause in rest if cause.code != "partly-right"), _not_finite(w, moments, finite)]
-
-
-def _not_finite(w: Array, moments: Array, finite: Mask) -> Diagnosis:
-    at = int(np.argmin(finite))
     place = described(~finite, finite, w, moments)
     if place is None and finite.any():
-        spin, body = (", ".join(f"{x:.4g}" for x in numbers[at]) for numbers in (w, moments))
+        spin, body = (", ".join(f"{x:.4g}" for x in numbers[np.argmin(finite)]) for numbers in (w, moments))
         place = f"ω = ({spin}) and I = ({body}), for example"
-    where = f" where {place}" if place else ""
-    return _cause("not-finite", f"euler_eqs returns values that are not finite{where}: look for a division by zero or an overflow")
+    rest = _finite(t[finite], w[finite], moments[finite], wdot[finite]) if finite.sum() > LEAST_POINTS else []
+    return [*(known for known in rest if known.code != "partly-right"), not_finite(f" where {place}" if place else "")]
+
+
+def _whole(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    return known_rates(wdot, formulas.of_all_components(w, moments, wdot), scale(w, moments))
 
 
 def _finite(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
-    if same(wdot, reference.euler_rhs(w.T, moments.T).T, w, moments):
-        return precision_lost(wdot, w, moments)
-    if _depends_on_time(t, w, moments, wdot):
-        return [_cause("time-dependent", "euler_eqs depends on t: torque-free equations do not depend on time")]
-    return _something_else(w, moments, wdot) or _slips(t, w, moments, wdot)
-
-
-def _slips(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
-    points = Points(w, moments)
-    columns = [points.forms(column) for column in wdot.T]
-    if all(columns):
-        return _fewest(columns) or []
-    if found := precision_lost(wdot, w, moments):
+    exact, size = formulas.exact(w, moments), scale(w, moments)
+    if agree(wdot, exact, size).all():
+        return []
+    if found := _whole(w, moments, wdot) or _of_time(t, w, moments, wdot):
         return found
-    for sentence, sorted_moments in _sorted(moments):
-        again = [Points(w, sorted_moments).forms(column) for column in wdot.T]
-        if all(again) and (slips_left := _fewest(again)) is not None:
-            return [_cause("moment-order", sentence), *slips_left]
-    found = _of_the_table(w, moments, wdot, columns) or extra_terms(wdot, t, w, moments, columns)
-    found = found or _in_single(points, wdot) or digits_kept(wdot, w, moments)
-    return found or partly_right(w, moments, wdot) or nearly_right(w, moments, wdot)
+    explained = _explained(w, moments, wdot)
+    if explained is None:
+        return _few_digits(w, moments, wdot) or partly_right(w, moments, wdot) or nearly_right(wdot, exact, size)
+    return explained
 
 
-def _of_the_table(w: Array, moments: Array, wdot: Array, columns: list[list[Form | None]]) -> list[Diagnosis]:
-    """Return diagnoses if each component without a form is a mistake of the table."""
-    mistakes, chosen = table(w, moments, wdot), list[Slip]()
-    for k, forms in enumerate(columns):
-        found = read(forms, k) or readings(mistakes, wdot[:, k], w, moments, k)
-        if not found or (not forms and len({slip[0].code for slip in found}) > 1):
-            return []
-        shortest: list[Slip] = min(found, key=len)
-        chosen += shortest
-    return diagnoses_of(chosen)
+def _explained(w: Array, moments: Array, wdot: Array) -> list[Diagnosis] | None:
+    """Return the fewest errors that reproduce the rates, none if they are not unique, or None if there are none."""
+    columns, ascending = forms(w, moments, wdot), np.sort(moments, axis=1)
+    if (found := _fewest(columns)) is not None:
+        return found if len(found) <= MOST else []
+    for largest_first, given in (("", ascending), (", the largest first", ascending[:, ::-1])):
+        if (found := _fewest(forms(w, given, wdot))) is not None:
+            return [cause("moment-order", f"the moments are sorted{largest_first}: use I₁, I₂, I₃ in the given order"), *found]
+    mistakes = list(formulas.of_one_component(w, moments, wdot))
+    others = [
+        readings(columns[k], k) or _formulas(mistakes, k, w, moments, wdot) or extra_terms(wdot[:, k], k, w, moments)
+        for k in range(3)
+    ]
+    return _fewest(columns, others)
 
 
-def _in_single(points: Points, wdot: Array) -> list[Diagnosis]:
-    """Return the errors of an answer in single precision, which agrees to six digits only."""
-    roughly = [points.forms(column, SINGLE) for column in wdot.T] if in_single(wdot) else [[]]
-    return [*(_fewest(roughly) or []), lost("the answer is in single precision (float32)")] if all(roughly) else []
+def _few_digits(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    """Return the diagnosis of right rates with too few digits, or of wrong rates in single precision."""
+    exact, single = formulas.exact(w, moments), np.array_equal(wdot, wdot.astype(np.float32))
+    off = float(np.where(wdot == exact, 0.0, np.abs(wdot - exact) / scale(w, moments)).max())
+    float32 = cause("precision-loss", formulas.too_few_digits("the answer is in single precision (float32)"))
+    if single and (found := _fewest(forms(w, moments, wdot, SINGLE))) is not None:
+        return [*found, float32]
+    if not ROUNDING < off < SINGLE:
+        return []
+    return [cause("precision-loss", formulas.too_few_digits(f"only {int(-np.log10(off))} digits are right"))]
 
 
-def _something_else(w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
-    if not wdot.any():
-        return [_cause("returns-zero", "euler_eqs returns zeros for all arguments")]
-    for code, sentence, answer in _whole(w, moments):
-        if same(wdot, answer, w, moments):
-            return [_cause(code, sentence)]
-        if same(wdot, -answer, w, moments):
-            return [_cause(code, sentence), _cause("sign-reversed", "all three components have the opposite sign")]
-    return []
+def _formulas(mistakes: list[Mistake], k: int, w: Array, moments: Array, wdot: Array) -> list[list[Slip]]:
+    """Return the errors that reproduce component ``k``: a wrong formula, or its negative; none if two codes do."""
+    found: dict[str, list[Slip]] = {}
+    own, size = slice(k, k + 1), scale(w, moments)
+    for (code, sentence, values), sign in itertools.product(mistakes, (1.0, -1.0)):
+        if agree(wdot[:, own], sign * values[:, own], size[:, own]).all():
+            found.setdefault(sentence, [Slip(code, sentence), *scaled(sign)])
+    return list(found.values()) if len({slips[0].code for slips in found.values()}) == 1 else []
 
 
-def _whole(w: Array, moments: Array) -> Iterator[tuple[str, str, Array]]:
-    momentum = moments * w
-    for name, answer in (("ω", w), ("I", moments), ("L = Iω", momentum)):
-        yield "returns-input", f"euler_eqs returns {name} itself instead of the rate of change of ω", answer
-    swapped = reference.euler_rhs(moments.T, w.T).T
-    yield "swapped-arguments", "w and I are swapped: the order is euler_eqs(t, w, I)", swapped
-
-
-def _sorted(moments: Array) -> Iterator[tuple[str, Array]]:
-    ascending = np.sort(moments, axis=1)
-    yield "the moments are sorted: use I₁, I₂, I₃ in the given order", ascending
-    yield "the moments are sorted, the largest first: use I₁, I₂, I₃ in the given order", ascending[:, ::-1]
-
-
-def _fewest(columns: list[list[Form | None]]) -> list[Diagnosis] | None:
-    """Return the explanation with the fewest errors, then the fewest swapped axes.
+def _fewest(columns: list[list[Form | None]], others: list[list[list[Slip]]] | None = None) -> list[Diagnosis] | None:
+    """Return the explanation with the fewest errors, then the fewest swapped axes, by the forms of the components;
+    in the right order also by ``others``, errors of any kind.
 
     Empty if two explanations with different codes are equally short; None if there is none.
     """
-    best: list[tuple[tuple[int, int], list[Diagnosis]]] = []
+    found: dict[tuple[int, int], list[list[Diagnosis]]] = {}
     for outputs, order in itertools.product(ORDERS, ORDERS):
-        chosen: list[Slip] = []
-        for place, forms in enumerate(columns):
-            readings = [slips(None if f is None else relabelled(f, order), outputs[place]) for f in forms]
-            if not (readable := [r for r in readings if r is not None]):
-                break
-            plainest: list[Slip] = min(readable, key=len)
-            chosen += plainest
-        else:
-            exchanged = (outputs != SAME) + (order != SAME)
-            found = [*_exchanged(outputs, order), *(same_body(chosen) or diagnoses_of(_one_divisor(chosen)))]
-            best.append(((len(found), exchanged), found))
-    if not best:
+        found_slips = [readings(each, k, order) for each, k in zip(columns, outputs, strict=True)]
+        if others and outputs == order == SAME:
+            found_slips = others
+        if all(found_slips):
+            slips = [(k, slip) for k, each in zip(outputs, found_slips, strict=True) for slip in min(each, key=len)]
+            swapped = _swapped(outputs, order)
+            explained = [*swapped, *diagnoses(slips)]
+            found.setdefault((len(explained), len(swapped)), []).append(explained)
+    if not found:
         return None
-    least = min(cost for cost, _ in best)
-    if least[0] > MOST_SLIPS:
-        return []
-    shortest = [found for cost, found in best if cost == least]
-    codes = {tuple(sorted(d.code for d in found)) for found in shortest}
-    return shortest[0] if len(codes) == 1 else []
+    shortest = found[min(found)]
+    same = len({tuple(sorted(known.code for known in each)) for each in shortest}) == 1
+    return shortest[0] if same else []
 
 
-def _exchanged(outputs: Order, order: Order) -> Iterator[Diagnosis]:
+def _swapped(outputs: Sequence[int], order: Sequence[int]) -> list[Diagnosis]:
+    found, used = [], ", ".join(MOMENT[k] for k in order)
     if outputs != SAME:
-        stands = ", ".join(COMPONENT[k] for k in outputs)
-        yield _cause("component-order", f"the components are returned in the wrong order: {stands}")
+        found.append(cause("component-order", f"the components are returned in the wrong order: {named(outputs)}"))
     if order != SAME:
-        used = ", ".join(MOMENT[k] for k in order)
-        yield _cause("moment-order", f"the moments are used in the order {used}: use them in the given order")
+        found.append(cause("moment-order", f"the moments are used in the order {used}: use them in the given order"))
+    return found
 
 
-def _one_divisor(chosen: list[Slip]) -> list[Slip]:
-    """Read three components divided by the same constant as not divided, and multiplied by its inverse."""
-    constant = [s for s in chosen if s.kind == "divisor"]
-    if len(constant) < 3 or len({s.value for s in constant}) > 1:
-        return chosen
-    kept = [s for s in chosen if s.kind != "divisor"]
-    for s in constant:
-        kept.append(Slip("missing-division", "no division", 0.0, s.component, ""))
-        kept.append(Slip("constant-factor", "factor", s.value, s.component, ""))
-    return kept
-
-
-def _depends_on_time(t: Array, w: Array, moments: Array, wdot: Array) -> bool:
-    """Return whether one (ω, I) got two answers at two times, but the same one at the same time."""
+def _of_time(t: Array, w: Array, moments: Array, wdot: Array) -> list[Diagnosis]:
+    """Return the diagnosis if one (ω, I) got two answers at two times, but the same one at the same time."""
     _, first, which = np.unique(np.column_stack([w, moments]), axis=0, return_index=True, return_inverse=True)
     first = first[which.ravel()]
-    apart, later = ~agree(wdot, wdot[first], w, moments).all(axis=1), t != t[first]
-    return bool(np.any(apart & later) and not np.any(apart & ~later))
-
-
-def _cause(code: str, sentence: str) -> Diagnosis:
-    return Diagnosis(code=code, sentence=sentence, confidence=1.0)
+    apart, later = ~agree(wdot, wdot[first], scale(w, moments)).all(axis=1), t != t[first]
+    if not np.any(apart & later) or np.any(apart & ~later):
+        return []
+    return [cause("time-dependent", "euler_eqs depends on t: torque-free equations do not depend on time")]

@@ -767,8 +767,8 @@ COMMANDS = [
     Breakage(
         "the notebook of verify lacks what a solution's cell sets besides",
         "service/cli/verify_notebook.py",
-        "if not (solution and solved):",
-        "if solution and not solved:",
+        'if own else [("", True)]',
+        'if not own else [("", True)]',
         ("tests/service/cli/test_verify_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",),
     ),
     Breakage(

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from ecp import animation_recording
+from ecp.kinds.animation.body import body_shown, momentum_shown
 from exercises.catalogue import assignments
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
 from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.mutants import mutants
-from exercises.rigid_body.public.animation_checks import body_shown
-from exercises.rigid_body.public.momentum import momentum_shown
+from exercises.rigid_body.public.common_checks import filmed
 from service.grading.grade import draw_inputs, truth
 
 ASSIGNMENT = assignments()["rigid-body"]
@@ -125,8 +125,8 @@ def _draw_time(file: Path, inputs, follow: bool) -> float:
         began = time.process_time()
         seen = plays.animation(names, inputs)
         if follow:
-            body_shown(seen, inputs["t"], inputs["R"], 2)
-            momentum_shown(seen, inputs["t"], inputs["R"], inputs["L"])
+            body_shown(seen, filmed(inputs))
+            momentum_shown(seen, filmed(inputs))
         return time.process_time() - began
     finally:
         animation_recording.drawn = real

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -115,6 +115,15 @@ class Sweep:
     read: Callable[[Arrays, Arrays], SweepResult]
 
 
+class PublishedCell(NamedTuple):
+    """A code cell of the students' notebook. ``is_given`` is false for one that the student fills in."""
+
+    name: str
+    source: str
+    is_given: bool
+    id: str = ""
+
+
 @dataclass(frozen=True)
 class Assignment:
     """One notebook. ``setup`` is the text of its Setup cell and ``plays`` that of the functions that play the
@@ -126,12 +135,14 @@ class Assignment:
     None: then each scene is diagnosed alone. ``codes`` are the diagnosis codes that it can give; ``polhode
     verify`` lists those that no sample shows. ``cpu_s`` is the CPU time in seconds that one grading may use,
     if that is more than the server's limit: five times as much as the right solution uses. ``data`` names
-    files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv".
+    files of the folder that submissions and plays read by the same relative name, such as "pendulum.csv". ``load_s`` is
+    the CPU time in seconds for a submission's cells, if that is more than 10: for each cell, if there are ``published`` ones.
 
     ``questions`` are those of each exercise as data, for the students' kit. ``variants`` returns the right solution and
     wrong ones of a question by its id (exercises.mistakes.Variant), ``source_before`` the right solutions of the
     questions before it, and ``made_samples`` the samples that follow from the declaration
-    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook.
+    (exercises.mistakes.MadeSample). ``notebook`` returns the students' notebook. ``published`` are its code cells, if the
+    server runs those that are given in place of the student's copies.
     """
 
     slug: str
@@ -149,6 +160,8 @@ class Assignment:
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
+    load_s: float | None = None
+    published: tuple[PublishedCell, ...] = ()
     notebook: Callable[[], str] = field(default=lambda: "")
     questions: Mapping[str, tuple[Mapping[str, Any], ...]] = field(default_factory=dict)
     variants: Callable[[str], Sequence[Any]] = field(default=lambda question: ())

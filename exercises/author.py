@@ -20,12 +20,14 @@ from ecp.outcome import Tolerance
 from exercises import author_notebook, publish
 from exercises.assignment import Assignment, Scene, Sweep
 from exercises.author_notebook import Cell, InvalidNotebook
+from exercises.declared import Draw, Family, Itself, Mistake, Value
 from exercises.mistakes import made_samples, source_before, variants_of
 from exercises.publish import Section
-from exercises.question import Draw, Family, Itself, Mistake, Question, Value, calling_line
+from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
+from exercises.validation_cells import Line, line_errors, published_cells, reported_exercises
 
-__all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "mistake", "normal", "uniform"]
+__all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "line", "mistake", "normal", "uniform"]
 
 
 PLAYS = "\nfrom ecp.kinds import play\n"
@@ -68,7 +70,17 @@ def mistake(old: str, new: str, code: str | None = None, sentence: str = "") -> 
 
     ``code`` is a diagnosis code and ``sentence`` says what the student did. Without them the mistake is a sample only.
     """
-    return Mistake(old, new, code, sentence, calling_line())
+    return Mistake(old, new, code, sentence, sys._getframe(1).f_lineno)
+
+
+def line(label: str, *, truth: Any = None, trust: bool = False, points: int = 1) -> Line:
+    """Return a line that a validation cell of the notebook prints, by its ``label`` as the cell writes it.
+
+    The expressions of an f-string stay in braces. The line carries no ``points`` until ``truth`` is the exact value, or a function
+    without parameters that computes it, with which ``validate.close`` then compares; or until ``trust=True`` accepts what the
+    student's code reports.
+    """
+    return Line(label, truth, trust, points, calling_line())
 
 
 def itself(reason: str) -> Itself:
@@ -80,7 +92,8 @@ def itself(reason: str) -> Itself:
 class Notebook:
     """One notebook's assignment. ``notebook`` is the author's notebook beside the file, with all texts and the Setup cells.
 
-    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s`` and ``data`` are those of ``Assignment``.
+    ``setup`` replaces the Setup cell where there is no notebook. ``packages``, ``cpu_s``, ``load_s`` and ``data`` are those of
+    ``Assignment``.
 
     For exercises of the author's own (``own_exercise``): ``scenes`` are their scenes, played by functions of plays.py beside the
     file, and ``diagnose``, ``diagnose_function``, ``codes`` and ``sweep`` are those of ``Assignment``.
@@ -93,6 +106,7 @@ class Notebook:
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
     data: tuple[str, ...] = ()
+    load_s: float | None = None
     scenes: tuple[Scene, ...] = ()
     diagnose: Callable[..., Any] | None = None
     diagnose_function: Callable[..., Any] | None = None
@@ -104,12 +118,16 @@ class Notebook:
     def __post_init__(self) -> None:
         self.line = sys._getframe(2).f_lineno
 
-    def exercise(self, number: str, title: str, *questions: Question) -> None:
-        """Add an exercise."""
+    def exercise(self, number: str, title: str, *asked: Question | Line) -> None:
+        """Add an exercise of questions, and of lines that the notebook's validation cells print."""
+        questions = [one for one in asked if isinstance(one, Question)]
+        lines = tuple(one for one in asked if isinstance(one, Line))
         names = [question.function for question in questions]
         unique = len(names) == len(set(names)) > 1
-        ids = [f"{number}-{name}" if unique else f"{number}-{k}" for k, name in enumerate(names, 1)] if len(names) > 1 else [number]
-        self.sections.append(Section(number, title, tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))))
+        ids = [f"{number}-{name}" if unique else f"{number}-{k}" for k, name in enumerate(names, 1)]
+        ids = [number] if len(names) == 1 else ids
+        identified = tuple(replace(q, id=id) for q, id in zip(questions, ids, strict=True))
+        self.sections.append(Section(number, title, identified, lines=lines))
 
     def own_exercise(self, exercise: Exercise, *hidden: Check) -> None:
         """Add an exercise of the author's own, from the folder public/, which the students' kit contains.
@@ -139,6 +157,7 @@ class Notebook:
         ]
         parameters = {function.__name__: list(inspect.signature(function).parameters) for function in functions}
         wrong = author_notebook.errors(cells, self._names(), parameters) if cells else ()
+        found += [f"assignment.py {error}" for error in line_errors(cells, self.sections)]
         return [*found, *(f"{self.notebook}: {error}" for error in wrong)]
 
     def assignment(self, folder: Path) -> Assignment:
@@ -153,12 +172,14 @@ class Notebook:
             version=self.version,
             folder=folder,
             scenes=(*self.scenes, *(scene for question in self.questions() for scene in question.scenes())),
-            exercises=tuple(map(_expanded, self.sections)),
+            exercises=tuple(reported_exercises(map(_expanded, self.sections), cells, self.sections)),
+            published=published_cells(cells, self._names()) if any(section.lines for section in self.sections) else (),
             setup=setup,
             plays=(plays.read_text(encoding="utf-8") if plays.is_file() else "") + (PLAYS if self.questions() else ""),
             packages=self.packages,
             cpu_s=self.cpu_s,
             data=self.data,
+            load_s=self.load_s,
             codes=self.codes,
             sweep=self.sweep or next((question.sweep(question) for question in self.questions() if question.sweep), None),
             notebook=functools.cache(
@@ -166,8 +187,10 @@ class Notebook:
             ),
             variants=functools.cache(lambda id: variants_of(*self._with_source_before(id))),
             source_before=lambda id: self._with_source_before(id)[1],
-            made_samples=lambda: made_samples(self._numbered(), folder / self.notebook if self.notebook else None),
-            questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.own is None},
+            made_samples=lambda: (
+                made_samples(self._numbered(), folder / self.notebook if self.notebook else None) if self.questions() else ()
+            ),
+            questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.questions},
             **{name: function for name, function in given.items() if function is not None},
         )
 

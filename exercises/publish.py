@@ -16,6 +16,7 @@ from ecp.notebook.cells import DEFINITION, python_of, statements_of
 from ecp.notebook.names import names_in
 from exercises.author_notebook import SOLUTION, Cell, with_ids
 from exercises.question import Question
+from exercises.validation_cells import Line
 
 KERNEL = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}, "language_info": {"name": "python"}}
 NOTE = """**Install the course kit.** The next cell installs it from the course server; it is imported as `ecp`.
@@ -30,16 +31,17 @@ EMPTY = "# your code here"
 
 
 class Section(NamedTuple):
-    """An exercise of the declaration: its questions, or the author's ``own`` exercise."""
+    """An exercise of the declaration: its questions and lines of validation cells, or the author's ``own`` exercise."""
 
     number: str
     title: str
     questions: tuple[Question, ...] = ()
     own: Exercise | None = None
+    lines: tuple[Line, ...] = ()
 
     @property
     def names(self) -> list[str]:
-        """The names that the student defines."""
+        """The names that its questions ask for."""
         own = [] if self.own is None else [*self.own.functions, *self.own.optional]
         return list(dict.fromkeys([*own, *(name for question in self.questions for name in question.names)]))
 
@@ -83,7 +85,8 @@ def _checks(cells: Sequence[Cell], sections: Sequence[Section]) -> Iterator[tupl
     """Yield the number of each exercise without a check cell, and the index of the last cell that belongs to it."""
     starts = {section.number: _start(cells, section) for section in sections}
     for section in sections:
-        if any(section.number in arguments for cell in cells for arguments in _calls(cell, "check")):
+        is_checked = any(section.number in arguments for cell in cells for arguments in _calls(cell, "check"))
+        if is_checked or not (section.questions or section.own):
             continue
         start = starts[section.number]
         level = min((level for level, _ in cells[start].headings), default=6)

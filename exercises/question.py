@@ -6,86 +6,25 @@ import inspect
 import sys
 import textwrap
 import traceback
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
+from ecp import kinds
 from ecp.author_errors import AuthorError
 from ecp.checks import Arrays
-from ecp.kinds import asking, kind_module
-from ecp.outcome import Tolerance
+from ecp.kinds import asking
+from ecp.return_value import WrongAnswer
 from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
+from exercises.declared import ARGUMENTS, Draw, Family, Itself, Mistake, Value, tolerance_data
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
-Draw = Callable[[np.random.Generator], Any]
+ARGUMENT = "arguments are real numbers, strings, and arrays of them: a complex one can be made in call= from two real ones"
+CONSTANT = "shape and type must be the same for all inputs: ask one question for each size, return complex numbers always or never"
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Family:
-    """A function argument: an expression ``text`` over some variables, with parameters that are constant or drawn."""
-
-    text: str
-    over: tuple[str, ...]
-    given: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Mistake:
-    """A known wrong answer: ``old`` in the right solution's source replaced by ``new``.
-
-    With a ``code`` it is a diagnosis, whose ``sentence`` says what the student did. ``line`` is its place in the declaration.
-    """
-
-    old: str
-    new: str
-    code: str | None = None
-    sentence: str = ""
-    line: int = 0
-
-    def source(self, right: str) -> str:
-        """Return the source with the mistake, from that of the right solution."""
-        return right.replace(self.old, self.new)
-
-
-@dataclass(frozen=True)
-class Itself:
-    """The declaration that the right solution is its own truth, and why nothing else can be."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class Value:
-    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to`` (ecp.kinds.alignment).
-
-    ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns the points times the
-    fraction of inputs that are right, rounded down.
-    """
-
-    tolerance: Tolerance
-    label: str | None = None
-    up_to: str | None = None
-    points: int = 1
-    partial: bool = False
-
-
-Agree = Tolerance | Value | Mapping[str, Value | Tolerance]
-"""A tolerance, or one with its label and points, of a single value, or those of several values by name."""
-
-
-def named_values(
-    agree: Agree, label: str | None = None, up_to: str | None = None, points: int = 1, partial: bool = False
-) -> dict[str, Value]:
-    """Return the values that a question agrees on by name; a single one has the name "value"."""
-    if (points, partial) != (1, False) and not isinstance(agree, Tolerance):
-        raise ValueError("points= and partial= are for a single Tolerance: give them to each Value(…) instead")
-    if isinstance(agree, Mapping):
-        return {name: value if isinstance(value, Value) else Value(value) for name, value in agree.items()}
-    return {"value": agree if isinstance(agree, Value) else Value(agree, label, up_to, points, partial)}
 
 
 def _located(method: Callable[..., T]) -> Callable[..., T]:
@@ -108,7 +47,7 @@ def _located(method: Callable[..., T]) -> Callable[..., T]:
 class Part:
     """A further public scene of a question, such as a motion: ``exact(values)`` returns its exact arrays for one row.
 
-    ``values`` are the row's arguments and drawn values by name.
+    ``values`` are the row's arguments and drawn values by name. ``rows`` are drawn, if anything is.
     """
 
     exact: Callable[[dict[str, Any]], Mapping[str, Any]]
@@ -124,11 +63,12 @@ class Question:
     "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
     checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
     ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
-    scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy.
+    scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy. ``wrong`` are the errors of
+    arguments of a wrong type, without which the others cannot be relied on.
     """
 
     kind: str
-    solution: Callable[..., Any]
+    solution: Any
     ask: Mapping[str, Any]
     values: Mapping[str, Value]
     truth: Callable[..., Any] | Itself | None = None
@@ -137,25 +77,26 @@ class Question:
     known: Mapping[str, Any] = field(default_factory=dict)
     variables: tuple[str, ...] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
-    mistakes: tuple[Mistake, ...] = ()
+    mistakes: Sequence[Mistake] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
     errors: Callable[[], Iterator[str]] = lambda: iter(())
     sweep: Callable[["Question"], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
-    uses: tuple[Callable[..., Any], ...] = ()
+    uses: Sequence[Callable[..., Any]] = ()
+    wrong: tuple[str, ...] = ()
     line: int = 0
     id: str = ""
 
     @property
     def function(self) -> str:
         """The name of the student's function, or of the first variable."""
-        return self.variables[0] if self.variables else self.solution.__name__
+        return self.variables[0] if self.variables else getattr(self.solution, "__name__", self.kind)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names that a student's cells must define."""
-        return self.variables or (self.function,)
+        return self.variables or ((self.function,) if self.solution else ())
 
     @functools.cached_property
     def source(self) -> str:
@@ -175,11 +116,6 @@ class Question:
         return names
 
     @functools.cached_property
-    def parameters(self) -> list[str]:
-        """The arguments in the order of the call."""
-        return list(self.ask)
-
-    @functools.cached_property
     def drawn(self) -> dict[str, Draw]:
         """The draws of the question by name: parameters, and parameters of function arguments."""
         return {name: value for name, value in self._given.items() if callable(value)}
@@ -193,7 +129,15 @@ class Question:
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
         each = [{name: draw(rng) for name, draw in self.drawn.items()} for _ in range(rows)]
-        return {name: np.array([row[name] for row in each]) for name in self.drawn}
+        columns = {name: [np.asarray(row[name]) for row in each] for name in self.drawn}
+        for name, column in columns.items():
+            if wrong := [value.dtype for value in column if value.dtype.kind not in ARGUMENTS]:
+                raise TypeError(f"{name} is drawn with dtype {wrong[0]}; {ARGUMENT}")
+            if other := [value.shape for value in column if value.shape != column[0].shape]:
+                raise ValueError(
+                    f"{name} is drawn with shape {column[0].shape} for one input and {other[0]} for another: {CONSTANT}"
+                )
+        return {name: np.array(column) for name, column in columns.items()}
 
     @functools.cached_property
     def document(self) -> dict[str, Any]:
@@ -204,8 +148,8 @@ class Question:
             "kind": self.kind,
             "id": self.id,
             "function": self.function,
-            "parameters": self.parameters,
-            "constants": {name: _json(value) for name, value in self._given.items() if not callable(value)},
+            "parameters": list(self.ask),
+            "constants": {name: np.asarray(value).tolist() for name, value in self._given.items() if not callable(value)},
             "families": families,
             "variables": list(self.variables),
             "drawn": list(self.drawn),
@@ -223,16 +167,22 @@ class Question:
     def asked(self) -> dict[str, Any]:
         """The question as data, with the shapes of its answer: calls the right solution once."""
         row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
-        answer = asking.call(self.document, self.student, asking.arguments(self.document, row))
-        if len(self.values) == 1 and not self.keys:
-            parts = [answer]
-        else:
-            parts = [answer[name] for name in self.values] if self.keys else list(answer)
-        shaped = [
-            value | {"shape": list(np.shape(part)), "complex": np.iscomplexobj(part) or self.data.get("complex", False)}
-            for value, part in zip(self.document["returns"], parts, strict=True)
-        ]
+        shaped = [value | form for value, form in zip(self.document["returns"], self._forms(row), strict=True)]
         return self.document | {"returns": shaped}
+
+    def _forms(self, row: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """Return shape and type of each value that the right solution returns for a row of drawn values."""
+        answer = asking.call(self.document, self.student, asking.arguments(self.document, row))
+        forms, is_symbolic = [], self.data.get("complex", False)
+        for part in asking.parts(self.document, answer):
+            kind = np.asarray(part).dtype.kind
+            if kind not in "fiubc" and not is_symbolic:
+                found = f"an array of dtype {part.dtype}" if isinstance(part, np.ndarray) else f"a {type(part).__name__}"
+                raise TypeError(f"{self.function} returned {found}; a question compares numbers, booleans, and arrays of them")
+            if not is_symbolic and not np.all(np.isfinite(part)):
+                raise ValueError(f"{self.function} returned a value that is not finite: ask it where it has a finite one")
+            forms.append({"shape": list(np.shape(part)), "complex": is_symbolic or kind == "c", "boolean": kind == "b"})
+        return forms
 
     def _returned(self, name: str, value: Value) -> dict[str, Any]:
         label = value.label or f"{self.function} is right" + (f": {name}" if len(self.values) > 1 else "")
@@ -246,71 +196,65 @@ class Question:
         """
         asked = self.asked if part is None else self.asked | {"part": part}
         names = student if isinstance(student, Mapping) else {self.function: student}
-        answers: Arrays = kind_module(asked).play(asked, names, rows)
-        return answers
+        return kinds.play(asked, names, rows)
 
     @_located
     def exact(self, rows: Mapping[str, Any], part: Part | None = None) -> dict[str, Any]:
         """Return the exact values of every row by name, those ``known`` among them, and the drawn values as ``at_NAME``."""
         drawn, answers = {f"at_{name}": np.asarray(rows[name]) for name in self.drawn}, []
-        for row in asking.each_row(rows):
-            asked = asking.arguments(self.asked, row)
-            # a truth may call a function as often as it likes
-            given = {n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()} | row
-            if part is not None:
-                answers.append(part.exact(given))
-                continue
-            known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
-            exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
-            answers.append(exact | known)
         is_own = isinstance(self.truth, Itself) or (self.truth is None and not self.known)
-        own = self.play(self.student, rows) if part is None and is_own else {}
+        try:
+            own = self.play(self.student, rows) if part is None and is_own else {}
+            for row in asking.each_row(rows):
+                asked = asking.arguments(self.asked, row)
+                # a truth may call a function as often as it likes
+                given = {n: v.function if isinstance(v, asking.Counted) else v for n, v in asked.items()} | row
+                if part is not None:
+                    answers.append(part.exact(given))
+                    continue
+                known = {n: _real(call_with(v, given) if callable(v) else v) for n, v in self.known.items()}
+                exact = asking.returned(self.asked, call_with(self.truth, given)) if callable(self.truth) else {}
+                answers.append(exact | known)
+        except WrongAnswer as error:
+            whose = "the right solution" if is_own else "the truth"
+            raise ValueError(
+                f"{whose} does not answer as the right solution does for the first input: {error}; {CONSTANT}"
+            ) from error
         return {**asking.stacked(answers), **own, **drawn}
 
     def scenes(self) -> Iterator[Scene]:
         """Yield the public scene, those of the parts, and the hidden one."""
         public, hidden = self.rows if self.drawn else (1, 0)
-        one = Scene(
-            name=f"{self.id}-public",
+        yield self.scene("public", public)
+        for name, part in self.parts.items():
+            yield self.scene(name, part.rows if self.drawn else 1, part)
+        if hidden:
+            yield self.scene("hidden", hidden)
+
+    def scene(self, name: str, rows: int, part: Part | None = None) -> Scene:
+        """Return the scene of the values for so many rows, new ones if it is "hidden", or that of a ``part``."""
+
+        def inputs(rng: np.random.Generator) -> dict[str, Any]:
+            return self.draw(rng, rows)
+
+        return Scene(
+            name=f"{self.id}-{name}",
             play="play",
             function=self.function,
-            inputs=Later(lambda: self.draw(np.random.default_rng(0), public)),
-            returns=self._specs(public),
-            truth=self.exact,
+            inputs=inputs if name == "hidden" else Later(lambda: inputs(np.random.default_rng(0))),
+            returns=Later(lambda: self._specs(rows, name if part else None)),
+            truth=functools.partial(self.exact, part=part),
             budget_s=self.budget_s,
+            after=f"{self.id}-public" if part else None,
             known=tuple(f"at_{name}" for name in self.drawn),
             needs=self.variables[1:],
-            question=Later(lambda: self.asked),
-        )
-        yield one
-        for name, part in self.parts.items():
-            yield self.part_scene(one, name, part)
-        if hidden:
-            yield replace(
-                one,
-                name=f"{self.id}-hidden",
-                inputs=lambda rng: self.draw(rng, hidden),
-                returns=self._specs(hidden),
-            )
-
-    def part_scene(self, public: Scene, name: str, part: Part) -> Scene:
-        """Return the scene of a part, played if the ``public`` scene finished."""
-        return replace(
-            public,
-            name=f"{self.id}-{name}",
-            inputs=Later(lambda: self.draw(np.random.default_rng(0), part.rows)),
-            returns=self._specs(part.rows, name),
-            truth=functools.partial(self.exact, part=part),
-            after=public.name,
-            question=Later(lambda: self.asked | {"part": name}),
+            question=Later(lambda: self.asked | ({"part": name} if part else {})),
         )
 
-    def _specs(self, rows: int, part: str | None = None) -> "Later":
-        def specs() -> dict[str, ArraySpec]:
-            one = self.play(self.student, self.draw(np.random.default_rng(0), 1), part)
-            return {name: ArraySpec((rows, *array.shape[1:])) for name, array in one.items()}
-
-        return Later(specs)
+    @_located
+    def _specs(self, rows: int, part: str | None = None) -> Mapping[str, ArraySpec]:
+        one = self.play(self.student, self.draw(np.random.default_rng(0), 1), part)
+        return {name: ArraySpec((rows, *array.shape[1:])) for name, array in one.items()}
 
 
 class Later(Mapping[str, Any]):
@@ -347,21 +291,7 @@ def cell(source: str) -> str:
     return textwrap.dedent("\n".join(lines))
 
 
-def calling_line() -> int:
-    """Return the line of the author's file that calls the function which calls this one."""
-    return sys._getframe(2).f_lineno
-
-
 def _real(value: Any) -> Any:
     """Return numbers as float64, complex ones as real and imaginary parts in a last index."""
     array = np.asarray(value)
     return np.stack([array.real, array.imag], axis=-1) if np.iscomplexobj(array) else array.astype(float)
-
-
-def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
-    """Return a tolerance as JSON: the arguments of Tolerance."""
-    return {key: number for key, number in vars(tolerance).items() if number is not None}
-
-
-def _json(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -4,15 +4,12 @@ import ast
 import builtins
 import inspect
 import keyword
-import math
 import re
 from collections.abc import Iterator, Sequence
 
-from ecp.checks import points_errors
-from ecp.kinds.alignment import UP_TO
 from ecp.kinds.asking import KNOWN
-from ecp.outcome import Tolerance
-from exercises.question import Family, Itself, Mistake, Question, Value
+from exercises.declared import Family, Itself, Mistake, Value
+from exercises.question import Question
 
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "ecp", "np", "plt"}
@@ -20,7 +17,12 @@ RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "ecp", "np", "
 
 def question_errors(question: Question) -> Iterator[str]:
     """Yield the errors of one question as sentences with their lines."""
-    yield from (f"line {question.line}: {error}" for error in _of_question(question))
+    yield from (f"line {question.line}: {question.function}: {error}" for error in question.wrong)
+    try:
+        found = list(_of_question(question)) if question.ask or question.values or not question.wrong else []
+    except Exception as error:  # if arguments of a wrong type are the cause, they are reported already
+        found = [] if question.wrong else [f"{question.function}: {type(error).__name__}: {error}"]
+    yield from (f"line {question.line}: {error}" for error in found)
     yield from (f"line {mistake.line}: {error}" for mistake in question.mistakes for error in _of_mistake(question, mistake))
 
 
@@ -48,26 +50,19 @@ def _of_question(question: Question) -> Iterator[str]:
     if question.call is None and not question.variables and list(question.ask) != expected:
         yield f"{name} takes ({', '.join(expected)}), but ask names ({', '.join(question.ask)})"
     for argument, family in question.ask.items():
-        if isinstance(family, Family):
+        if isinstance(family, Family) and not question.wrong:
             yield from (f"the function {argument}: {error}" for error in family_errors(family))
     if question.variables:
         nodes = ast.walk(ast.parse(question.source))
         assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         yield from (f"the cell does not assign {variable}" for variable in question.variables if variable not in assigned)
-    if calls := question.data.get("calls"):
-        yield from (f"calls of {name}: {error}" for error in tolerance_errors(Tolerance(**calls)))
     yield from _of_truth(question)
     yield from question.errors()
-    for label, value in question.values.items():
-        yield from (f"{name} ({label}): {error}" for error in tolerance_errors(value.tolerance))
-        yield from (f"{name} ({label}): {error}" for error in _of_points(question, value))
-        if value.up_to is not None and value.up_to not in UP_TO:
-            yield f"{name} ({label}): up_to is {value.up_to!r}; it must be one of: {', '.join(UP_TO)}"
+    yield from (f"{name} ({label}): {error}" for label, value in question.values.items() for error in _of_points(question, value))
 
 
 def _of_points(question: Question, value: Value) -> Iterator[str]:
-    yield from (errors := points_errors(value.points))
-    if value.partial and not errors and value.points < 2:
+    if value.partial and value.points == 1:
         yield "partial credit needs points of at least 2"
     if value.partial and not question.drawn:
         yield "partial credit needs drawn arguments: a single input is right or wrong"
@@ -75,11 +70,7 @@ def _of_points(question: Question, value: Value) -> Iterator[str]:
 
 def family_errors(family: Family) -> Iterator[str]:
     """Yield the errors of an expression."""
-    try:
-        tree = ast.parse(family.text, mode="eval")
-    except SyntaxError as error:
-        yield f"{family.text!r} is not an expression ({error.msg})"
-        return
+    tree = ast.parse(family.text, mode="eval")
     unknown = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - {*family.over, *family.given, *KNOWN}
     yield from (f"{family.text!r} uses {name}, which is neither a variable nor a parameter" for name in sorted(unknown))
 
@@ -89,30 +80,16 @@ def _of_truth(question: Question) -> Iterator[str]:
     if compared is not None:
         missing = [name for name in compared if name not in question.known]
         yield from (f"{name} has no truth: give a number or a function that computes it" for name in missing)
-    elif truth is None and question.known:
+    elif isinstance(truth, Itself) or (truth is None and question.known):
         return
     elif truth is None:
         yield f"{question.function} has no truth: give a closed form, a second method, or itself(reason)"
-    elif isinstance(truth, Itself):
-        if not truth.reason.strip():
-            yield f"{question.function} is its own truth without a reason"
     elif truth is question.solution:
         yield f"the truth of {question.function} is its own solution: give a second method, or itself(reason)"
     else:
         known = {*question.ask, *question.drawn}
         missing = [name for name in inspect.signature(truth).parameters if name not in known]
         yield from (f"the truth of {question.function} takes {name}, which is neither asked nor drawn" for name in missing)
-
-
-def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
-    """Yield the errors of a tolerance."""
-    numbers = [number for number in (tolerance.rtol, tolerance.atol, tolerance.limit) if number is not None]
-    if not numbers:
-        yield "the tolerance has no number: give rtol, atol or limit"
-    if any(not (isinstance(number, int | float) and number >= 0 and math.isfinite(number)) for number in numbers):
-        yield "a tolerance must be a finite number ≥ 0"
-    if not tolerance.reason.strip():
-        yield "the tolerance has no reason"
 
 
 def _of_mistake(question: Question, mistake: Mistake) -> Iterator[str]:

@@ -115,7 +115,7 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     titles = {e.number: e.title for e in assignment.exercises}
     asked = assignment.questions.items()
     declared["exercises"] = [{"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked]
-    yield "public.json", json.dumps(declared, default=_listed, allow_nan=False).encode()
+    yield "public.json", json.dumps(declared, default=_listed).encode()
     yield "truth.npz", _packed({f"{s.name}/{key}": array for s in sent for key, array in _truth(s).items()})
 
 

@@ -1,6 +1,6 @@
 """Questions about an animation of points that follow given trajectories."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,10 +9,10 @@ import numpy as np
 from ecp.animation_recording import FRAME_CAP, HEIGHT, POINTS, STILLS, WIDTH
 from ecp.artists import MOST_AXES
 from ecp.kinds import asking
-from ecp.outcome import Tolerance
 from exercises.assignment import ArraySpec
-from exercises.question import Itself, Mistake, Question, calling_line
-from exercises.question_errors import tolerance_errors
+from exercises.declared import Ask, Itself, Limit, Positive, tolerance_data
+from exercises.kinds import kind
+from exercises.question import Question
 
 RECORDING = {
     "frames": ArraySpec((STILLS, HEIGHT, WIDTH, 3), "uint8", up_to=True),
@@ -46,15 +46,15 @@ class Animated(Question):
         return RECORDING
 
 
+@kind(rows=None, budget_s=BUDGET_S, uses=False)
 def animation(
     solution: Callable[..., Any],
-    ask: Mapping[str, Any],
-    follow: tuple[str, ...],
-    agree: Tolerance,
+    ask: Ask,
+    follow: Sequence[str],
+    agree: Limit,
     *,
     time: str = "t",
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    budget_s: float = BUDGET_S,
+    budget_s: Positive = BUDGET_S,
 ) -> Question:
     """Return the question to draw an animation with ``solution``, which returns or shows it, from the arguments ``ask``.
 
@@ -71,23 +71,17 @@ def animation(
         data={
             "follow": list(follow),
             "time": time,
-            "agree": {"limit": agree.limit, "reason": agree.reason},
+            "agree": tolerance_data(agree),
             "seconds": RECORDING_S * budget_s / BUDGET_S,
         },
-        mistakes=tuple(mistakes),
         rows=(1, 1),
-        budget_s=budget_s,
         errors=lambda: _errors(made),
-        line=calling_line(),
     )
     return made
 
 
 def _errors(question: Question) -> Iterator[str]:
-    """Yield the errors of the tolerance and of the trajectories."""
-    agree = question.data["agree"]
-    wrong = ["the tolerance of an animation is a limit"] if agree["limit"] is None else tolerance_errors(Tolerance(**agree))
-    yield from (f"{question.function}: {error}" for error in wrong)
+    """Yield the errors of the trajectories."""
     wanted = [question.data["time"], *question.data["follow"]]
     if absent := [name for name in wanted if name not in question.ask]:
         yield f"{question.function}: ask has no {', '.join(absent)}"

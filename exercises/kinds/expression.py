@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from exercises.question import Agree, Itself, Mistake, Question, calling_line, named_values
+from exercises.declared import Agree, Ask, Itself, Truth, named_values
+from exercises.kinds import kind
+from exercises.question import Question
 
 
 @dataclass(frozen=True)
@@ -32,17 +34,15 @@ def symbol(low: float, high: float, *, complex: bool = False, **assumptions: boo
     return Symbol(low, high, complex, assumptions)
 
 
+@kind(rows=(4, 16), budget_s=10.0, uses=False)
 def expression(
     solution: Callable[..., Any],
-    ask: Mapping[str, Any],
-    truth: Callable[..., Any] | Itself,
+    ask: Ask,
+    truth: Truth,
     *,
     agree: Agree,
     variable: str | None = None,
     label: str | None = None,
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    rows: tuple[int, int] = (4, 16),
-    budget_s: float = 10.0,
 ) -> Question:
     """Return the question for a sympy expression, a matrix of expressions, or several expressions, that ``solution`` returns.
 
@@ -55,14 +55,10 @@ def expression(
         kind="expression",
         solution=solution,
         ask=ask,
-        values=named_values(agree, label or (f"{variable} is right" if variable else None)),
+        values=named_values(agree, label),
         truth=truth if isinstance(truth, Itself) else _numeric(truth, symbols),
         variables=(variable,) if variable else (),
         data={"symbols": {name: dict(value.assumptions) for name, value in symbols.items()}, "complex": True},
-        mistakes=tuple(mistakes),
-        rows=rows,
-        budget_s=budget_s,
-        line=calling_line(),
     )
 
 

@@ -1,33 +1,31 @@
 """Questions about a fit of a model to data: the parameters and their covariance."""
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ecp.outcome import Tolerance
-from exercises.question import Draw, Mistake, Question, Value, calling_line, named_values
+from exercises.declared import Deviations, Draw, LimitOrValue, Named, Numbers, named_values
+from exercises.kinds import kind
+from exercises.question import Question
 
 STARTS = 8
 Array = NDArray[np.float64]
 
 
+@kind(rows=(2, 8), budget_s=10.0)
 def fit(
-    solution: Callable[..., Any],
-    model: Callable[..., Any],
+    solution: Named,
+    model: Named,
     *,
-    x: ArrayLike,
-    sigma: ArrayLike,
+    x: Numbers,
+    sigma: Deviations,
     drawn: Mapping[str, Draw],
-    agree: tuple[Tolerance | Value, Tolerance | Value],
+    agree: tuple[LimitOrValue, LimitOrValue],
     absolute_sigma: bool = True,
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    rows: tuple[int, int] = (2, 8),
-    budget_s: float = 10.0,
-    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for a function ``(x, y, sigma)``, by any names, that returns fitted parameters and their covariance.
 
@@ -38,14 +36,25 @@ def fit(
     deviation σᵢ of each parameter, and to σᵢσⱼ.
     """
     given, deviations = np.asarray(x, float), np.broadcast_to(np.asarray(sigma, float), np.shape(x))
-    names = list(inspect.signature(solution).parameters)[:3]
+    names, fitted = list(inspect.signature(solution).parameters), list(inspect.signature(model).parameters)[1:]
+    if given.ndim != 1:
+        raise ValueError(f"x has shape {given.shape}: it must be an array (n,)")
+    if len(names) != 3:
+        raise ValueError(f"{solution.__name__} takes ({', '.join(names)}): it must take the data x, y and sigma, by any names")
+    if set(fitted) != set(drawn):
+        raise ValueError(f"drawn has {', '.join(drawn)}: it must have the parameters of the model, {', '.join(fitted)}")
+
+    def parameters(rng: np.random.Generator) -> Array:
+        return np.array([drawn[name](rng) for name in fitted], float)
 
     def data(rng: np.random.Generator) -> Array:
-        parameters = [drawn[name](rng) for name in list(inspect.signature(model).parameters)[1:]]
-        return np.asarray(model(given, *parameters) + deviations * rng.normal(size=given.shape))
+        return np.asarray(model(given, *parameters(rng)) + deviations * rng.normal(size=given.shape))
 
     def exact(**row: Any) -> tuple[Array, Array]:
-        return _fitted(model, given, row[names[1]], deviations, drawn, absolute_sigma=absolute_sigma)
+        rng, y = np.random.default_rng(0), row[names[1]]
+        starts = [parameters(rng) for _ in range(STARTS)]
+        p, covariance, cost = _fitted(lambda p: (model(given, *p) - y) / deviations, starts)
+        return p, covariance if absolute_sigma else covariance * 2 * cost / (len(given) - len(fitted))
 
     exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [inspect.Parameter(names[1], inspect.Parameter.KEYWORD_ONLY)]
@@ -56,27 +65,13 @@ def fit(
         ask=dict(zip(names, (given, data, np.array(deviations)), strict=True)),
         values=named_values(dict(zip(("parameters", "covariance"), agree, strict=True))),
         truth=exact,
-        data={"fitted": list(inspect.signature(model).parameters)[1:]},
-        mistakes=tuple(mistakes),
-        rows=rows,
-        budget_s=budget_s,
-        uses=tuple(uses),
-        line=calling_line(),
+        data={"fitted": fitted},
     )
 
 
-def _fitted(
-    model: Callable[..., Any], x: Array, y: Array, sigma: Array, drawn: Mapping[str, Draw], *, absolute_sigma: bool
-) -> tuple[Array, Array]:
-    """Return parameters and covariance of the best of the fits from several starts, refined by Newton's steps."""
-    rng, names = np.random.default_rng(0), list(inspect.signature(model).parameters)[1:]
-
-    def residuals(p: Array) -> Any:
-        return (model(x, *p) - y) / sigma
-
-    starts = [np.array([drawn[name](rng) for name in names], float) for _ in range(STARTS)]
+def _fitted(residuals: Callable[[Array], Array], starts: list[Array]) -> tuple[Array, Array, float]:
+    """Return parameters, covariance and half the sum of squares of the best of the fits from several starts."""
     found = [least_squares(residuals, p, "3-point", method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15) for p in starts]
     best = min(found, key=lambda result: float(result.cost))
     jacobian = np.asarray(best.jac)
-    covariance = np.linalg.inv(jacobian.T @ jacobian)
-    return best.x, covariance if absolute_sigma else covariance * 2 * best.cost / (len(x) - len(names))
+    return best.x, np.linalg.inv(jacobian.T @ jacobian), float(best.cost)

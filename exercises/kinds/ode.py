@@ -12,45 +12,45 @@ from scipy.integrate import solve_ivp
 
 from ecp.checks import Arrays
 from ecp.kinds import ode as kit
+from ecp.kinds.asking import flat, split
 from ecp.outcome import SweepResult, Tolerance
 from exercises.assignment import Sweep
-from exercises.question import (
-    HIDDEN_ROWS,
-    PUBLIC_ROWS,
+from exercises.declared import (
+    Ask,
+    Count,
+    Expression,
     Family,
     Itself,
-    Mistake,
-    Part,
-    Question,
+    Limit,
+    Named,
+    Positive,
+    Truth,
     Value,
-    call_with,
-    calling_line,
     named_values,
     tolerance_data,
 )
-from exercises.question_errors import family_errors, tolerance_errors
+from exercises.kinds import kind
+from exercises.question import Part, Question, call_with
+from exercises.question_errors import family_errors
 from exercises.sweep import BUDGET_S, SETTINGS, result
 
 
+@kind()
 def ode(
     solution: Callable[..., Any],
-    ask: Mapping[str, Any],
+    ask: Ask,
     agree: Tolerance | Value,
     *,
-    truth: Callable[..., Any] | Itself | None = None,
-    t_end: float | None = None,
-    follow: Tolerance | None = None,
-    motion: Callable[..., Any] | None = None,
-    conserved: Mapping[str, tuple[str, Tolerance]] | None = None,
+    truth: Truth | None = None,
+    t_end: Positive | None = None,
+    follow: Limit | None = None,
+    motion: Named | None = None,
+    conserved: Mapping[str, tuple[Expression, Limit]] | None = None,
     time: str = "t",
     state: str = "y",
-    scale: float | tuple[float, ...] = 1.0,
-    most_calls: int = 20_000,
+    scale: Positive | tuple[Positive, ...] = 1.0,
+    most_calls: Count = 20_000,
     label: str | None = None,
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
-    budget_s: float = 5.0,
-    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for a right-hand side: its values at points, and with ``t_end`` also its motion from t = 0 to ``t_end``.
 
@@ -65,26 +65,24 @@ def ode(
     """
     kept = {name: [text, tolerance_data(tolerance)] for name, (text, tolerance) in (conserved or {}).items()}
     data = {"time": time, "state": state, "t_end": t_end, "scale": scale, "most_calls": most_calls, "conserved": kept}
-    moves = {"follow": tolerance_data(follow), "settings": SETTINGS} if follow else {}
-
-    def rates(values: Mapping[str, Any]) -> Any:
-        return call_with(truth, values) if callable(truth) else solution(*(values[name] for name in ask))
 
     def exact(values: Mapping[str, Any]) -> Arrays:
-        return {"motion": _closed_form(data, values, motion) if motion else _converged(data, values, rates)}
+        if motion:
+            return {"motion": _closed_form(data, values, motion)}
+        right = truth if callable(truth) else solution
+        return {"motion": converged(lambda at: call_with(right, at), values, [state], time, kit.times(data), scale=scale)}
 
     def errors() -> Iterator[str]:
+        if state not in ask:
+            yield f"ask has no {state}, the state: name it with state="
         if (t_end is None) != (follow is None) or (t_end is None and (motion or conserved)):
             yield "a motion needs t_end and follow, its tolerance"
         known = {**ask, **{name: 0.0 for family in ask.values() if isinstance(family, Family) for name in family.given}, time: 0.0}
         for name in inspect.signature(motion).parameters if motion else ():
             if name not in known:
                 yield f"the closed form takes {name}, which is neither asked nor drawn"
-        for name, (text, tolerance) in {**({"the motion": ("0", follow)} if follow else {}), **(conserved or {})}.items():
+        for name, (text, _) in (conserved or {}).items():
             yield from (f"{name}: {error}" for error in family_errors(Family(text, (time, state), known)))
-            yield from (f"{name}: {error}" for error in tolerance_errors(tolerance))
-            if tolerance.limit is None:
-                yield f"{name}: its tolerance needs limit"
 
     return Question(
         kind="ode",
@@ -92,15 +90,10 @@ def ode(
         ask=ask,
         values=named_values(agree, label),
         truth=truth or (Itself("the closed form of its motion certifies it") if motion else None),
-        data=data | moves,
+        data=data | ({"follow": tolerance_data(follow), "settings": SETTINGS} if follow else {}),
         parts={"motion": Part(exact)} if follow else {},
         sweep=functools.partial(_sweep, exact) if motion else None,
         errors=errors,
-        mistakes=tuple(mistakes),
-        rows=rows,
-        budget_s=budget_s,
-        uses=tuple(uses),
-        line=calling_line(),
     )
 
 
@@ -112,22 +105,34 @@ def _closed_form(data: Mapping[str, Any], values: Mapping[str, Any], motion: Cal
     return found
 
 
-def _converged(data: Mapping[str, Any], values: Mapping[str, Any], rates: Callable[..., Any]) -> NDArray[np.float64]:
-    """Return the motion (d, TIMES) of the exact right-hand side, integrated to rounding."""
-    t, start = kit.times(data), np.asarray(values[data["state"]], dtype=float)
+def converged(
+    rates: Callable[[Mapping[str, Any]], Any],
+    values: Mapping[str, Any],
+    states: Sequence[str],
+    time: str,
+    at: NDArray[np.float64],
+    *,
+    scale: Any = 1.0,
+) -> NDArray[np.float64]:
+    """Return the flat state (d, n) at the times ``at`` (n,), integrated to rounding from that in ``values`` at the first time.
 
-    def rate(now: float, y: NDArray[np.float64]) -> Any:
-        return np.ravel(rates({**values, data["time"]: now, data["state"]: y.reshape(start.shape)}))
+    ``rates(values)`` returns the derivatives of the arguments ``states`` in order; ``scale`` is the size of the state.
+    """
 
-    atol = 1e-16 * np.asarray(data["scale"])
-    return np.asarray(solve_ivp(rate, (0.0, t[-1]), start.ravel(), method="DOP853", t_eval=t, rtol=1e-13, atol=atol).y)
+    def rate(t: float, y: NDArray[np.float64]) -> Any:
+        found = rates({**values, time: t, **split(states, values, y)})
+        return np.concatenate([np.ravel(part) for part in (found if isinstance(found, tuple) else (found,))])
+
+    start, atol = flat(states, values), 1e-16 * np.asarray(scale)
+    run = solve_ivp(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at, rtol=3e-14, atol=atol)
+    if not run.success:
+        raise ArithmeticError(f"the exact motion stops at {time} = {run.t[-1] if len(run.t) else at[0]:.3g}: {run.message}")
+    return np.asarray(run.y)
 
 
 def _sweep(exact: Callable[[Mapping[str, Any]], Arrays], question: Question) -> Sweep:
     """Return the chart of speed against accuracy for the question's first motion."""
-    data = question.data
-    scene = question.part_scene(next(question.scenes()), "sweep", Part(exact, rows=1))
-    name = f"motion of {question.function} to {data['time']} = {data['t_end']:g}"
+    data, name = question.data, f"motion of {question.function} to {question.data['time']} = {question.data['t_end']:g}"
 
     def read(seen: Arrays, truth: Arrays) -> SweepResult:
         runs = {name: array[0] for name, array in seen.items()}
@@ -136,4 +141,4 @@ def _sweep(exact: Callable[[Mapping[str, Any]], Arrays], question: Question) -> 
             errors = (np.abs(got - want) / scale).max(axis=(-2, -1))
         return result(name, question.function, runs, errors, data["most_calls"] + 1)
 
-    return Sweep(replace(scene, after=None, budget_s=BUDGET_S), read)
+    return Sweep(replace(question.scene("sweep", 1, Part(exact)), after=None, budget_s=BUDGET_S), read)

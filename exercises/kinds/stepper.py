@@ -1,28 +1,30 @@
 """Questions about one step of an integration method: its values, its order of convergence, and its stability limit."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from ecp.kinds import stepper as kit
-from ecp.outcome import Tolerance
-from exercises.question import (
-    HIDDEN_ROWS,
-    PUBLIC_ROWS,
+from exercises.declared import (
+    Absolute,
     Agree,
+    Ask,
+    Close,
+    Expression,
     Family,
-    Itself,
-    Mistake,
-    Part,
-    Question,
-    call_with,
-    calling_line,
+    Limit,
+    Named,
+    Positive,
+    Rule,
+    Truth,
     named_values,
     tolerance_data,
 )
-from exercises.question_errors import family_errors, tolerance_errors
+from exercises.kinds import kind
+from exercises.kinds.ode import converged
+from exercises.question import Part, Question, call_with
+from exercises.question_errors import family_errors
 
 
 def tableau(A: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float]) -> Callable[..., Any]:
@@ -46,25 +48,22 @@ heun = tableau([[], [1]], [1 / 2, 1 / 2], [0, 1])
 rk4 = tableau([[], [1 / 2], [0, 1 / 2], [0, 0, 1]], [1 / 6, 1 / 3, 1 / 3, 1 / 6], [0, 1 / 2, 1 / 2, 1])
 
 
+@kind()
 def stepper(
     solution: Callable[..., Any],
-    ask: Mapping[str, Any],
+    ask: Ask,
     agree: Agree,
     *,
-    truth: Callable[..., Any] | Itself | None = None,
-    calls: Tolerance | None = None,
-    order: tuple[float, Tolerance] | None = None,
-    rates: Callable[..., Any] | None = None,
-    stability: tuple[float, Tolerance] | None = None,
-    test: str | None = None,
+    truth: Truth | None = None,
+    calls: Limit | None = None,
+    order: tuple[Positive, Absolute] | None = None,
+    rates: Named | None = None,
+    stability: tuple[Annotated[float, Rule("a number > 0, or math.inf", lambda h: h > 0)], Close] | None = None,
+    test: Expression | None = None,
     time: str = "t",
     step: str = "h",
     state: str = "y",
     label: str | None = None,
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
-    budget_s: float = 5.0,
-    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question for one step, such as ``step(f, t, y, h)`` or ``verlet(force, x, v, h)``.
 
@@ -79,13 +78,17 @@ def stepper(
     """
     several = named_values(agree, label)
     name, family = next(((name, value) for name, value in ask.items() if isinstance(value, Family)), ("", Family("0", ("",), {})))
-    states = {name: name for name in several} if isinstance(agree, Mapping) else {"value": state}
+    states = {value: value for value in several} if isinstance(agree, Mapping) else {"value": state}
     data: dict[str, Any] = {"time": time, "step": step, "state": states, "test": test or f"-{family.over[-1]}"}
     measured = {"order": order, "stability": stability}
     data |= {part: [min(given[0], kit.LARGEST), tolerance_data(given[1])] for part, given in measured.items() if given}
 
-    def derivatives(values: Mapping[str, Any]) -> Any:
-        return call_with(rates, values) if rates else values[name](*(values[variable] for variable in family.over))
+    def ends(values: Mapping[str, Any]) -> dict[str, Any]:
+        def derivatives(at: Mapping[str, Any]) -> Any:
+            return call_with(rates, at) if rates else at[name](*(at[variable] for variable in family.over))
+
+        at = values.get(time, 0.0) + values[step] * np.arange(kit.FIRST + 1)
+        return {"ends": converged(derivatives, values, list(states.values()), time, at)[:, 1:].T}
 
     def errors() -> Iterator[str]:
         if not name:
@@ -93,10 +96,8 @@ def stepper(
             return
         yield from (f"it has no parameter {given}" for given in [step, *states.values()] if given not in ask)
         yield from (f"the test problem: {error}" for error in family_errors(Family(data["test"], family.over, {})))
-        for part, given in measured.items():
-            yield from (f"{part}: {error}" for error in (tolerance_errors(given[1]) if given else ()))
 
-    parts = {"order": Part(lambda values: {"ends": _converged(data, values, derivatives)}), "stability": Part(lambda values: {}, 1)}
+    parts = {"order": Part(ends), "stability": Part(lambda values: {}, 1)}
     return Question(
         kind="stepper",
         solution=solution,
@@ -106,21 +107,4 @@ def stepper(
         data=data | ({"calls": tolerance_data(calls)} if calls else {}),
         parts={part: parts[part] for part, given in measured.items() if given},
         errors=errors,
-        mistakes=tuple(mistakes),
-        rows=rows,
-        budget_s=budget_s,
-        uses=tuple(uses),
-        line=calling_line(),
     )
-
-
-def _converged(data: Mapping[str, Any], values: Mapping[str, Any], rates: Callable[..., Any]) -> Any:
-    """Return the states (FIRST, d) at the ends of the first steps, integrated to rounding."""
-    at = values.get(data["time"], 0.0) + values[data["step"]] * np.arange(kit.FIRST + 1)
-
-    def rate(t: float, y: Any) -> Any:
-        found = rates({**values, data["time"]: t, **kit.split(data, values, y)})
-        return np.concatenate([np.ravel(part) for part in (found if isinstance(found, tuple) else (found,))])
-
-    start = kit.flat(data, values)
-    return solve_ivp(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at[1:], rtol=3e-14, atol=1e-16).y.T

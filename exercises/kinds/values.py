@@ -1,51 +1,44 @@
 """Questions about the values of a function at points."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Any
 
-from ecp.outcome import Tolerance
-from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS, Agree, Itself, Mistake, Question, calling_line, named_values
+from exercises.declared import Agree, Ask, Expression, Family, Limit, Points, Truth, UpTo, named_values, tolerance_data
+from exercises.kinds import kind
+from exercises.question import Question
 
 
+@kind()
 def values(
     solution: Callable[..., Any],
-    ask: Mapping[str, Any],
+    ask: Ask,
     agree: Agree,
     *,
-    truth: Callable[..., Any] | Itself | None = None,
+    truth: Truth | None = None,
     label: str | None = None,
-    up_to: str | None = None,
-    points: int = 1,
+    up_to: UpTo | None = None,
+    points: Points = 1,
     partial: bool = False,
-    calls: Tolerance | None = None,
-    call: str | None = None,
+    calls: Limit | None = None,
+    call: Expression | None = None,
     keys: bool = False,
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS),
-    budget_s: float = 5.0,
-    uses: Sequence[Callable[..., Any]] = (),
 ) -> Question:
     """Return the question what ``solution`` returns for the arguments ``ask``.
 
     ``agree`` is the tolerance of the returned value, or those of several values by name: of a tuple in order, of a dict with
     ``keys=True``. ``label``, ``up_to``, ``points`` and ``partial`` are those of ``Value``, for a single value. ``calls`` limits
     the calls of the function arguments. ``call`` is an expression to evaluate instead of calling ``solution`` with its
-    parameters, such as ``"Pendulum(l, g).period()"``. ``rows`` are the numbers of public and of hidden inputs. ``uses`` are
-    solutions of earlier questions that ``solution`` calls.
+    parameters, such as ``"Pendulum(l, g).period()"``.
     """
-    limit = {"calls": {"limit": calls.limit, "reason": calls.reason}} if calls else {}
+    has_function = any(isinstance(value, Family) for value in ask.values())
     return Question(
         kind="values",
         solution=solution,
         ask=ask,
-        values=named_values(agree, label, up_to, points, partial),
+        values=named_values(agree, label, up_to=up_to, points=points, partial=partial),
         truth=truth,
         call=call,
         keys=keys,
-        data=limit,
-        mistakes=tuple(mistakes),
-        rows=rows,
-        budget_s=budget_s,
-        uses=tuple(uses),
-        line=calling_line(),
+        data={"calls": tolerance_data(calls)} if calls else {},
+        errors=lambda: iter(["calls= needs a function argument: family(…)"] if calls and not has_function else []),
     )

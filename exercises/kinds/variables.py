@@ -7,7 +7,9 @@ from typing import Any
 
 from ecp.kinds.asking import KNOWN
 from ecp.outcome import Tolerance
-from exercises.question import Mistake, Question, Value, calling_line
+from exercises.declared import Expression, Named, Numbers, Text, Value
+from exercises.kinds import kind
+from exercises.question import Question
 
 CLAIMED = Tolerance(rtol=1e-9, reason="compared by claims only")
 
@@ -16,9 +18,9 @@ CLAIMED = Tolerance(rtol=1e-9, reason="compared by claims only")
 class Claim:
     """A claim about variables: an expression that must be true, everywhere if it is an array."""
 
-    text: str
-    label: str
-    reason: str
+    text: Expression
+    label: Text
+    reason: Text
 
     def names(self) -> list[str]:
         """Return the variables that the expression uses."""
@@ -31,15 +33,13 @@ def claim(text: str, label: str, *, reason: str) -> Claim:
     return Claim(text, label, reason)
 
 
+@kind(rows=None)
 def variables(
     solution: Callable[[], Any],
-    truth: Mapping[str, Any] | None = None,
+    truth: Mapping[str, Named | Numbers] | None = None,
     *,
-    agree: Mapping[str, Value | Tolerance] | None = None,
-    claims: tuple[Claim, ...] | list[Claim] = (),
-    mistakes: tuple[Mistake, ...] | list[Mistake] = (),
-    budget_s: float = 5.0,
-    uses: Sequence[Callable[..., Any]] = (),
+    agree: Mapping[str, Tolerance | Value] | None = None,
+    claims: Sequence[Claim] = (),
 ) -> Question:
     """Return the question for the variables that a cell assigns: the body of ``solution`` without its return statement.
 
@@ -49,11 +49,14 @@ def variables(
     """
     compared = dict(agree or {})
     names = tuple(dict.fromkeys([*compared, *(name for one in claims for name in one.names())]))
+    if not names:
+        raise ValueError("it asks for no variable: give agree or claims")
+    values = {n: v if isinstance(v, Value) else Value(v) for n, v in (dict.fromkeys(names, CLAIMED) | compared).items()}
     return Question(
         kind="variables",
         solution=solution,
         ask={},
-        values={name: _value(name, compared.get(name, CLAIMED)) for name in names},
+        values={name: replace(value, label=value.label or f"{name} is right") for name, value in values.items()},
         keys=True,
         known=dict(truth or {}),
         variables=names,
@@ -61,13 +64,4 @@ def variables(
             "compared": list(compared),
             "claims": [{"text": c.text, "label": c.label, "reason": c.reason, "names": c.names()} for c in claims],
         },
-        mistakes=tuple(mistakes),
-        budget_s=budget_s,
-        uses=tuple(uses),
-        line=calling_line(),
     )
-
-
-def _value(name: str, value: Value | Tolerance) -> Value:
-    whole = value if isinstance(value, Value) else Value(value)
-    return replace(whole, label=whole.label or f"{name} is right")

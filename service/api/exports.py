@@ -10,6 +10,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import StreamingResponse
 
 from exercises.assignment import Assignment
+from exercises.validation_cells import is_self_reported
 from service.api.archive import course_archive
 from service.api.submissions import find_assignment
 from service.auth.roles import Staff
@@ -84,6 +85,7 @@ def _json(assignment: Assignment, rows: Sequence[GradeRow]) -> str:
             "label": check.label,
             "hidden": assignment.hidden(check),
             "points": check.points,
+            "self_reported": is_self_reported(check),
         }
         for exercise in assignment.exercises
         for check in exercise.checks

@@ -18,6 +18,7 @@ from ecp.report import Report
 from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
+from exercises.validation_cells import is_self_reported
 from service.api import parse_submission
 from service.auth.identity import STAFF, Person, authenticate, role
 from service.formats import junit
@@ -61,6 +62,7 @@ async def show_assignment(slug: str) -> dict[str, Any]:
                     "id": c.id,
                     "label": c.label,
                     "hidden": assignment.hidden(c),
+                    "self_reported": is_self_reported(c),
                     "tolerance": {key: value for key, value in document(c.tolerance).items() if value is not None},
                 }
                 for c in e.checks

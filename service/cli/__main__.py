@@ -59,7 +59,18 @@ def _close(stream: TextIO | None) -> None:
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
-    from service.cli import database, export_assignment, grade, new_assignment, people, plan, publish, queue, verify
+    from service.cli import (
+        database,
+        export_assignment,
+        grade,
+        import_notebook,
+        new_assignment,
+        people,
+        plan,
+        publish,
+        queue,
+        verify,
+    )
 
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
@@ -87,7 +98,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     mutants.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
     mutants.add_argument("--most", type=grade.count, metavar="N", help="only the first N mutants")
     mutants.set_defaults(run=_mutants)
-    for more in (grade, verify, new_assignment, publish, export_assignment, database, queue, plan, people):
+    for more in (grade, verify, new_assignment, import_notebook, publish, export_assignment, database, queue, plan, people):
         more.add(commands)
     commands.add_parser("doctor", help="check which sandbox features this machine supports").set_defaults(run=_doctor)
     commands.add_parser("assignments", help="list the assignments and their exercises").set_defaults(run=_assignments)

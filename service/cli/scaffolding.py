@@ -3,6 +3,7 @@
 import keyword
 import re
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from exercises import catalogue
@@ -17,7 +18,14 @@ class CannotScaffold(ValueError):
 
 
 def scaffold(slug: str, title: str, into: Path) -> Path:
-    """Create the folder of a new assignment within ``into``, completely or not at all, and return it.
+    """Create the folder of a new assignment within ``into`` and return it. Raises as ``created`` does."""
+    text = TEMPLATE.read_text(encoding="utf-8")
+    assert text.count(TITLE) == 1
+    return created(slug, title, into, {catalogue.DECLARATION: text.replace(TITLE, _python(title)).encode()})
+
+
+def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Path:
+    """Create the folder of an assignment with these ``files`` within ``into``, completely or not at all, and return it.
 
     Raises CannotScaffold for an invalid or taken slug or title, OSError if writing fails.
     """
@@ -29,9 +37,8 @@ def scaffold(slug: str, title: str, into: Path) -> Path:
     with tempfile.TemporaryDirectory(prefix=".new-assignment-", dir=into) as made:  # hidden, so that it is not discovered
         folder = Path(made) / name
         folder.mkdir()
-        text = TEMPLATE.read_text(encoding="utf-8")
-        assert text.count(TITLE) == 1
-        (folder / catalogue.DECLARATION).write_text(text.replace(TITLE, _python(title)), encoding="utf-8")
+        for file, content in files.items():
+            (folder / file).write_bytes(content)
         folder.rename(into / name)
     return into / name
 

@@ -73,7 +73,7 @@ def _tests(exercise: ExerciseReport, report: Report, point: float, hidden: str) 
 
 def _tags(exercise: ExerciseReport, outcome: Outcome) -> list[str]:
     causes = outcome.diagnosis if outcome.verdict is not Verdict.PASS else []
-    kinds = ["hidden"] * outcome.hidden + ["not counted"] * (not outcome.counted)
+    kinds = ["hidden"] * outcome.hidden + ["not counted"] * (not outcome.counted) + ["self-reported"] * outcome.self_reported
     return [f"exercise {exercise.number}", *kinds, *(one_line(cause.code) for cause in causes)]
 
 

@@ -18,12 +18,14 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
 from exercises.assignment import Assignment, Inputs, Scene
+from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
 from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
+from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
-from service.sandbox.job import Job, SceneRequest
+from service.sandbox.job import LOAD_BUDGET_S, Job, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -101,7 +103,7 @@ def _grade(
     played, crossed = play_and_check(job, on_progress)
     chains = play_chains(assignment, played, crossed, play_and_check, functools.partial(_passes, assignment))
     result = played.result
-    covered = asked if numbers is not None else attempted(asked, result.defined)
+    covered = asked if numbers is not None else _covered(asked, result.defined)
     reproduced = functools.cache(lambda question: diagnose_question(assignment, question, played, sandbox))
     causes = functools.cache(lambda scene: _diagnose(assignment, scene, played, reproduced))
     sections = [_judge(e, assignment, played, crossed, causes, remarks=chains.remarks) for e in covered]
@@ -141,6 +143,12 @@ def missing_packages(assignment: Assignment) -> str:
     return f"assignment {assignment.slug} needs packages that are not installed on this server: {absent}" if absent else ""
 
 
+def _covered(exercises: list[Exercise], defined: set[str]) -> list[Exercise]:
+    """Return the exercises that a submission attempts, and those with lines of published cells, which always run."""
+    tried = attempted(exercises, defined)
+    return [e for e in exercises if e in tried or any(isinstance(check, ReportedLine) for check in e.checks)]
+
+
 def draw_inputs(scene: Scene, seed: int) -> Inputs:
     """Return the scene's inputs: fixed, or drawn with a generator seeded by ``seed`` and the scene's name."""
     if not callable(scene.inputs):
@@ -171,7 +179,17 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
     )
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
-    return Job(assignment.setup, assignment.plays, submission.cells(), functions, requests, variables=variables, data=data)
+    cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
+    return Job(
+        "" if assignment.published else assignment.setup,  # one of the published cells
+        assignment.plays,
+        cells,
+        functions,
+        requests,
+        load_budget_s=LOAD_BUDGET_S if assignment.load_s is None else assignment.load_s,
+        variables=variables,
+        data=data,
+    )
 
 
 @functools.cache
@@ -248,6 +266,9 @@ def _judge(
     for check in exercise.applicable_checks(result.defined, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
+        if isinstance(check, ReportedLine):
+            outcomes.append(outcome)
+            continue
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
             if outcome.verdict is Verdict.PASS:
                 outcome = check.failed("the same questions in another order got different answers")
@@ -276,6 +297,8 @@ def _passes(assignment: Assignment, check: Check, played: PlayedJob, crossed: Cr
 
 
 def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:
+    if isinstance(check, ReportedLine):
+        return check.reported(result.reported.get((check.cell, check.place), ()), _cause_of_cell(check.cell, result))
     for scene in scenes:
         if not result.finished(scene.name):
             return check.unmeasured(_cause(scene, result))
@@ -292,6 +315,15 @@ def _cause(scene: Scene, result: PlayResult) -> str:
     if scene_end.ended is Ended.MISSING and (failed := _failed_cell(result)):
         return f"{scene_end.sentence}; {failed.scene} stopped with {failed.sentence}"
     return scene_end.sentence
+
+
+def _cause_of_cell(cell: str, result: PlayResult) -> str:
+    """Return why a published cell did not reach a line."""
+    if cell not in result.cells:
+        return "the cell did not reach this line, or your code stopped before"
+    failed = next(iter(result.cells.values()))
+    stopped = f"the validation cell stopped with {result.cells[cell].sentence}"
+    return stopped if failed.scene == cell else f"{stopped}; before it, {failed.scene} stopped with {failed.sentence}"
 
 
 def _failed_cell(result: PlayResult) -> SceneEnd | None:

@@ -115,10 +115,10 @@ def _name(filename: str) -> str:
 def _notebook_cells(source: str) -> tuple[Cell, ...]:
     try:
         notebook = json.loads(source)
-        code = [_text(c["source"]) for c in notebook["cells"] if c["cell_type"] == "code"]
+        code = [(_text(c["source"]), str(c.get("id", ""))) for c in notebook["cells"] if c["cell_type"] == "code"]
     except (ValueError, KeyError, TypeError, RecursionError):
         raise BadSubmission(NOT_A_NOTEBOOK) from None
-    return tuple(Cell(f"cell {number}", text) for number, text in enumerate(code, start=1))
+    return tuple(Cell(f"cell {number}", text, id=id) for number, (text, id) in enumerate(code, start=1))
 
 
 def _text(source: str | list[str]) -> str:

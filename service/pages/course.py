@@ -1,11 +1,14 @@
 """The home page, the people page with the roster import, and the audit log."""
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
+from ecp.checks import Check
 from exercises.catalogue import assignments
+from exercises.validation_cells import is_self_reported
 from service.api.history import list_own
 from service.api.submissions import find_assignment
 from service.auth import forms
@@ -33,10 +36,17 @@ async def index(request: Request, person: CurrentUser) -> Response:
         "staff": staff,
         "rows": await recent(database, LATEST, None if staff else person.name),
         "assignments": assignments(),
+        "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": await gradebook.overview(database),
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
+
+
+def _self_reported(checks: Sequence[Check]) -> str:
+    """Return how many of an assignment's checks carry no points because they are self-reported, "" if none is."""
+    count = sum(map(is_self_reported, checks))
+    return f"{count} of {len(checks)} checks are self-reported and carry no points" if count else ""
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)

@@ -10,15 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from ecp.claims import KINDS, MOST_DETAIL, MOST_LABEL, Claim, NotebookCheck, one_line
+from ecp.claims import KINDS, MOST_DETAIL, MOST_LABEL, Claim, one_line
 from service.sandbox.guest.claims import MOST_AXES, MOST_NUMBERS
 
 MOST_BYTES = 8 * MOST_NUMBERS + (1 << 16)
 _FLOAT = np.dtype("<f8")
 
 
-def read(header: Mapping[str, Any], raw: bytes, cells: Collection[str], harmless: Callable[[Any], str]) -> NotebookCheck:
-    """Return the judged claim. ``harmless`` makes a text safe to display.
+def read(
+    header: Mapping[str, Any], raw: bytes, cells: Collection[str], harmless: Callable[[Any], str]
+) -> tuple[str, tuple[int, int] | None, Claim]:
+    """Return the cell, the place in it, if it is a published one, and the claim. ``harmless`` makes a text safe to display.
 
     Raises ValueError if ``header`` and ``raw`` are not a claim made in one of ``cells``.
     """
@@ -31,7 +33,15 @@ def read(header: Mapping[str, Any], raw: bytes, cells: Collection[str], harmless
     claim = Claim(
         str(header["kind"]), texts["label"][:MOST_LABEL], arrays, numbers, texts["detail"], texts["unfit"], texts["left_out"]
     )
-    return claim.outcome(_one_of(header.get("cell"), cells))
+    return _one_of(header.get("cell"), cells), _place(header.get("place")), claim
+
+
+def _place(place: Any) -> tuple[int, int] | None:
+    if place is None:
+        return None
+    if not isinstance(place, list) or len(place) != 2 or not all(type(n) is int and 0 <= n < 1 << 31 for n in place):
+        raise ValueError("not a place")
+    return place[0], place[1]
 
 
 def _arrays(shapes: Any, expected: Collection[str], raw: bytes) -> dict[str, Any]:

@@ -16,10 +16,15 @@ LOAD_BUDGET_S = 10.0
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell of a submission. ``name`` is its file name in tracebacks."""
+    """One cell of a submission. ``name`` is its file name in tracebacks, ``id`` its id in the notebook, if it has one.
+
+    A ``published`` cell is the course's own: its claims are sent with their place in its source.
+    """
 
     name: str
     source: str
+    published: bool = False
+    id: str = ""
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ class Job:
 
     ``functions`` are the names asked for; those among them that are ``variables`` need not be callable.
     ``data`` are the files that the code can read, by their names relative to its working folder.
-    ``load_budget_s`` is the CPU time in seconds for all cells together.
+    ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a published one.
     """
 
     setup: str
@@ -95,7 +100,7 @@ class Job:
         document = {
             "setup": self.setup,
             "plays": self.plays,
-            "cells": [[c.name, c.source] for c in self.cells],
+            "cells": [[c.name, c.source, c.published] for c in self.cells],
             "functions": self.functions,
             "variables": self.variables,
             "load_budget_s": self.load_budget_s,
@@ -111,7 +116,7 @@ class Job:
 
 
 def _encoded(document: Any) -> bytes:
-    text = json.dumps(document, default=_listed, allow_nan=False).encode()
+    text = json.dumps(document, default=_listed).encode()
     return LENGTH.pack(len(text)) + text
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ecp.claims import NotebookCheck
+from ecp.claims import Claim, NotebookCheck
 from ecp.outcome import Ended, SceneEnd
 
 KEPT_OUTPUT = 64 << 10  # bytes of printed output
@@ -42,7 +42,8 @@ class PlayResult:
     ``defined`` are the requested functions that the submission defines, ``arrays`` the results by scene and name, ``scene_ends``
     those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes that the host drove. ``author_errors`` are
     exceptions, by scene, that the guest attributes to the assignment's code; a submission can forge them. ``claims`` are the
-    notebook's own checks; ``claims_left_out`` counts those beyond the limit.
+    notebook's own checks; ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells, by cell
+    and place.
     """
 
     defined: set[str] = field(default_factory=set)
@@ -53,6 +54,7 @@ class PlayResult:
     author_errors: dict[str, str] = field(default_factory=dict)
     claims: list[NotebookCheck] = field(default_factory=list)
     claims_left_out: int = 0
+    reported: dict[tuple[str, tuple[int, int]], list[Claim]] = field(default_factory=dict)
     stdout: str = ""
 
     def add(self, other: "PlayResult") -> None:
@@ -65,6 +67,7 @@ class PlayResult:
         self.author_errors |= other.author_errors
         if not self.claims:  # each child runs the cells again
             self.claims, self.claims_left_out = other.claims, other.claims_left_out
+        self.reported = self.reported or other.reported
         self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
 
     def finished(self, scene: str) -> bool:

@@ -72,6 +72,8 @@ class Sandbox:
         ``cancelled`` is set.
         """
         result, budget = PlayResult(), budget or TimeBudget(self.limits)
+        if not job.scenes:  # the cells alone
+            self._play_once(job, budget, result, on_scene)
         while (left := job.without(set(result.scene_ends))).scenes:
             if sentence := budget.exceeded():
                 for scene in left.scenes:

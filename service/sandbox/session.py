@@ -192,6 +192,7 @@ class PlaySession:
         if scene_end is Ended.PROTOCOL:  # discard everything that this child sent
             lost = [s.name for s in self.job.scenes]
             result.claims.clear()
+            result.reported.clear()
         elif self.reader.started:
             lost = [self.reader.started]
         else:

@@ -57,6 +57,7 @@ class Reader:
         self._driven = {s.name for s in job.scenes if s.drive}
         self._names_known = False
         self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()
+        self._claims = 0
         self._answer_header, self._answer_size, self._places = b"", 0, list[Place]()
 
     started: str | None
@@ -159,12 +160,17 @@ class Reader:
         )
 
     def _claim(self, payload: bytes) -> None:
-        if self._names_known or len(self.result.claims) >= MOST_CLAIMS:
+        if self._names_known or self._claims >= MOST_CLAIMS:
             raise ProtocolError("a claim after the cells, or one too many")
         try:
-            self.result.claims.append(claims.read(*_headed(payload), self._cells, text))
+            cell, place, claim = claims.read(*_headed(payload), self._cells, text)
         except ValueError:
             raise ProtocolError("not a claim") from None
+        self._claims += 1
+        if place is None:
+            self.result.claims.append(claim.outcome(cell))
+        else:
+            self.result.reported.setdefault((cell, place), []).append(claim)
 
     def _array(self, payload: bytes) -> None:
         header, raw = _headed(payload)

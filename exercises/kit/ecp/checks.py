@@ -32,7 +32,8 @@ class Check:
 
     If ``allow`` is given, ``allow(*truth)`` is the tolerance of one grading, and ``tolerance`` describes how
     it is computed. A word that returns UNMEASURED does not apply to what it sees, and the outcome is not
-    counted. ``hint(*seen)`` returns remarks that do not affect the verdict. ``points`` is what the check is worth.
+    counted. ``hint(*seen)`` returns remarks that do not affect the verdict. ``points`` is what the check is worth. ``arrays`` names
+    those of its scenes' arrays that it reads, if not all.
     """
 
     id: str
@@ -44,17 +45,19 @@ class Check:
     allow: Callable[..., Tolerance] | None = None
     hint: Callable[..., list[str]] | None = None
     points: int = 1
+    arrays: tuple[str, ...] | None = None
 
     def judge(self, seen: list[Arrays], truth: list[Arrays]) -> Outcome:
         """Return the outcome for the arrays of the check's scenes.
 
-        A value that is not finite fails before any comparison. Numbers too large or small for arithmetic are
-        unmeasured. Raises AuthorError if the check itself fails: for a cause other than the numbers, or also if the
-        exact arrays stand in place of the returned ones.
+        A value that is not finite fails before any comparison, unless it is the exact one, such as an argument. Numbers
+        too large or small for arithmetic are unmeasured. Raises AuthorError if the check itself fails: for a cause other
+        than the numbers, or also if the exact arrays stand in place of the returned ones.
         """
         for arrays in seen:
             for name, array in arrays.items():
-                if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
+                is_read = array.dtype.kind == "f" and (self.arrays is None or name in self.arrays)
+                if is_read and not np.all(np.isfinite(array)) and not any(_has(exact, name, array) for exact in truth):
                     return self._outcome(Judgement(Verdict.FAIL, f"{name} holds values that are not finite numbers"), seen)
         try:
             judgement = self.word(seen, truth)
@@ -134,6 +137,10 @@ class Check:
             points=self.points,
             partial=judgement.partial,
         )
+
+
+def _has(exact: Arrays, name: str, array: NDArray[Any]) -> bool:
+    return name in exact and np.array_equal(array, exact[name], equal_nan=True)
 
 
 def points_errors(points: Any) -> list[str]:

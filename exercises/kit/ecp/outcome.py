@@ -65,7 +65,8 @@ class Outcome:
     ``hidden``: the check's scenes have random inputs. ``counted`` is false if the check does not apply to the
     submission, such as points to follow in a drawing that has none. ``hints`` do not affect the verdict.
     ``remarks`` say what it rests on besides the student's code, such as a reference function. ``points`` is what the
-    check is worth; ``partial`` is given for a ✗ with partial credit.
+    check is worth; ``partial`` is given for a ✗ with partial credit. ``self_reported``: the student's own code computed
+    what is compared and what it is compared with.
     """
 
     id: str
@@ -85,6 +86,7 @@ class Outcome:
     remarks: list[str] = field(default_factory=list)
     points: int = 1
     partial: RowsRight | None = None
+    self_reported: bool = False
 
     COMPUTED_FIELDS: ClassVar = ("line", "earned")
 
@@ -178,7 +180,8 @@ class ExerciseReport:
         """Return the exercise's lines. ``numbers`` maps sentences of causes at the top of the report to their
         numbers.
         """
-        return "\n".join([f"Exercise {self.number}. {self.title}", *(outcome.text(numbers) for outcome in self.outcomes)])
+        own = " (self-reported, no points)" if self.outcomes and all(outcome.self_reported for outcome in self.outcomes) else ""
+        return "\n".join([f"Exercise {self.number}. {self.title}{own}", *(outcome.text(numbers) for outcome in self.outcomes)])
 
 
 @dataclass

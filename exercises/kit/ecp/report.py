@@ -129,6 +129,8 @@ class Report:
             public = [o for o in self.outcomes() if o.counted and not o.hidden]
             passed = sum(o.verdict is Verdict.PASS for o in public)
             points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"
+            if reported := [o for o in self.outcomes() if o.self_reported]:
+                points += f"; {sum(o.verdict is Verdict.PASS for o in reported)} of {len(reported)} self-reported lines ✓"
         numbers = f"exercise{'s' * (len(self.not_attempted) > 1)} {', '.join(self.not_attempted)}"
         return f"{points}; not attempted: {numbers}" if self.not_attempted else points
 

@@ -81,27 +81,36 @@ _CONSTANT = {"LOAD_CONST", "RETURN_CONST"}
 _NOTHING = _CONSTANT | {"RESUME", "NOP", "RETURN_VALUE"}
 
 
-def real_array(value: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool = True) -> NDArray[np.float64]:
     """Return ``value`` as float64 of exactly ``shape``. Lists and tuples of numbers are converted; nothing is
     broadcast.
 
-    Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape.
+    Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape. Its sentence says that the function
+    ``name`` returned it, or unless ``is_returned`` that ``name`` is it.
     """
-    if value is None:
+    if value is None and is_returned:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
+    wanted = "a number" if not shape else f"shape {shape}" if is_returned else f"an array of shape {shape}"
     try:
         array = np.asarray(value)
     except ValueError:
-        raise WrongAnswer("wrong-shape", f"{name} returned a ragged list; expected shape {shape}") from None
+        raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, wanted, "a ragged list")) from None
     if array.dtype.kind not in "fiu":
-        raise WrongAnswer("wrong-shape", f"{name} must return real numbers; it returned {_kind(value, array)}")
+        had = f"dtype {array.dtype}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+        raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, "real numbers" if shape else "a real number", had))
     if array.shape != shape:
-        raise WrongAnswer("wrong-shape", f"{name} must return shape {shape}; it returned shape {array.shape}")
+        had = f"shape {array.shape}" if is_returned else f"an array of shape {array.shape}"
+        raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, wanted, had if array.ndim else "a number"))
     return np.array(array, dtype=np.float64)
 
 
-def _kind(value: Any, array: NDArray[Any]) -> str:
-    return f"dtype {array.dtype}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+def wrong_value(name: str, is_returned: bool, wanted: str, had: str) -> str:
+    """Return the sentence that a function returned, or a variable or expression is, something other than wanted.
+
+    >>> wrong_value("speed", True, "a number", "shape (3,)")
+    'speed must return a number; it returned shape (3,)'
+    """
+    return f"{name} must return {wanted}; it returned {had}" if is_returned else f"{name} must be {wanted}; it is {had}"
 
 
 def describe_exception(error: BaseException, own: Callable[[str], bool]) -> dict[str, str | None]:

@@ -2,20 +2,14 @@
 
 import numpy as np
 
-from ecp.checks import Arrays, below, close, shows
+from ecp.checks import below, close
 from ecp.exercise import Animation, Exercise
+from ecp.kinds.animation.body import keeps_momentum
 
 from . import figures, motions
-from .common_checks import DRIVE, NOTEBOOK, attitude, film
-from .momentum import momentum_shown
+from .common_checks import DRIVE, NOTEBOOK, attitude, film, filmed
 from .observables import orthonormality_error, space_momentum
 from .parameters import SYMMETRIC
-
-
-def _keeps_momentum(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
-    shown = momentum_shown(seen, truth["t"], truth["R"], truth["L"])
-    return shown.found, shown.sentence
-
 
 ATTITUDE = Exercise(
     "6",
@@ -41,14 +35,8 @@ ATTITUDE = Exercise(
             limit=1e-8,
             reason=DRIVE,
         ),
-        *film("6", "film", "animate_precession", 2, "the body axis ê₃(t)"),
-        shows(
-            "6-drawn-momentum",
-            "what animate_precession draws along L stays fixed",
-            "film",
-            claim=_keeps_momentum,
-            reason="without torque L is constant in space",
-        ),
+        *film("6", "film", "animate_precession", "the body axis ê₃(t)"),
+        keeps_momentum("6-drawn-momentum", "what animate_precession draws along L stays fixed", "film", filmed),
     ),
     figures=(figures.CONE,),
     animations=(

@@ -2,12 +2,15 @@
 exact motion.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
-from ecp.checks import Arrays, Check, shows, within
+from ecp.checks import Arrays, Check, within
+from ecp.kinds.animation.body import Body, follows
 from ecp.kinds.animation.shown import moves
 
-from .animation_checks import body_shown
 from .tolerance import as_closely
 
 NOTEBOOK = "the notebook's own tolerance"
@@ -60,20 +63,16 @@ def attitude(id: str, label: str, scene: str) -> Check:
     )
 
 
-def film(number: str, scene: str, function: str, axis: int | None, what: str) -> tuple[Check, ...]:
-    """Check that an animation moves, and that something drawn follows body axis ``axis``, or for None the body."""
+def filmed(given: Mapping[str, Any]) -> Body:
+    """Return the body of an animation: with L its axis ê₃ is drawn, otherwise any points of a box."""
+    t, R, L, half = (np.asarray(given[name]) if name in given else None for name in ("t", "R", "L", "half"))
+    assert t is not None and R is not None
+    return Body(t, R, None if L is None else 2, L, half)
 
-    def follows(seen: Arrays, truth: Arrays) -> tuple[bool | None, str]:
-        shown = body_shown(seen, truth["t"], truth["R"], axis, truth.get("L"), half=truth.get("half"))
-        return shown.found, shown.sentence
 
+def film(number: str, scene: str, function: str, what: str) -> tuple[Check, ...]:
+    """Check that an animation moves, and that something drawn follows the body."""
     return (
         moves(f"{number}-moves", f"{function} draws a moving picture", scene),
-        shows(
-            f"{number}-follows",
-            f"{function} draws something that follows {what}",
-            scene,
-            claim=follows,
-            reason="a direction from a fixed point or points of the body, to 3 % of the path; samples within 1.5 of an even run",
-        ),
+        follows(f"{number}-follows", f"{function} draws something that follows {what}", scene, filmed),
     )

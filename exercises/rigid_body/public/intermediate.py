@@ -52,7 +52,7 @@ INTERMEDIATE = Exercise(
             locate=lambda index, *seen: f"spin about ê{'₁₂₃'[index[0]]}",
         ),
         omega("5-motion", "the tumble about the intermediate axis follows the exact motion", "spin-mid"),
-        *film("5", "tumble-film", "animate_tumble", None, "the body"),
+        *film("5", "tumble-film", "animate_tumble", "the body"),
     ),
     figures=(figures.GROWTH, figures.TUMBLE),
     animations=(

@@ -1,7 +1,10 @@
 """The calls of ``ecp.validate`` in a notebook's cells, sent to the host as data while the cells run."""
 
+import importlib
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -25,16 +28,20 @@ class Recorder:
 
     def __init__(self) -> None:
         self.cell, self._claims, self._numbers = "", 0, 0
+        self.places = False  # whether claims are sent with their place in the cell's source
+        self.validate = _private_copy()
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
 
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Record the claims made inside the ``with`` block."""
-        validate.watchers.append(self._record)
+        for module in (validate, self.validate):
+            module.watchers.append(self._record)
         try:
             yield
         finally:
-            validate.watchers.clear()
+            for module in (validate, self.validate):
+                module.watchers.clear()
 
     @property
     def left_out(self) -> int:
@@ -51,6 +58,7 @@ class Recorder:
         self._numbers += size if arrays else 0
         header: dict[str, Any] = {name: getattr(claim, name) for name in ("kind", "label", "detail", "unfit")}
         header |= {"cell": self.cell, "left_out": left_out, "numbers": {k: float(v) for k, v in claim.numbers.items()}}
+        header |= {"place": _place(self.cell)} if self.places else {}
         self._unsent.append((header, arrays))
 
     def send(self, write: Writer) -> None:
@@ -67,3 +75,26 @@ class Recorder:
         if self._numbers + size > MOST_IN_ALL:
             return f"all checks together have more than {MOST_IN_ALL} numbers"
         return ""
+
+
+def _private_copy() -> Any:
+    """Return a copy of ``ecp.validate`` and of what it imports, which a submission cannot replace by their names."""
+    names = ("ecp.judge", "ecp.claims", "ecp.validate")
+    public = {name: sys.modules.pop(name) for name in names if name in sys.modules}
+    try:
+        return [importlib.import_module(name) for name in names][-1]
+    finally:
+        sys.modules |= public
+        for name, module in public.items():
+            setattr(sys.modules["ecp"], name.removeprefix("ecp."), module)
+
+
+def _place(cell: str) -> list[int]:
+    """Return line and column, of the cell that runs, of the call that is in progress; [0, 0] if it does not run."""
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_code.co_filename != cell:
+        frame = frame.f_back
+    if frame is None:
+        return [0, 0]
+    line, _, column, _ = list(frame.f_code.co_positions())[frame.f_lasti // 2]
+    return [line or 0, column or 0]

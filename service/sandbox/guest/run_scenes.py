@@ -205,8 +205,13 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     """
     budget, shows = Budget(job["load_budget_s"]), ""
     student |= kept
-    for name, source in job["cells"]:
-        recorder.cell = name
+    several = any(published for _, _, published in job["cells"])
+    for name, source, published in job["cells"]:
+        budget = Budget(job["load_budget_s"]) if several else budget
+        recorder.cell, recorder.places = name, published
+        theirs = student.get("validate")
+        if published:
+            student["validate"] = recorder.validate
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
 
         for piece in pieces(source):
@@ -224,8 +229,10 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
             shows = shows if animate.shown == before else piece
             if ended["ended"] != "finished":
                 write.event("cell", scene=name, **ended)
-            if not budget.left():
+            if not budget.left() and not several:
                 return shows
+        if student.get("validate") is recorder.validate:
+            student["validate"] = theirs
     return shows
 
 

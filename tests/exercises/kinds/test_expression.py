@@ -92,7 +92,7 @@ def test_an_equivalent_form_is_right(symbolic, velocity):
         ("z, sp.Function('f')(z)", "flow has no value at z = 0.7+1.1j, U = 1.1: f(z)"),
         ("z, sp.zoo * z", "flow has no value at"),
         ("z", "flow must return 2 values (potential, velocity)"),
-        ("z, [z, z]", "flow (velocity) must return shape (); it returned shape (2,)"),
+        ("z, [z, z]", "flow (velocity) must return a number; it returned shape (2,)"),
     ],
 )
 def test_an_answer_that_is_no_such_expression_is_unmeasured(symbolic, answer, reason):

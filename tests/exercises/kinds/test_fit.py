@@ -55,3 +55,8 @@ def test_a_straight_line_by_the_normal_equations(absolute):
     )
     assert failed(question, {question.function: line if absolute else scaled}) == []
     assert failed(question, {question.function: scaled if absolute else line}) == [COVARIANCE]
+
+
+def test_a_covariance_that_is_not_finite_fails_alone(toolbox):
+    question = next(q for q in toolbox.notebook.questions() if q.kind == "fit")
+    assert failed(question, question.defined_by(question.source.replace("return p, C", "return p, C * np.nan"))) == [COVARIANCE]

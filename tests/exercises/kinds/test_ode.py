@@ -130,8 +130,8 @@ def test_the_sweep_of_a_wrong_function_names_it(toolbox):
         ({"t_end": None}, "a motion needs t_end and follow, its tolerance"),
         ({"motion": lambda t, y, q: y}, "the closed form takes q, which is neither asked nor drawn"),
         ({"conserved": {"E": ("y * q", NEAR)}}, "E: 'y * q' uses q, which is neither a variable nor a parameter"),
-        ({"conserved": {"E": ("y", Tolerance(limit=1.0, reason=""))}}, "E: the tolerance has no reason"),
-        ({"follow": Tolerance(rtol=1.0, reason="none")}, "the motion: its tolerance needs limit"),
+        ({"conserved": {"E": ("y", Tolerance(limit=1.0, reason=""))}}, "decay: conserved: E[1]: the tolerance has no reason"),
+        ({"state": "x"}, "ask has no x, the state: name it with state="),
     ],
 )
 def test_an_error_of_the_declaration_is_reported(changed, error):

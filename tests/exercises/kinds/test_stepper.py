@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+from ecp import kinds
+from ecp.drawing import draw
 from ecp.kinds import stepper as kit
 from exercises.author import Tolerance, family, uniform
 from exercises.kinds.stepper import euler, heun, midpoint, rk4, stepper
@@ -116,8 +118,8 @@ def test_a_scalar_state_beside_an_array_and_a_constant_step():
         ({"ask": {"t": 0.0, "y": 1.0, "h": 0.1}}, "a stepper needs a function argument: family(…)"),
         ({"state": "x"}, "it has no parameter x"),
         ({"test": "-z"}, "the test problem: '-z' uses z, which is neither a variable nor a parameter"),
-        ({"order": (1, Tolerance(atol=0.1, reason=""))}, "order: the tolerance has no reason"),
-        ({"stability": (2, Tolerance(reason="none"))}, "stability: the tolerance has no number: give rtol, atol or limit"),
+        ({"order": (1, Tolerance(atol=0.1, reason=""))}, "step: order[1]: the tolerance has no reason"),
+        ({"stability": (2, Tolerance(reason="none"))}, "step: stability[1]: the tolerance has no number: give rtol, atol or limit"),
     ],
 )
 def test_an_error_of_the_declaration_is_reported(changed, error):
@@ -153,11 +155,11 @@ def test_a_stepper_that_raises_in_a_long_run_keeps_its_points(toolbox, sandbox):
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
-        ("def rk4_step(f, t, y, h): return np.sum(y)", "rk4_step must return shape (3,); it returned shape ()"),
+        ("def rk4_step(f, t, y, h): return np.sum(y)", "rk4_step must return shape (3,); it returned a number"),
         ("def rk4_step(f, t, y, h): return y[:, None] + h * f(t, y)", "must return shape (3,); it returned shape (3, 3)"),
         ("def rk4_step(f, t, y, h):\n    y += h * f(t, y)\n    return y", "rk4_step changes its argument y"),
-        ("def verlet(force, x, v, h): return x", "verlet (x) must return shape (2,); it returned shape ()"),
-        ("def verlet(force, x, v, h): return x, v * np.nan", "verlet (v) returned a value that is not finite"),
+        ("def verlet(force, x, v, h): return x", "verlet (x) must return shape (2,); it returned a number"),
+        ("def verlet(force, x, v, h): return x * np.nan, v * np.nan", "verlet (x) returned a value that is not finite"),
     ],
 )
 def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
@@ -184,3 +186,14 @@ def test_an_exception_of_every_step_is_not_a_stability_limit(toolbox):
     question = question_of(toolbox, "rk4_step")
     with pytest.raises(ValueError, match="no step"):
         question.play(broken, question.draw(np.random.default_rng(0), 1), "stability")
+
+
+@pytest.mark.parametrize(("function", "texts"), [("rk4_step", ["rk4_step", "order 4"]), ("oscillator", ["y[0]", "y[1]", "exact"])])
+def test_the_figure_of_a_part_shows_the_exact_beside_the_student_s(toolbox, function, texts):
+    question = question_of(toolbox, function)
+    (figure,) = kinds.exercise("1", "One", [question.document], True).figures
+    (scene,) = [scene for scene in question.scenes() if (scene.name,) == figure.scenes]
+    truth = scene.truth(scene.inputs)
+    seen = question.play(question.student, scene.inputs, scene.question["part"]) | {name: truth[name] for name in scene.known}
+    drawn = draw(figure, [seen], [truth], "svg").decode()
+    assert all(f">{text}<" in drawn for text in texts)

@@ -1,16 +1,21 @@
 """Values of functions at points: in the sandbox, and the same lines in the students' kit."""
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ecp.author_errors import AuthorError
 from ecp.judge import RowsRight, Verdict
-from ecp.kinds.values import compare, credited
+from ecp.kinds.values import agreement, credited
 from ecp.outcome import Tolerance
+from exercises.author import integers, uniform
+from exercises.kinds.values import values
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from tests.support.assignments import known
 from tests.support.toolbox import check_locally, failed, judged, mistaken, question_of, right
 
 
@@ -42,7 +47,7 @@ def test_a_mistake_fails_its_checks_with_public_and_with_new_inputs(toolbox, san
     ("source", "sentence"),
     [
         ("def find_root(f, a, b, tol): f(a)", "find_root returned None"),
-        ("def find_root(f, a, b, tol): return [1.0, 2.0]", "find_root must return shape ()"),
+        ("def find_root(f, a, b, tol): return [1.0, 2.0]", "find_root must return a number; it returned shape (2,)"),
         ("def find_root(f, a, b, tol): return float('nan')", "find_root returned a value that is not finite"),
         ("def find_root(f, a): return 1.0", "the checks call `find_root(f, a, b, tol)`"),
         ("def find_root(f, a, b, tol):\n    while True: f(a)", "it called f more than 600 times"),
@@ -85,10 +90,10 @@ def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_ki
 
 def test_a_row_is_right_for_partial_credit_if_the_whole_check_would_accept_it():
     """A limit is relative to the largest number of all rows, also for a row that is judged alone."""
-    want, limit = np.array([1e-3, 1.0, 0.5]), Tolerance(limit=1e-3, reason="rounding")
+    want, limit = np.array([1e-3, 1.0, 0.5]), {"tolerance": {"limit": 1e-3, "reason": "rounding"}}
     got = np.array([1.5e-3, 2.0, 0.5])
-    found = credited({"partial": True}, lambda given: compare(given, want, limit), got, want)
-    assert found.partial == RowsRight(2, 3) and credited({}, lambda given: compare(given, want, limit), got, want).partial is None
+    found = credited({"partial": True}, lambda given: agreement(limit, given, want), got, want)
+    assert found.partial == RowsRight(2, 3) and credited({}, lambda given: agreement(limit, given, want), got, want).partial is None
 
 
 def test_answers_that_differ_between_runs_earn_no_partial_credit(toolbox, sandbox):
@@ -118,7 +123,121 @@ def test_several_values_may_come_in_one_array(toolbox):
 
 @pytest.mark.parametrize("exact", [[[1.0, 2.0], [1e-9, 0.0]], [[0.0, 0.0], [0.0, 0.0]]], ids=["one row cancels", "all are zero"])
 def test_rounding_errors_are_relative_to_the_largest_number(exact):
-    tolerance = Tolerance(limit=1e-13, reason="rounding")
+    limit = {"tolerance": {"limit": 1e-13, "reason": "rounding"}}
     want = np.array(exact)
-    assert compare(want + 1e-16, want, tolerance).verdict is Verdict.PASS
-    assert compare(want + 1e-12, want, tolerance).verdict is Verdict.FAIL
+    assert agreement(limit, want + 1e-16, want).verdict is Verdict.PASS
+    assert agreement(limit, want + 1e-12, want).verdict is Verdict.FAIL
+
+
+TYPES = """
+import numpy as np
+from exercises.author import Notebook, Tolerance, choice, integers, uniform
+from exercises.kinds.values import values
+notebook = Notebook("Types", setup="import numpy as np")
+def ask(number, function, given, truth, **more):
+    exact = Tolerance(atol=1e-12, reason="rounding")
+    notebook.exercise(number, "A type", values(function, given, exact, truth=truth, **more))
+def third(n):
+    return n // 3
+def is_positive(x):
+    return x > 0
+def roots(b):
+    return np.roots([1.0, b, 5.0])
+def length(text):
+    return len(text)
+def total(x):
+    return np.nansum(x)
+def count(mask):
+    return mask.sum()
+ask("1", third, {"n": integers(1, 99)}, lambda n: int(n / 3))
+ask("2", is_positive, {"x": uniform(-1, 1, 4)}, lambda x: np.sign(x) == 1)
+ask("3", roots, {"b": uniform(0, 3)}, lambda b: -b / 2 + np.array([1, -1]) * np.sqrt(b * b / 4 - 5 + 0j), up_to="order")
+ask("4", length, {"text": choice("abc", "de")}, lambda text: 3 if text == "abc" else 2)
+ask("5", total, {"x": choice(np.array([1.0, np.nan]), np.array([2.0, 3.0]))}, lambda x: 1.0 if x[0] == 1.0 else 5.0)
+ask("6", count, {"mask": lambda rng: rng.random(5) < 0.5}, lambda mask: np.count_nonzero(mask))
+"""
+
+
+def test_integers_booleans_complex_numbers_strings_and_missing_data(sandbox, tmp_path, monkeypatch):
+    (tmp_path / "types").mkdir()
+    (tmp_path / "types" / "assignment.py").write_text(TYPES)
+    with known(tmp_path / "types") as catalogue:
+        assignment, notebook = catalogue.valid["types"], sys.modules["exercises.types.assignment"].notebook
+        source = "\n\n".join(question.source for question in notebook.questions())
+        report = grade(Submission(source), assignment, sandbox, 1).report
+        assert report.passed and len(report.outcomes()) == 12, report.text()
+        served = [outcome.line for outcome in report.outcomes() if not outcome.hidden]
+        assert json.loads(check_locally("types", source, tmp_path)) == served
+        wrong = grade(Submission("def is_positive(x): return x < 0.5"), assignment, sandbox, 1).report
+        assert {outcome.verdict for outcome in wrong.outcomes()} == {Verdict.FAIL}, wrong.text()
+
+
+def double(x):
+    return 2 * x
+
+
+def up_to_zero(n):
+    return np.arange(n, -1, -1)
+
+
+def word(x):
+    return "large"
+
+
+def missing(x):
+    return x * np.nan
+
+
+@pytest.mark.parametrize(
+    ("solution", "ask", "truth", "reason"),
+    [
+        (
+            up_to_zero,
+            {"n": integers(3, 9)},
+            lambda n: np.arange(n + 1)[::-1],
+            r"up_to_zero must return shape \(\d+,\); it returned shape \(\d+,\); shape and type must be the same",
+        ),
+        (
+            double,
+            {"x": lambda rng: np.ones(rng.integers(1, 9))},
+            lambda x: x + x,
+            r"x is drawn with shape \(\d,\) for one input and \(\d,\)",
+        ),
+        (
+            double,
+            {"x": uniform(1, 2, 3)},
+            lambda x: x[:2],
+            r"the truth does not answer as .* shape \(3,\); it returned shape \(2,\)",
+        ),
+        (
+            double,
+            {"x": lambda rng: 1j * rng.random()},
+            lambda x: x + x,
+            "x is drawn with dtype complex128; arguments are real numbers",
+        ),
+        (word, {"x": uniform(1, 2)}, lambda x: "large", "word returned a str; a question compares numbers, booleans, and arrays"),
+        (missing, {"x": uniform(1, 2)}, lambda x: x, "missing returned a value that is not finite"),
+        (double, {"x": uniform(1, 2)}, missing, "the truth does not answer as .*: double returned a value that is not finite"),
+    ],
+)
+def test_a_type_or_shape_that_cannot_be_asked_is_the_author_s_error(solution, ask, truth, reason):
+    question = values(solution, ask, truth=truth, agree=Tolerance(atol=0, reason="of a test"))
+    with pytest.raises(AuthorError, match=rf"test_values.py line \d+: question : \w+: .*{reason}"):
+        for scene in question.scenes():
+            scene.truth(scene.inputs(np.random.default_rng(1)) if callable(scene.inputs) else scene.inputs)
+
+
+def test_a_value_that_is_not_finite_fails_alone(toolbox, sandbox):
+    source = question_of(toolbox, "normal_modes").source.replace("np.sqrt(w2)", "np.sqrt(w2) * np.nan")
+    found = {o.id: o for o in grade(Submission(source), toolbox.assignment, sandbox, 1).report.outcomes()}
+    assert {id: o.verdict for id, o in found.items()} == {
+        id: Verdict.FAIL if "omega" in id else Verdict.PASS for id in ("2-omega", "2-X", "2-new-omega", "2-new-X")
+    }
+    assert "omega holds values that are not finite numbers" in found["2-omega"].line
+
+
+def test_a_wrong_shape_of_an_expression_is_not_said_to_be_returned(toolbox, sandbox):
+    source = question_of(toolbox, "Pendulum").source.replace("2 * pi", "np.ones(2) * pi")
+    report = grade(Submission(source), toolbox.assignment, sandbox, 1).report
+    sentence = "`Pendulum(l, g).period()` must be a number; it is an array of shape (2,)"
+    assert all(sentence in outcome.line for outcome in report.outcomes()), report.text()

@@ -39,17 +39,22 @@ def test_a_claim_shows_its_numbers(toolbox, sandbox):
         ("rate = None", "rate is not defined"),
         ("del rate", "rate is not defined"),
         ("del axes", "axes is not defined"),
-        ("rate = 'fast'", "rate must be a number; it is of type str"),
-        ("rate = float('nan')", "rate must be a number; it is nan"),
-        ("rate = axes", "rate must be a number; it is an array of shape (3,) and dtype float64"),
-        ("axes = axes[:2]", "axes must be an array of shape (3,); it is an array of shape (2,) and dtype float64"),
-        ("axes = [[1], [1, 2]]", "axes must be an array of shape (3,); it is of type list"),
+        ("rate = 'fast'", "rate must be a real number; it is a str"),
+        ("rate = axes", "rate must be a number; it is an array of shape (3,)"),
+        ("axes = axes[:2]", "axes must be an array of shape (3,); it is an array of shape (2,)"),
+        ("axes = [[1], [1, 2]]", "axes must be an array of shape (3,); it is a ragged list"),
     ],
 )
 def test_another_value_is_unmeasured_with_its_reason(toolbox, sandbox, change, reason):
     found = report(toolbox, sandbox, f"{cells(toolbox).source}\n{change}")
     assert {outcome.verdict for outcome in found.outcomes()} == {Verdict.UNMEASURED}
     assert all(reason in outcome.line for outcome in found.outcomes()), found.text()
+
+
+def test_a_variable_that_is_not_finite_fails_alone(toolbox, sandbox):
+    found = report(toolbox, sandbox, f"{cells(toolbox).source}\nrate = float('nan')")
+    assert [o.verdict for o in found.outcomes()] == [Verdict.FAIL, Verdict.PASS, Verdict.PASS], found.text()
+    assert "rate holds values that are not finite numbers" in found.outcomes()[0].line
 
 
 def test_numbers_of_other_types_are_accepted(toolbox, sandbox):

@@ -5,8 +5,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import curve_fit
 
+import reference
 from ecp.judge import Verdict
 from exercises.rigid_body import plays
+from exercises.rigid_body.scenes import SCENES, TILT
 from service.grading.grade import draw_inputs, truth
 
 
@@ -138,3 +140,12 @@ def test_moments_of_flat_long_large_and_small_boxes(seed, rigid_body):
     )
     only_tilted = {"principal_moments": lambda T: np.linalg.eigvalsh(T) if T[0, 1] else np.full(3, np.nan)}
     assert not passed(rigid_body, ("1-tensors",), only_tilted, seed)
+
+
+def test_the_film_starts_away_from_every_axis_and_plane():
+    given = next(scene for scene in SCENES if scene.name == "film").inputs
+    axis, unit = np.array(given["R"])[:, :, 2], np.array(given["L"]) / np.linalg.norm(given["L"])
+    assert np.abs(unit).min() > 0.1 and np.abs(axis[0]).min() > 0.1
+    assert axis.min(axis=0).max() < -0.1 and axis.max(axis=0).min() > 0.1, "the axis crosses each coordinate plane"
+    exact = reference.motion((2.2, 0.0, 0.5), (1.25, 1.25, 2.0), given["t"], need="orientation").R
+    assert np.allclose(given["R"], TILT @ exact)

@@ -234,7 +234,13 @@ notebook.exercise(
 @pytest.mark.parametrize(
     ("old", "new", "source", "message"),
     [
-        ("return 0.5 * x", "return [0.5 * x]", None, "assignment.py line 18: question 1: WrongAnswer: half must return shape ()"),
+        (
+            "return 0.5 * x",
+            "return [0.5 * x]",
+            None,
+            "assignment.py line 18: question 1: ValueError: the truth does not answer as the right solution does for the "
+            "first input: half must return a number; it returned shape (1,)",
+        ),
         ("return 0.5 * x", "return 0.5 * y", None, "assignment.py line 12: NameError: name 'y' is not defined"),
         ("uniform(1, 2)", "integers(2, 1)", None, "assignment.py line 18: question 1: ValueError: low > high"),
         ("return x / 2", "return x / 0", "def half(x): return x / 2", "assignment.py line 8: ZeroDivisionError"),

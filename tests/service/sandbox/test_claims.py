@@ -18,7 +18,8 @@ RAW = np.array([1.0, 1.25, 1.0]).tobytes()
 
 
 def judged(header, raw=RAW):
-    return read(json.loads(json.dumps(header)), raw, {"cell 1"}, text)
+    cell, _, claim = read(json.loads(json.dumps(header)), raw, {"cell 1"}, text)
+    return claim.outcome(cell)
 
 
 def test_the_host_judges_the_numbers_again():
@@ -53,6 +54,9 @@ def test_texts_are_made_harmless():
         ({"kind": "perfect"}, RAW),
         ({"kind": ["close"]}, RAW),
         ({"cell": "cell 2"}, RAW),
+        ({"place": [1]}, RAW),
+        ({"place": [1, -1]}, RAW),
+        ({"place": "1, 2"}, RAW),
         ({"numbers": {"rtol": 1e-6}}, RAW),
         ({"numbers": {"rtol": 1, "atol": 0.5}}, RAW),
         ({"numbers": {"rtol": None, "atol": 0.5}}, RAW),

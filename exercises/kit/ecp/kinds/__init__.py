@@ -4,7 +4,8 @@ A question is a JSON document that an author's declaration produces: its ``kind`
 ``function``, its ``parameters`` and constant arguments, the values it ``returns``, and what the checks of
 its kind need. The module of a kind has ``play(question, student, rows)``, which asks the question once for
 each row of drawn arguments, and ``checks(question, scene, suffix)``. A question with ``parts`` has a further
-public scene for each of them, with the part's name as ``question["part"]``. The sandbox, the server and
+public scene for each of them, with the part's name as ``question["part"]``: ``PARTS[part](question, student, row)``
+returns the arrays of one row, and ``part_checks(question, scene)`` its checks. The sandbox, the server and
 ``ecp.check`` use the same functions.
 """
 
@@ -15,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from ecp.checks import Arrays, Check
-from ecp.exercise import Animation, Exercise, Figure
+from ecp.exercise import Exercise
 from ecp.judge import Verdict
 from ecp.kinds import animation, expression, fit, ode, random, stepper, values, variables
+from ecp.kinds.asking import each
 from ecp.kinds.values import agreement
 from ecp.outcome import Diagnosis
 
@@ -41,20 +43,25 @@ def kind_module(question: Mapping[str, Any]) -> ModuleType:
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
     """Ask the question for every row and return the arrays by name, rows along the first index. Raises WrongAnswer."""
-    answers: dict[str, Any] = kind_module(question).play(question, student, rows)
+    module, part = kind_module(question), question.get("part")
+    answers: dict[str, Any] = (
+        each(rows, lambda row: module.PARTS[part](question, student, row)) if part else module.play(question, student, rows)
+    )
     return answers
 
 
 def question_checks(question: Mapping[str, Any], scene: str, hidden: bool) -> list[Check]:
     """Return the checks of a question for one of its scenes."""
-    found: list[Check] = kind_module(question).checks(question, scene, NEW_INPUTS if hidden else "")
+    asked, module = {**question, "id": f"{question['id']}-new"} if hidden else question, kind_module(question)
+    found: list[Check] = (
+        module.part_checks(asked, scene) if question.get("part") else module.checks(asked, scene, NEW_INPUTS if hidden else "")
+    )
     return found
 
 
 def diagnose(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis] | None:
     """Return the likely cause behind a scene's arrays, or None if the kind finds causes by reproducing them."""
-    diagnosed = getattr(kind_module(question), "diagnose", None)
-    return diagnosed(question, seen, truth) if diagnosed else None
+    return _if_defined("diagnose", question, seen, truth)
 
 
 def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> bool:
@@ -66,16 +73,10 @@ def reproduces(question: Mapping[str, Any], seen: Arrays, predicted: Arrays) -> 
     )
 
 
-def question_figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
-    """Return the figures of a question, drawn from its public scene."""
-    figures = getattr(kind_module(question), "figures", None)
-    return figures(question, scene) if figures else []
-
-
-def question_animations(question: Mapping[str, Any], scene: str) -> list[Animation]:
-    """Return the contact sheets of what a question's public scene recorded."""
-    animations = getattr(kind_module(question), "animations", None)
-    return animations(question, scene) if animations else []
+def _if_defined(name: str, question: Mapping[str, Any], *arguments: Any) -> Any:
+    """Return what this function of the question's kind returns, None if the kind has no such function."""
+    function = getattr(kind_module(question), name, None)
+    return function(question, *arguments) if function else None
 
 
 def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hidden: bool) -> Exercise:
@@ -87,8 +88,8 @@ def exercise(number: str, title: str, questions: Iterable[Mapping[str, Any]], hi
         scenes += [(q, q["scenes"]["public"], False), *parts]
     scenes += [(q, q["scenes"]["hidden"], True) for q in asked if hidden]
     checks = [check for question, scene, is_hidden in scenes if scene for check in question_checks(question, scene, is_hidden)]
-    figures = [figure for q in asked for figure in question_figures(q, q["scenes"]["public"])]
-    sheets = [sheet for q in asked for sheet in question_animations(q, q["scenes"]["public"])]
+    figures = [figure for q in asked for figure in _if_defined("figures", q) or ()]
+    sheets = [sheet for q in asked for sheet in _if_defined("animations", q) or ()]
     names = dict.fromkeys(name for q in asked for name in q["variables"] or [q["function"]])
     variables = tuple(dict.fromkeys(name for q in asked for name in q["variables"]))
     return Exercise(number, title, tuple(names), tuple(checks), tuple(figures), tuple(sheets), variables=variables)

@@ -17,7 +17,7 @@ def aligned(got: Array, want: Array, up_to: str | None) -> Array:
     "column phases" (complex values, as (…, 2)) and "column order and signs": of the columns of a matrix. "span": the columns may be
     any orthonormal basis of the same space.
     """
-    if up_to is None or got.shape != want.shape:
+    if up_to is None or got.shape != want.shape or not np.all(np.isfinite(got)):
         return got
     return np.array([_ALIGN[up_to](g, w) for g, w in zip(got, want, strict=True)])
 

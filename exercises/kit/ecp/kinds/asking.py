@@ -3,13 +3,14 @@
 import ast
 import builtins
 import functools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
+from ecp.exercise import Figure
+from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array, wrong_value
 
 MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
 NAMES = """
@@ -57,6 +58,13 @@ def arguments(question: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, 
     return {parameter: values[parameter] for parameter in question["parameters"]}
 
 
+def restart(given: Mapping[str, Any]) -> None:
+    """Count the calls of the function arguments from zero again."""
+    for value in given.values():
+        if isinstance(value, Counted):
+            value.calls = 0
+
+
 def call(question: Mapping[str, Any], student: Mapping[str, Any], given: Mapping[str, Any]) -> Any:
     """Return the answer of the student's function to these arguments, or the value of the student's variable.
 
@@ -87,23 +95,50 @@ def evaluate(text: str, names: Mapping[str, Any]) -> Any:
     return eval(_code(text), {**MATHEMATICS, **names})  # noqa: S307
 
 
-def returned(question: Mapping[str, Any], answer: Any) -> dict[str, NDArray[np.float64]]:
+def each(rows: Mapping[str, Any], answer: Callable[[dict[str, Any]], Mapping[str, Any]]) -> dict[str, NDArray[np.float64]]:
+    """Return the arrays that ``answer`` returns for each row of drawn values, by name, rows along the first index."""
+    return stacked([answer(row) for row in each_row(rows)])
+
+
+def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
+    """Return the values of an answer in the order that the question states. Raises WrongAnswer if it has others."""
+    names, keys = [value["name"] for value in question["returns"]], question.get("keys")
+    if len(names) == 1 and not keys:
+        return [answer]
+    if answer is None:
+        raise WrongAnswer("returns-nothing", f"{question['function']} returned None: is a return statement missing?")
+    is_several = isinstance(answer, Mapping if keys else tuple | list) or (not keys and np.ndim(answer) > 0)
+    if is_several and (set(names) <= set(answer) if keys else len(answer) == len(names)):
+        return [answer[name] for name in names] if keys else list(answer)
+    if not is_several:
+        had = f"a {type(answer).__name__}"
+    else:
+        had = f"the keys {', '.join(map(str, answer))}" if keys else f"{len(answer)} values"
+    wanted = f"a dict with the keys {', '.join(names)}" if keys else f"{len(names)} values ({', '.join(names)})"
+    raise WrongAnswer("wrong-shape", wrong_value(*_named(question), wanted, had))
+
+
+def returned(question: Mapping[str, Any], answer: Any, *, finite: bool = True) -> dict[str, NDArray[np.float64]]:
     """Return the values of an answer by name, of exactly the shapes that the question states. Raises WrongAnswer.
 
-    A complex value of shape s becomes real and imaginary parts of shape (*s, 2).
+    A complex value of shape s becomes real and imaginary parts of shape (*s, 2). Unless all must be ``finite``, one that is not
+    is returned beside another that is.
     """
-    name, values = question["function"], question["returns"]
-    if len(values) == 1 and not question.get("keys"):
-        parts = [answer]
-    elif question.get("keys"):
-        parts = _by_key(name, answer, [value["name"] for value in values])
-    else:
-        parts = _in_order(name, answer, [value["name"] for value in values])
-    alone = len(values) == 1
-    return {
-        value["name"]: _number_array(part, value, name if alone else f"{name} ({value['name']})")
-        for value, part in zip(values, parts, strict=True)
-    }
+    values, (name, is_returned), found, bad = question["returns"], _named(question), {}, []
+    for value, part in zip(values, parts(question, answer), strict=True):
+        whose = value["name"] if question.get("variables") else name if len(values) == 1 else f"{name} ({value['name']})"
+        found[value["name"]] = _number_array(part, value, whose, is_returned)
+        if not np.all(np.isfinite(found[value["name"]])):
+            bad.append(f"{whose} {'returned' if is_returned else 'has'} a value that is not finite")
+    if bad and (finite or len(bad) == len(values)):
+        raise WrongAnswer("not-finite", bad[0])
+    return found
+
+
+def _named(question: Mapping[str, Any]) -> tuple[str, bool]:
+    """Return what a sentence calls the answer, and whether a function of the student returned it."""
+    call = question.get("call")
+    return (f"`{call}`", False) if call else (question["function"], not question.get("variables"))
 
 
 def stacked(answers: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[np.float64]]:
@@ -111,41 +146,44 @@ def stacked(answers: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[np.float6
     return {name: np.array([answer[name] for answer in answers]) for name in answers[0]}
 
 
+def flat(names: Iterable[str], state: Mapping[str, Any]) -> NDArray[np.float64]:
+    """Return the arguments ``names`` of a ``state``, numbers and arrays, as one array (d,)."""
+    return np.concatenate([np.ravel(state[name]) for name in names]).astype(float)
+
+
+def split(names: Sequence[str], like: Mapping[str, Any], y: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the arguments ``names`` that the array ``y`` (d,) holds, with the shapes of those in ``like``."""
+    parts = np.split(y, np.cumsum([np.size(like[name]) for name in names])[:-1])
+    shapes = [np.shape(like[name]) for name in names]
+    return {n: p.reshape(shape).copy() if shape else float(p[0]) for n, p, shape in zip(names, parts, shapes, strict=True)}
+
+
 def describe(question: Mapping[str, Any], seen: Mapping[str, Any], row: int) -> str:
     """Return the drawn arguments of one row as text: "M = 0.3, e = 0.5"."""
     return ", ".join(f"{name} = {_short(seen[f'at_{name}'][row])}" for name in question["drawn"])
 
 
-def _by_key(name: str, answer: Any, keys: list[str]) -> list[Any]:
-    if answer is None:
-        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
-    if not isinstance(answer, Mapping) or set(keys) - set(answer):
-        had = f"the keys {', '.join(map(str, answer))}" if isinstance(answer, Mapping) else f"a {type(answer).__name__}"
-        raise WrongAnswer("wrong-shape", f"{name} must return a dict with the keys {', '.join(keys)}; it returned {had}")
-    return [answer[key] for key in keys]
+def part_figure(question: Mapping[str, Any], part: str, title: str, alt: str, draw: Callable[..., None]) -> list[Figure]:
+    """Return the figure of a part of the question, none if it has no such part."""
+    name = f"{question['id']}-{part}"
+    return [Figure(name, title, alt, (name,), draw)] if part in question["parts"] else []
 
 
-def _in_order(name: str, answer: Any, names: list[str]) -> list[Any]:
-    if answer is None:
-        raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
-    is_sequence = isinstance(answer, tuple | list) or (isinstance(answer, np.ndarray) and answer.ndim > 0)  # it can be unpacked
-    if not is_sequence or len(answer) != len(names):
-        had = f"{len(answer)} values" if is_sequence else f"a {type(answer).__name__}"
-        raise WrongAnswer("wrong-shape", f"{name} must return {len(names)} values ({', '.join(names)}); it returned {had}")
-    return list(answer)
-
-
-def _number_array(value: Any, spec: Mapping[str, Any], name: str) -> NDArray[np.float64]:
+def _number_array(value: Any, spec: Mapping[str, Any], name: str, is_returned: bool) -> NDArray[np.float64]:
     shape = tuple(spec["shape"])
-    if spec.get("complex"):
-        array = np.asarray(value)
-        if array.dtype.kind == "c":
-            return np.stack([real_array(part, shape, name) for part in (array.real, array.imag)], axis=-1)
-        return np.stack([real_array(value, shape, name), np.zeros(shape)], axis=-1)
-    found = real_array(value, shape, name)
-    if not np.all(np.isfinite(found)):
-        raise WrongAnswer("not-finite", f"{name} returned a value that is not finite")
-    return found
+    if spec.get("boolean") and _kind(value) == "b":
+        value = np.asarray(value, dtype=float)
+    if not spec.get("complex"):
+        return real_array(value, shape, name, is_returned)
+    both = (np.real(value), np.imag(value)) if _kind(value) == "c" else (value, np.zeros(shape))
+    return np.stack([real_array(part, shape, name, is_returned) for part in both], axis=-1)
+
+
+def _kind(value: Any) -> str:
+    try:
+        return np.asarray(value).dtype.kind
+    except ValueError:  # a ragged list
+        return ""
 
 
 @functools.cache

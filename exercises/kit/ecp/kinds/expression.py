@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecp.kinds.asking import arguments, call, each_row, returned, stacked
+from ecp.kinds.asking import arguments, call, each, parts, returned
 from ecp.kinds.values import checks  # noqa: F401
 from ecp.return_value import WrongAnswer
 
@@ -15,17 +15,17 @@ DIGITS = 30  # of the evaluation, so that cancellation in an equivalent form cos
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of the student's expressions at the point of each row. Raises WrongAnswer."""
-    found, answers = {}, []
-    for row in each_row(rows):
+    found: dict[str, list[Any]] = {}  # by the arguments that are not symbols: a call may take long
+
+    def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         given = {name: value for name, value in row.items() if name not in question["symbols"]}
         if (key := repr(given)) not in found:
-            answer = call(question, student, arguments(question, row))
-            several = len(question["returns"]) > 1 and isinstance(answer, tuple | list)
-            found[key] = list(answer) if several else [answer]
+            found[key] = parts(question, call(question, student, arguments(question, row)))
         point = {name: complex(*value) if np.ndim(value) else value for name, value in row.items() if name in question["symbols"]}
-        parts = [_evaluated(part, point, question["function"]) for part in found[key]]
-        answers.append(returned(question, parts[0] if len(parts) == 1 else parts))
-    return stacked(answers)
+        values = [_evaluated(part, point, question["function"]) for part in found[key]]
+        return returned(question, values if len(values) > 1 else values[0])
+
+    return each(rows, answer)
 
 
 def _evaluated(value: Any, point: Mapping[str, complex], name: str) -> NDArray[np.complex128]:

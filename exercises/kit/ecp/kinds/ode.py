@@ -5,7 +5,7 @@ Part "motion": the motion from each row's state at t = 0, the quantities that it
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,8 +18,8 @@ from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.exercise import Figure
 from ecp.judge import Judgement
-from ecp.kinds import values
-from ecp.kinds.asking import Counted, arguments, describe, each_row, expression, returned, stacked
+from ecp.kinds.asking import arguments, describe, each_row, expression, flat, part_figure, restart, returned, split, stacked
+from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 from ecp.return_value import WrongAnswer
 
@@ -27,66 +27,58 @@ SOLVER, RTOL, TIMES = "DOP853", 1e-11, 201
 TIMED = 500
 
 
-def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values at the points, the ``motion`` (rows, d, TIMES), or the motions of the sweep."""
-    if question.get("part") is None:
-        return values.play(question, student, rows)
-    function, follow = student[question["function"]], {"motion": _motion, "sweep": _sweep}[question["part"]]
-    return stacked([follow(question, function, row) for row in each_row(rows)])
-
-
 def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
     """Return the times of the motion (TIMES,)."""
     return np.linspace(0.0, question["t_end"], TIMES)
 
 
-def _motion(question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
-    run = _integrated(question, function, row, (SOLVER, RTOL), [0])
+def _motion(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the ``motion`` (d, TIMES) of a row."""
+    run = _integrated(question, student, row, (SOLVER, RTOL), [0])
     if not run.success:
         raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g}: {run.message}")
     return {"motion": run.y}
 
 
-def _sweep(question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any]) -> dict[str, Any]:
+def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row's motion with each of the settings, the calls and seconds it took, and the seconds of one call."""
     given, runs, each = arguments(question, row), [], []
     for setting in question["settings"]:
         motion, calls, began = np.full((np.size(given[question["state"]]), TIMES), np.nan), [0], time.perf_counter()
         try:
-            run = _integrated(question, function, row, setting, calls)
+            run = _integrated(question, student, row, setting, calls)
             motion[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not
         runs.append({"motion": motion, "calls": float(calls[0]), "seconds": time.perf_counter() - began})
     for _ in range(TIMED):
         began = time.perf_counter()
-        function(*given.values())
+        student[question["function"]](*given.values())
         each.append(time.perf_counter() - began)
     return stacked(runs) | {"per_call": np.median(each)}
 
 
 def _integrated(
-    question: Mapping[str, Any], function: Callable[..., Any], row: Mapping[str, Any], setting: tuple[Any, float], calls: list[int]
+    question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any], setting: tuple[Any, float], calls: list[int]
 ) -> Any:
     """Return the run of scipy's solver; counts the calls of the student's function in ``calls``."""
     given, name, most = arguments(question, row), question["function"], question["most_calls"]
-    shape, (value,) = np.shape(given[question["state"]]), (value["name"] for value in question["returns"])
-    counted = [value for value in given.values() if isinstance(value, Counted)]
+    state, (value,) = [question["state"]], (value["name"] for value in question["returns"])
 
     def rates(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
         calls[0] += 1
         if calls[0] > most:
             raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}")
-        for one in counted:
-            one.calls = 0
-        at = {**given, question["time"]: float(t), question["state"]: y.reshape(shape).copy() if shape else float(y[0])}
+        restart(given)
+        at = {**given, question["time"]: float(t), **split(state, given, y)}
         try:
-            return returned(question, function(*(at[parameter] for parameter in question["parameters"])))[value].ravel()
+            return returned(question, student[name](*(at[parameter] for parameter in question["parameters"])))[value].ravel()
         except WrongAnswer as error:
             raise WrongAnswer(error.code, f"{error} (at t = {t:.3g} of the integration)") from None
 
-    (solver, rtol), t, start = setting, times(question), np.ravel(given[question["state"]]).astype(float)
+    (solver, rtol), t = setting, times(question)
     atol = 1e-2 * rtol * np.asarray(question["scale"])
-    return solve_ivp(rates, (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
+    return solve_ivp(rates, (0.0, t[-1]), flat(state, given), method=solver, t_eval=t, rtol=rtol, atol=atol)
 
 
 def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, Any, Any]:
@@ -99,44 +91,44 @@ def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, An
     return got[..., : want.shape[-2], :], want, np.broadcast_to(scale, want.shape)
 
 
-def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
-    """Return the checks of the points, or those of the motion: the exact one, and each conserved quantity."""
-    if question.get("part") is None:
-        return values.checks(question, scene, suffix)
-    tolerance, name = Tolerance(**question["follow"]), question["function"]
+PARTS = {"motion": _motion, "sweep": _sweep}
+
+
+def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
+    """Return the checks of the motion: the exact one, and each conserved quantity."""
+    tolerance, name, id = Tolerance(**question["follow"]), question["function"], question["id"]
 
     def follows(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         return judge.within(*deviation(question, seen[0]["motion"], truth[0]["motion"]), tolerance.limit or 0.0)
 
     def place(index: tuple[int, ...], seen: Arrays) -> str:
-        return f"t = {times(question)[index[-1]]:.4g}, {describe(_at_start(question), seen, index[0])}"
+        return f"t = {times(question)[index[-1]]:.4g}, {_at_start(question, seen, index[0])}"
 
-    made = [Check(f"{question['id']}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
-    for quantity, (text, limits) in question["conserved"].items():
-        drifts, allowed = partial(_drift, question, text, limits.get("limit", 0.0)), Tolerance(**limits)
-        label = f"{quantity} conserved along the motion of {name}"
-        made.append(Check(f"{question['id']}-{quantity}", label, (scene,), drifts, allowed, place))
+    made = [Check(f"{id}-motion", f"{name} drives the right motion", (scene,), follows, tolerance, place)]
+    for quantity, (text, allowed) in question["conserved"].items():
+        label, word = f"{quantity} conserved along the motion of {name}", partial(_drift, question, text, allowed["limit"])
+        made.append(Check(f"{id}-{quantity}", label, (scene,), word, Tolerance(**allowed), place))
     return made
 
 
 def _drift(question: Mapping[str, Any], text: str, limit: float, seen: list[Arrays], truth: list[Arrays]) -> Judgement:
     """Judge an expression over state, time and parameters along the motions; the worst row counts."""
-    every, state, motions = [], question["state"], seen[0]["motion"]
-    for row, motion in enumerate(motions):
-        given = {**question["constants"], **{name: seen[0][f"at_{name}"][row] for name in question["drawn"]}}
-        value, shape = expression(text, (question["time"], state), given), np.shape(given[state])
+    every, state = [], question["state"]
+    for row, motion in zip(each_row({name: seen[0][f"at_{name}"] for name in question["drawn"]}), seen[0]["motion"], strict=True):
+        given = {**question["constants"], **row}
+        value = expression(text, (question["time"], state), given)
         with np.errstate(all="ignore"):
-            series = [float(value(t, y.reshape(shape))) for t, y in zip(times(question), motion.T, strict=True)]
-            every.append(judge.conserved(series, limit))
-    row = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
-    return replace(every[row], where=(row, *(every[row].where or (0,))))
+            series = [float(value(t, split([state], given, y)[state])) for t, y in zip(times(question), motion.T, strict=True)]
+        every.append(judge.conserved(series, limit))
+    worst = max(range(len(every)), key=lambda k: every[k].measured or 0.0)
+    return replace(every[worst], where=(worst, *(every[worst].where or (0,))))
 
 
-def _at_start(question: Mapping[str, Any]) -> dict[str, Any]:
-    return {**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}
+def _at_start(question: Mapping[str, Any], seen: Arrays, row: int) -> str:
+    return describe({**question, "drawn": [name for name in question["drawn"] if name != question["time"]]}, seen, row)
 
 
-def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+def figures(question: Mapping[str, Any]) -> list[Figure]:
     """Return the figure of the first motion beside the exact one."""
 
     def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -144,9 +136,9 @@ def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
         for k, curve in enumerate(seen[0]["motion"][0]):
             axes.plot(t, curve, color=f"C{k}", label=f"{question['state']}[{k}]")
         axes.plot(t, truth[0]["motion"][0].T, "k:", lw=1.2, label=["exact", *[None] * (truth[0]["motion"].shape[1] - 1)])
-        axes.set(xlabel=question["time"], ylabel=question["state"], title=describe(_at_start(question), seen[0], 0))
+        axes.set(xlabel=question["time"], ylabel=question["state"], title=_at_start(question, seen[0], 0))
         axes.legend(loc="upper right")
 
-    name, function = f"{question['id']}-motion", question["function"]
+    function = question["function"]
     alt = f"The components of the motion that {function} drives against time, with the exact ones dotted."
-    return [Figure(name, f"The motion of {function}", alt, (name,), draw)] if "motion" in question["parts"] else []
+    return part_figure(question, "motion", f"The motion of {function}", alt, draw)

@@ -5,8 +5,9 @@ with exact values only, never with an error that the student's function returns.
 """
 
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,12 @@ from numpy.typing import NDArray
 from ecp import judge
 from ecp.checks import Arrays, Check, holds
 from ecp.judge import Judgement
-from ecp.kinds.asking import arguments, call, describe, each_row, returned, stacked
+from ecp.kinds.asking import arguments, call, describe, each, returned, stacked
 from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
+Test = tuple[Array, float, str]
+"""What each row's numbers are, their limit, and the text that shows the largest."""
 NORMAL = 1000
 
 
@@ -33,14 +36,13 @@ def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[
         seeds |= {name: row[name] + repetition for name in question["seeds"]}
         return returned(question, call(question, student, arguments(question, {**row, **seeds})))
 
-    answers = []
+    def answer(row: Mapping[str, Any]) -> dict[str, Any]:
+        runs = [once(row, repetition) for repetition in range(question["repetitions"])]
+        again = once(row, 0) if question["generators"] or question["seeds"] else runs[0]
+        return stacked(runs) | {"again": float(all(np.array_equal(runs[0][name], again[name]) for name in again))}
+
     with _global_generators():
-        for row in each_row(rows):
-            runs = [once(row, repetition) for repetition in range(question["repetitions"])]
-            again = once(row, 0) if question["generators"] or question["seeds"] else runs[0]
-            same = all(np.array_equal(runs[0][name], again[name]) for name in again)
-            answers.append(stacked(runs) | {"again": np.asarray(float(same))})
-    return stacked(answers)
+        return each(rows, answer)
 
 
 @contextmanager
@@ -58,26 +60,27 @@ def _global_generators() -> Iterator[None]:
 
 def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return the checks of the samples or of the estimates, and the one that repeated calls differ."""
-    id = question["id"] + ("-new" if suffix else "")
-    tests = SAMPLES if question.get("distribution") else ESTIMATES
+    id, label = question["id"], question["label"]
     seeds = [*question["generators"], *question["seeds"]]
     without_seeds = {**question, "drawn": [name for name in question["drawn"] if name not in seeds]}
-    found = [
-        Check(
-            f"{id}-{name}",
-            f"{question['function']}: {label}{suffix}",
-            (scene,),
-            lambda seen, truth, test=test: test(question, seen[0], truth[0]),  # type: ignore[misc]
-            Tolerance(**question["tolerance"] if name != "error" else question["error"]),
-            lambda index, seen: describe(without_seeds, seen, index[0]),
-        )
-        for name, (label, test) in tests.items()
-        if name != "error" or question.get("error")
-    ]
-    label = "equal seeds give equal results, different seeds different ones" if seeds else "repeated calls give different results"
+
+    def locate(index: tuple[int, ...], seen: Arrays) -> str:
+        return describe(without_seeds, seen, index[0])
+
+    def check(name: str, about: str, test: Callable[..., Test]) -> Check:
+        def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
+            used, limit, text = test(question, seen[0], truth[0])
+            judgement, worst = judge.below(used, limit), float(used.max())
+            return replace(judgement, detail=text.format(worst), measured=worst, expected=0.0)
+
+        tolerance = Tolerance(**question["error" if name == "error" else "tolerance"])
+        return Check(f"{id}-{name}", f"{label}: {about}{suffix}", (scene,), word, tolerance, locate)
+
+    tests = SAMPLES if question.get("distribution") else ESTIMATES
+    found = [check(name, *test) for name, test in tests.items() if name != "error" or question.get("error")]
+    about = "equal seeds give equal results, different seeds different ones" if seeds else "repeated calls give different results"
     reason = "results are compared bit for bit"
-    repeated = holds(f"{id}-repeated", f"{question['function']}: {label}{suffix}", scene, claim=_repeats, reason=reason)
-    return [*found, repeated]
+    return [*found, holds(f"{id}-repeated", f"{label}: {about}{suffix}", scene, claim=_repeats, reason=reason)]
 
 
 def _repeats(seen: Arrays) -> tuple[bool, str]:
@@ -89,8 +92,8 @@ def _repeats(seen: Arrays) -> tuple[bool, str]:
     return True, f"{values.shape[1]} calls"
 
 
-def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
-    """Judge the largest difference of the cumulative distributions (Kolmogorov–Smirnov).
+def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
+    """Return the largest difference of the cumulative distributions (Kolmogorov–Smirnov).
 
     By Massart's inequality it exceeds √(ln(2/rate)/2N) for N independent samples of any distribution at most at that rate.
     """
@@ -106,11 +109,11 @@ def _distribution(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> J
         below = want - exact.pmf(at) if hasattr(made, "pmf") else want
         most.append(max(np.abs(upper - want).max(), np.abs(upper - counts / len(row) - below).max()))
     limit = float(np.sqrt(np.log(2 / question["rate"]) / (2 * samples.shape[1])))
-    return _judged(np.array(most), limit, f"max|ΔF| = {{:.3g}} with {samples.shape[1]} samples (limit {limit:.3g})")
+    return np.array(most), limit, f"max|ΔF| = {{:.3g}} with {samples.shape[1]} samples (limit {limit:.3g})"
 
 
-def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
-    """Judge the rank correlation of successive samples of a call, or of single samples of successive calls.
+def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
+    """Return the rank correlation of successive samples of a call, or of single samples of successive calls.
 
     It has the standard deviation 1/√N for N independent pairs, and is nearly normal if ``NORMAL`` pairs differ from the most
     frequent one; otherwise it is not judged.
@@ -125,22 +128,22 @@ def _independence(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> J
     judged = [share**2 * first.shape[1] >= NORMAL for share in other]
     found = np.array([np.corrcoef(a, b)[0, 1] if ok else 0.0 for a, b, ok in zip(first, second, judged, strict=True)])
     limit = _deviations(question) / first.shape[1] ** 0.5
-    return _judged(np.abs(found), limit, f"correlation {{:.3g}} of successive samples (limit {limit:.3g})")
+    return np.abs(found), limit, f"correlation {{:.3g}} of successive samples (limit {limit:.3g})"
 
 
-def _mean(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
-    """Judge the mean of the estimates by their exact standard deviation, beyond the systematic error that the author allows."""
+def _mean(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
+    """Return the deviation of the mean in its exact standard deviation, beyond the systematic error that the author allows."""
     want, tolerance = truth["value"], question["tolerance"]
     allowed = tolerance.get("atol", 0.0) + tolerance.get("rtol", 0.0) * np.abs(want)
     away = np.maximum(np.abs(seen["value"].mean(axis=1) - want) - allowed, 0.0)
     unit, limit = truth["sd"] / seen["value"].shape[1] ** 0.5, _deviations(question)
     worst = int(np.argmax(away / unit))
     text = f"mean {seen['value'][worst].mean():.6g} vs expected {want[worst]:.6g}, {{:.3g}} standard errors (limit {limit:.3g})"
-    return _judged(away / unit, limit, text)
+    return away / unit, limit, text
 
 
-def _spread(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
-    """Judge the standard deviation of the estimates by the χ² distribution of its square."""
+def _spread(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
+    """Return the deviation of the estimates' standard deviation as a fraction of what the χ² distribution of its square allows."""
     import scipy.stats
 
     free = seen["value"].shape[1] - 1
@@ -149,14 +152,14 @@ def _spread(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgeme
     low, high = np.sqrt(quantiles / free)
     used = np.where(ratio > 1, (ratio - 1) / (high - 1), (1 - ratio) / (1 - low))
     text = f"{ratio[int(np.argmax(used))]:.4g} times the expected standard deviation ({low:.3g} to {high:.3g} accepted)"
-    return _judged(used, 1.0, text)
+    return used, 1.0, text
 
 
-def _error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Judgement:
-    """Judge the returned errors by the exact standard deviation of an estimate."""
+def _error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
+    """Return the relative deviation of the returned errors from the exact standard deviation of an estimate."""
     off = np.sqrt(np.mean((seen["error"] / truth["sd"][:, None] - 1) ** 2, axis=1))
     limit = question["error"]["limit"]
-    return _judged(off, limit, f"off by {{:.3g}} of the exact standard deviation (limit {limit:g})")
+    return off, limit, f"off by {{:.3g}} of the exact standard deviation (limit {limit:g})"
 
 
 SAMPLES: Mapping[str, Any] = {
@@ -175,9 +178,3 @@ def _deviations(question: Mapping[str, Any]) -> float:
     import scipy.stats
 
     return float(scipy.stats.norm.isf(question["rate"] / 2))
-
-
-def _judged(used: Array, limit: float, text: str) -> Judgement:
-    """Judge the largest of the rows' numbers against the limit; ``text`` shows it."""
-    judgement, worst = judge.below(used, limit), float(used.max())
-    return Judgement(judgement.verdict, text.format(worst), worst, 0.0, judgement.margin, judgement.where)

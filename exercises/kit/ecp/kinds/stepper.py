@@ -5,6 +5,7 @@ largest step for which the test problem does not grow.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,9 @@ from numpy.typing import NDArray
 from ecp import judge
 from ecp.checks import Arrays, Check, close
 from ecp.exercise import Figure
-from ecp.judge import Judgement, Verdict
-from ecp.kinds import values
-from ecp.kinds.asking import Counted, arguments, call, each_row, returned, stacked
+from ecp.judge import Judgement
+from ecp.kinds.asking import arguments, call, flat, part_figure, restart, returned, split
+from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 
 Array = NDArray[np.float64]
@@ -25,34 +26,9 @@ SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the sta
 GROWTH = 1e-6  # of one step: a smaller one is rounding
 
 
-def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of one step, or the states ``ends`` (rows, runs, FIRST, d), or the ``limit`` of stability."""
-    part = question.get("part")
-    if part is None:
-        return values.play(question, student, rows)
-    measure = {"order": _ends, "stability": _limit}[part]
-    return stacked([measure(question, student, row) for row in each_row(rows)])
-
-
-def flat(question: Mapping[str, Any], state: Mapping[str, Any]) -> Array:
-    """Return the state (d,) whose parts are parameters of the stepper."""
-    return np.concatenate([np.ravel(state[name]) for name in question["state"].values()])
-
-
-def split(question: Mapping[str, Any], like: Mapping[str, Any], y: Array) -> dict[str, Any]:
-    """Return the parts of the state ``y`` (d,) by parameter, with the shapes of those in ``like``."""
-    names = list(question["state"].values())
-    parts = np.split(y, np.cumsum([np.size(like[name]) for name in names])[:-1])
-    return {
-        n: part.reshape(np.shape(like[n])) if np.ndim(like[n]) else float(part[0]) for n, part in zip(names, parts, strict=True)
-    }
-
-
 def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[str, Any]) -> dict[str, Any]:
     """Return the arguments after one step."""
-    for value in given.values():
-        if isinstance(value, Counted):
-            value.calls = 0
+    restart(given)
     answer = returned(question, call(question, student, given))
     return given | {
         name: answer[value] if answer[value].ndim else float(answer[value]) for value, name in question["state"].items()
@@ -60,6 +36,7 @@ def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[s
 
 
 def _ends(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the states ``ends`` (runs, FIRST, d) at the ends of the first steps."""
     time, step, runs = question["time"], question["step"], []
     for doubled in range(HALVINGS + 1):
         given, states = arguments(question, row), []
@@ -67,7 +44,7 @@ def _ends(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[
         for k in range(FIRST * 2**doubled):
             given |= {step: h} | ({time: start + k * h} if time in given else {})
             given = _step(question, student, given)
-            states.append(flat(question, given))
+            states.append(flat(question["state"].values(), given))
         runs.append(states[2**doubled - 1 :: 2**doubled])
     return {"ends": np.array(runs)}
 
@@ -75,14 +52,12 @@ def _ends(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[
 def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
     """Return the step at which the test problem, whose eigenvalues have size 1, begins to grow; LARGEST if it never does."""
     families = {name: {**family, "text": question["test"], "given": []} for name, family in question["families"].items()}
-    known = {name: value for name, value in row.items() if name in question["parameters"]}
-    constants = {name: value for name, value in question["constants"].items() if name in question["parameters"]}
-    given = arguments({**question, "families": families, "constants": constants}, known)
+    given, states = arguments({**question, "families": families}, row), list(question["state"].values())
+    starts = [split(states, given, unit) for unit in np.eye(flat(states, given).size)]
 
     def grows(h: float) -> bool:
-        starts = [split(question, given, unit) for unit in np.eye(flat(question, given).size)]
         try:
-            columns = [flat(question, _step(question, student, given | start | {question["step"]: h})) for start in starts]
+            columns = [flat(states, _step(question, student, given | start | {question["step"]: h})) for start in starts]
         except Exception:  # a method that cannot do this step, unless it can do none
             if h == SMALLEST:
                 raise
@@ -120,37 +95,35 @@ def observed_order(found: Array) -> float | None:
     return float(np.median(slopes)) if len(used) >= 3 else None
 
 
-def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
-    """Return the checks of the values at points, or that of the order, or that of the stability limit."""
-    part, function = question.get("part"), question["function"]
-    if part is None:
-        return values.checks(question, scene, suffix)
+PARTS = {"order": _ends, "stability": _limit}
+
+
+def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:
+    """Return the check of the order, or that of the stability limit."""
+    part, function = question["part"], question["function"]
     wanted, allowed = question[part]
     tolerance, id = Tolerance(**allowed), f"{question['id']}-{part}"
     if part == "stability":
         label = f"the stability limit of {function} is {f'{wanted:g}' if wanted < LARGEST else 'infinite'}"
-        rtol, atol = tolerance.rtol or 0.0, tolerance.atol or 0.0
-        given = {"measured": lambda seen: seen["limit"][0], "expected": wanted}
-        return [close(id, label, scene, **given, rtol=rtol, atol=atol, reason=tolerance.reason)]
+        given = {"rtol": 0.0, "atol": 0.0} | allowed
+        return [close(id, label, scene, measured=lambda seen: seen["limit"][0], expected=wanted, **given)]
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
         with np.errstate(all="ignore"):
             found = observed_order(errors(seen[0]["ends"], truth[0]["ends"]))
-        least = wanted - (tolerance.atol or 0.0)
         if found is None:
             return judge.holds(True, f"the errors are below {ROUNDING:g} of the state")
         if not np.isfinite(found):
             raise ArithmeticError("the errors overflow")
-        verdict = Verdict.PASS if found >= least else Verdict.FAIL
-        return Judgement(verdict, f"got {found:.6g} (at least {least:g})", found, float(wanted))
+        least = wanted - tolerance.atol
+        judgement = judge.holds(found >= least, f"got {found:.6g} (at least {least:g})")
+        return replace(judgement, measured=found, expected=float(wanted))
 
     return [Check(id, f"{function} converges with order {wanted:g}", (scene,), word, tolerance)]
 
 
-def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
+def figures(question: Mapping[str, Any]) -> list[Figure]:
     """Return the figure of error against step, with the slope of the order."""
-    if "order" not in question.get("parts", ()):
-        return []
 
     def draw(canvas: Any, seen: list[Arrays], truth: list[Arrays]) -> None:
         found, p = errors(seen[0]["ends"], truth[0]["ends"]), question["order"][0]
@@ -160,6 +133,6 @@ def figures(question: Mapping[str, Any], scene: str) -> list[Figure]:
         axes.set(xlabel=f"{question['step']} / that of the question", ylabel="error / size of the state")
         axes.legend()
 
-    name, function = f"{question['id']}-order", question["function"]
+    function = question["function"]
     alt = f"The error of {function} against the step, both logarithmic, with the slope of its order dotted."
-    return [Figure(name, f"The convergence of {function}", alt, (name,), draw)]
+    return part_figure(question, "order", f"The convergence of {function}", alt, draw)

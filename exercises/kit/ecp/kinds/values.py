@@ -7,47 +7,67 @@ from typing import Any
 import numpy as np
 
 from ecp import judge
-from ecp.checks import Arrays, Check, below
+from ecp.checks import Arrays, Check, Locate, below
 from ecp.judge import Judgement, RowsRight, Verdict
 from ecp.kinds.alignment import aligned
-from ecp.kinds.asking import Counted, arguments, call, describe, each_row, returned, stacked
+from ecp.kinds.asking import Counted, arguments, call, describe, each, returned
 from ecp.outcome import Tolerance
 
 
 def play(question: Mapping[str, Any], student: Mapping[str, Any], rows: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of each row by name, and ``calls``, the most calls of one of its function arguments."""
-    answers = []
-    for row in each_row(rows):
+
+    def answer(row: Mapping[str, Any]) -> dict[str, Any]:
         given = arguments(question, row)
-        answer = returned(question, call(question, student, given))
+        found = returned(question, call(question, student, given), finite=False)
         calls = [value.calls for value in given.values() if isinstance(value, Counted)]
-        answers.append(answer | ({"calls": float(max(calls))} if calls else {}))
-    return stacked(answers)
+        return found | ({"calls": float(max(calls))} if calls else {})
+
+    return each(rows, answer)
 
 
 def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return one check for each returned value, and one for the calls if they are limited."""
-    id, function = question["id"] + ("-new" if suffix else ""), question["function"]
-    made = [value_check(question, value, scene, f"{id}-{value['name']}", suffix) for value in question["returns"]]
+    made = [value_check(question, value, scene, suffix) for value in question["returns"]]
     if limit := question.get("calls"):
         name = next(iter(question["families"]))
-        label = f"{function} calls {name} at most {limit['limit']} times{suffix}"
-        made.append(below(f"{id}-calls", label, scene, measured=lambda seen: seen["calls"], **limit))
+        label = f"{question['function']} calls {name} at most {limit['limit']} times{suffix}"
+        made.append(below(f"{question['id']}-calls", label, scene, measured=lambda seen: seen["calls"], **limit))
     return made
 
 
-def value_check(question: Mapping[str, Any], value: Mapping[str, Any], scene: str, id: str, suffix: str) -> Check:
-    """Return the check that one returned ``value`` equals the exact one, up to what the value leaves open."""
+def value_check(
+    question: Mapping[str, Any],
+    value: Mapping[str, Any],
+    scene: str,
+    suffix: str,
+    *,
+    scale: Callable[[Arrays], Any] | None = None,
+    locate: Locate | None = None,
+) -> Check:
+    """Return the check that one returned ``value`` equals the exact one, up to what the value leaves open.
+
+    A ``limit`` is relative to ``scale(truth)``, or see ``agreement``.
+    """
 
     def word(seen: list[Arrays], truth: list[Arrays]) -> Judgement:
-        got, want = seen[0][value["name"]], truth[0][value["name"]]
-        return credited(value, lambda given: agreement(value, given, want), got, want)
+        got, want, unit = seen[0][name], truth[0][name], scale(truth[0]) if scale else None
+        return credited(value, lambda given: agreement(value, given, want, unit), got, want)
 
-    def locate(index: tuple[int, ...], seen: Arrays) -> str:
+    def describe_row(index: tuple[int, ...], seen: Arrays) -> str:
         return describe(question, seen, index[0])
 
-    tolerance = Tolerance(**value["tolerance"])
-    return Check(id, value["label"] + suffix, (scene,), word, tolerance, locate, points=value.get("points", 1))
+    name = value["name"]
+    return Check(
+        f"{question['id']}-{name}",
+        value["label"] + suffix,
+        (scene,),
+        word,
+        Tolerance(**value["tolerance"]),
+        locate or describe_row,
+        points=value.get("points", 1),
+        arrays=(name,),
+    )
 
 
 def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got: Any, want: Any) -> Judgement:
@@ -63,17 +83,13 @@ def credited(value: Mapping[str, Any], compared: Callable[[Any], Judgement], got
     return replace(whole, partial=RowsRight(right, len(want)))
 
 
-def agreement(value: Mapping[str, Any], got: Any, want: Any) -> Judgement:
-    """Judge a returned ``value`` against the exact one, up to what it leaves open."""
-    return compare(aligned(got, want, value.get("up_to")), want, Tolerance(**value["tolerance"]))
+def agreement(value: Mapping[str, Any], got: Any, want: Any, scale: Any = None) -> Judgement:
+    """Judge a returned ``value`` against the exact one, rows along the first index, up to what it leaves open.
 
-
-def compare(got: Any, want: Any, tolerance: Tolerance) -> Judgement:
-    """Judge values against exact ones, rows along the first index.
-
-    ``limit`` is relative to the largest exact number of all rows, or 1 if all are zero: where terms cancel in one row, rounding
-    errors are those of the terms. ``rtol`` and ``atol`` hold for each number alone.
+    ``limit`` is relative to ``scale``, or to the largest exact number of all rows, or 1 if all are zero: where terms cancel in one
+    row, rounding errors are those of the terms. ``rtol`` and ``atol`` hold for each number alone.
     """
+    tolerance, got = Tolerance(**value["tolerance"]), aligned(got, want, value.get("up_to"))
     if tolerance.limit is None:
         return judge.close(got, want, tolerance.rtol or 0.0, tolerance.atol or 0.0)
-    return judge.within(got, want, np.abs(want).max() or 1.0, tolerance.limit)
+    return judge.within(got, want, np.abs(want).max() or 1.0 if scale is None else scale, tolerance.limit)

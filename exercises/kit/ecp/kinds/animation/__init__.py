@@ -32,14 +32,15 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
     """Return the check that the picture moves, and one for each trajectory."""
     from ecp.kinds.animation.shown import moves
 
-    id, function = question["id"] + ("-new" if suffix else ""), question["function"]
+    id, function = question["id"], question["function"]
     found = [moves(f"{id}-moves", f"{function} draws a moving picture{suffix}", scene, SMALL)]
     return found + [_follows(question, name, scene, f"{id}-{name}", suffix) for name in question["follow"]]
 
 
-def animations(question: Mapping[str, Any], scene: str) -> list[Animation]:
+def animations(question: Mapping[str, Any]) -> list[Animation]:
     """Return the contact sheet of the student's animation."""
     alt = "Contact sheet: stills of the submitted animation in reading order, evenly spaced over its frames."
+    scene = question["scenes"]["public"]
     return [Animation(scene, f"Your animation by {question['function']}", alt, scene)]
 
 

@@ -7,76 +7,68 @@ of space drawn as the axes of the drawing, and the third along any direction.
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ecp.kinds.animation.timing import Array
 
 CROOKED = 0.03  # of the camera's scale
-SAME = 0.03  # sine of the angle between directions that count as parallel
+PARALLEL = 0.03  # sine of the angle between directions that count as parallel
+SKEW = 0.1  # sine of the angle between the line of sight and the normal of a drawing in perspective
 PLANES = tuple(itertools.permutations(range(3), 2))
 
 
 def plain(dimensions: int, first: tuple[int, int] | None = None) -> list[Array]:
-    """Return the cameras that draw coordinates as they are: one in 3-D, in 2-D one for each ordered pair.
-
-    The pair ``first`` comes first, then those in the usual order.
-    """
-    if dimensions == 3:
-        return [np.eye(3)]
-    return [np.eye(3)[list(plane)] for plane in sorted(PLANES, key=lambda plane: (plane != first, plane[0] > plane[1]))]
+    """Return the cameras that draw coordinates as they are: in 3-D one, in 2-D those of all ordered pairs, ``first`` first."""
+    planes = sorted(PLANES, key=lambda plane: (plane != first, plane[0] > plane[1]))
+    return [np.eye(3)] if dimensions == 3 else [np.eye(3)[list(plane)] for plane in planes]
 
 
 def straightened(matrix: Array) -> Array | None:
-    """Return the camera that a fitted ``matrix`` (d, 3) represents, without its scale; None if it is not one.
-    It may mirror.
-    """
+    """Return the camera, perhaps a mirroring one, that a fitted ``matrix`` (d, 3) represents, without its scale; or None."""
     left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
-    if sizes[0] <= 0:
-        return None
-    if sizes[-1] >= (1 - 2 * CROOKED) * sizes[0]:
+    if sizes[0] > 0 and sizes[-1] >= (1 - 2 * CROOKED) * sizes[0]:
         return np.asarray(left @ right)
-    if len(matrix) == 2:
-        for plane in PLANES:
-            flat = matrix[:, list(plane)]
-            scale = np.sqrt(np.sum(flat**2) / 2)
-            whole = np.rint(flat / scale)
-            if np.abs(flat - scale * whole).max() <= CROOKED * scale and abs(np.linalg.det(whole)) == 1:
-                return np.asarray(matrix / scale)
+    for plane in PLANES if len(matrix) == 2 and sizes[0] > 0 else ():
+        flat = matrix[:, list(plane)]
+        scale = np.sqrt(np.sum(flat**2) / 2)
+        whole = np.rint(flat / scale)
+        if np.abs(flat - scale * whole).max() <= CROOKED * scale and abs(np.linalg.det(whole)) == 1:
+            return np.asarray(matrix / scale)
     return None
+
+
+def mislabelled(plane: tuple[int, int] | None, camera: Array) -> str:
+    """Return which coordinates a ``camera`` (d, 3) draws instead of those of ``plane``, which the labels name, or "".
+
+    In 3-D only a wrong sign counts.
+    """
+    whole = np.rint(camera)
+    shown = tuple(int(k) for k in np.argmax(np.abs(whole), axis=1)[:2])
+    signs = [whole[row, k] for row, k in enumerate(shown)]
+    if plane is None or np.abs(camera - whole).max() > PARALLEL or (shown == plane and signs[0] == signs[1]):
+        return ""
+    if len(camera) == 3 and shown != plane:
+        return ""
+    names = " and ".join(f"{'−' if sign < 0 else ''}{'xyz'[k]}" for k, sign in zip(shown, signs, strict=True))
+    return f"axes labelled {' and '.join('xyz'[k] for k in plane)} show {names}"
 
 
 def parallel(directions: Array, wanted: Array) -> bool:
     """Return whether one of ``directions`` (k, d) points along ``wanted`` (d,)."""
     lengths = np.linalg.norm(directions, axis=1) * np.linalg.norm(wanted)
-    along = directions @ wanted
-    return bool(np.any((lengths > 1e-12) & (along >= np.sqrt(1 - SAME**2) * lengths)))
+    return bool(np.any((lengths > 1e-12) & (directions @ wanted >= np.sqrt(1 - PARALLEL**2) * lengths)))
 
 
 def points_along(some: Array, sure: Array, wanted: Array) -> bool:
-    """Return whether a direction points along ``wanted`` (d,). A known tail decides, since matplotlib lists
-    an arrow from its tip.
-    """
+    """Return whether a direction points along ``wanted`` (d,). A known tail decides: matplotlib lists an arrow from its tip."""
     return parallel(sure, wanted) or (parallel(some, wanted) and not parallel(sure, -wanted))
 
 
-def of_body(coefficients: Array, design: Array, drawn: Array) -> Array | None:
-    """Return the camera M (d, 3) by which v points of the body are drawn as c + M R p, or None.
+def in_perspective(points: Array, places: Array) -> tuple[Array, Array]:
+    """Return M (2, m) and q (3,) by which ``points`` (k, m) are best drawn at ``places`` (k, 2), as M p / (1 − q·p).
 
-    M and −M differ by a body turned inside out; the one that does not mirror is returned. ``coefficients``
-    (10, v·d) belong to the nine elements of R and a constant, ``design`` (f, 9) holds those elements at each
-    frame, ``drawn`` is (f, v, d). M and p are found in turn, from the dyad nearest to the coefficients.
+    The first three coordinates of a point are its place in space; a constant one may follow.
     """
-    frames, v, d = drawn.shape
-    tensor = coefficients[:9].reshape(3, 3, v, d)  # [a, b, v, i] = M[i, a] p[v, b]
-    left, sizes, _ = np.linalg.svd(tensor.transpose(3, 0, 2, 1).reshape(3 * d, 3 * v), full_matrices=False)
-    M = (left[:, 0] * sizes[0]).reshape(d, 3)
-    R, moved = (design - design.mean(axis=0)).reshape(frames, 3, 3), drawn - drawn.mean(axis=0)
-    for _ in range(20):
-        seen = np.einsum("ia,fab->fib", M, R).reshape(-1, 3)
-        p = np.linalg.lstsq(seen, moved.transpose(0, 2, 1).reshape(-1, v), rcond=None)[0]
-        turned = np.einsum("fab,bv->fva", R, p).reshape(-1, 3)
-        M = np.linalg.lstsq(turned, moved.reshape(-1, d), rcond=None)[0].T
-    left_over = moved.reshape(-1, d) - turned @ M.T
-    if np.mean(left_over**2) > CROOKED**2 * np.mean(moved**2):
-        return None
-    return straightened(-M if d == 3 and np.linalg.det(M) < 0 else M)
+    none = np.zeros_like(points)
+    rows = [np.column_stack([*np.roll([points, none], row, axis=0), places[:, [row]] * points[:, :3]]) for row in (0, 1)]
+    fit = np.linalg.lstsq(np.concatenate(rows), places.T.ravel(), rcond=None)[0]
+    return fit[:-3].reshape(2, -1), fit[-3:]

@@ -1,16 +1,16 @@
-"""Finding curves in a picture: the paths that follow them, and the times of the frames."""
+"""Finding curves in a picture: the paths that follow them, the times of the frames, and known mistakes."""
 
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.kinds.animation import timing
 from ecp.kinds.animation.pictures import MOVES, Path, Picture
+from ecp.kinds.animation.shown import Shown
+from ecp.kinds.animation.timing import Array, Frames
 
-Array = NDArray[np.float64]
-
-MISFIT = 0.03  # root mean square, relative to the path's: 1 % of ê₃'s length here; linear interpolation costs a tenth of it
+MISFIT = 0.03  # root mean square, relative to the path's: 1 % of an arrow's length here; linear interpolation costs a tenth of it
 HOPEFUL = 0.5  # the same before times are fitted: 1.5 samples of the fastest turn here cost a third
 TRIES = 6  # paths whose times are fitted, the best first
 MOST_SAMPLES = 400  # of a motion: laws grow with their square
@@ -18,126 +18,123 @@ MOST_PATHS = 64  # that are compared with a curve at any time, which only explai
 
 
 class Match(NamedTuple):
-    """Points p (3, v) of a body that ``paths`` follow, at ``times`` (f,)."""
+    """Points p (m, v) of a body, or multiples of a direction or trajectory, that ``paths`` follow at ``times`` (f,).
+
+    ``fit`` is that of the one path from which the times were found.
+    """
 
     times: Array
     points: Array
     paths: list[Path]
+    fit: timing.Fit
 
 
-def finely(values: Array) -> tuple[Array, Array]:
-    """Return values (n, …) on the grid of times, and their rates of change per sample."""
-    from scipy.interpolate import CubicSpline
+def finely(at: Array, t: Array, values: Array) -> tuple[Array, Array, Array, Array]:
+    """Return frames ``at`` (f, 3), times t (n,), and a motion, ``values`` (n, …), on the grid of times, with its rates.
 
-    n = len(values)
-    spline, samples = CubicSpline(np.arange(n), values.reshape(n, -1)), np.arange((n - 1) * timing.PER + 1) / timing.PER
-    return spline(samples).reshape(-1, *values.shape[1:]), spline(samples, 1).reshape(-1, *values.shape[1:])
-
-
-def fewer(at: Array, t: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Return a motion, ``values`` (n, …) at times (n,), at MOST_SAMPLES even steps of its sample numbers if it has more, and the
-    frames counted in these.
+    At most MOST_SAMPLES samples are kept, in even steps; frames and rates are then counted in these.
     """
     from scipy.interpolate import CubicSpline
 
-    n = len(t)
-    if n <= MOST_SAMPLES:
-        return at, t, values
-    kept, share = np.linspace(0, n - 1, MOST_SAMPLES), (MOST_SAMPLES - 1) / (n - 1)
+    n, kept = len(t), min(len(t), MOST_SAMPLES)
+    share, grid = (kept - 1) / (n - 1), np.linspace(0, n - 1, (kept - 1) * timing.PER + 1)
     number, value, total = at.T
-    indices = bool(np.all(value == np.rint(value)))
-    counted = np.column_stack([number * share, value * share if indices else value, 1 + (total - 1) * share])
-    few = CubicSpline(np.arange(n), values.reshape(n, -1))(kept).reshape(-1, *values.shape[1:])
-    return counted, np.interp(kept, np.arange(n), t), few
+    counted = np.column_stack([number * share, value * (share if np.all(value == np.rint(value)) else 1), 1 + (total - 1) * share])
+    spline = CubicSpline(np.arange(n), values.reshape(n, -1))
+    curve, rate = (x.reshape(-1, *values.shape[1:]) for x in (spline(grid), spline(grid, 1) / share))
+    return counted, np.interp(grid[:: timing.PER], np.arange(n), t), curve, rate
 
 
-def matched(picture: Picture, curves: Array, laws: Array) -> Match | None:
-    """Return the points of the body among the paths, if ``curves`` (G, d, 3) times p is how body point p is drawn."""
-    fits, (kinds, shift) = [], _kinds(picture, curves)
-    for bound, paths in kinds:
-        if not paths:
-            continue
-        basis = curves if bound else np.concatenate([curves, shift], axis=2)
-        values = np.stack([path.places for path in paths], axis=2)
-        share = timing.screened(basis, values, laws) / timing.spread(values)
-        fits += [(share[k, v], k, v, basis, values) for v in range(len(paths)) for k in [int(np.argmin(share[:, v]))]]
-    fits.sort(key=lambda fit: float(fit[0]))
-    for share, k, v, basis, values in fits[:TRIES]:
-        if share > HOPEFUL:
-            break
-        fit = timing.found(basis, values[:, :, [v]], laws[k], MISFIT * timing.spread(values[:, :, [v]])[0])
-        if fit:
-            return _all_at(fit.grid, kinds, curves, shift)
-    return None
+def matches(picture: Picture, curves: Array, laws: Array, *, shift: bool = True, limit: float = MISFIT) -> Iterator[Match]:
+    """Yield the paths that are ``curves`` (G, d, m) times points p (m,), with times found from one of them, the best first.
 
-
-def matched_at(picture: Picture, curves: Array, times: Array) -> Match:
-    """Return the points of the body among the paths at ``times`` (f,)."""
-    kinds, shift = _kinds(picture, curves)
-    return _all_at(timing.on_grid(times, len(curves)), kinds, curves, shift)
-
-
-def _kinds(picture: Picture, curves: Array) -> tuple[list[tuple[bool, list[Path]]], Array]:
-    """Return the paths from a fixed end and the others, and the functions of time that are the others'
-    constant shift.
+    Paths from a fixed end are not shifted, others by a constant if ``shift``. A single curve (m = 1) is not reversed.
     """
-    d = picture.dimensions
-    kinds = [(bound, [path for path in picture.paths if path.bound == bound]) for bound in (True, False)]
-    return kinds, np.broadcast_to(np.eye(d), (len(curves), d, d))
-
-
-def _all_at(grid: timing.Indices, kinds: list[tuple[bool, list[Path]]], curves: Array, shift: Array) -> Match:
-    """Return which of the paths are points of the body at the times of ``grid``."""
-    points, followed = [np.zeros((3, 0))], []
-    for bound, paths in kinds:
-        if not paths:
+    (G, d, m), kinds, tried = curves.shape, [], []
+    shifted = np.concatenate([curves, np.broadcast_to(np.eye(d), (G, d, d))], axis=2) if shift else curves
+    for bound, basis in ((True, curves), (False, shifted)):
+        paths = [path for path in picture.paths if path.bound == bound]
+        if paths and len(laws):
+            places = stacked(paths)
+            kinds.append((paths, places, basis))
+            share = np.round(timing.screened(basis, places, laws) / timing.spread(places), 6)
+            tried += [(share[k, v], laws[k], places[:, :, [v]], basis) for v, k in enumerate(np.argmin(share, axis=0))]
+    for share, law, one, functions in sorted(tried, key=lambda fit: float(fit[0]))[:TRIES]:
+        fit = timing.found(functions, one, law, limit) if share <= HOPEFUL else None
+        if fit is None or (m == 1 and fit.coefficients[0, 0] <= 0):
             continue
-        basis = curves if bound else np.concatenate([curves, shift], axis=2)
-        values = np.stack([path.places for path in paths], axis=2)
-        coefficients = timing.coefficients_at(basis, values, grid)
-        left = np.einsum("fem,mv->fev", basis[grid], coefficients) - values
-        whole, worst = timing.misfits(left)
-        ok = timing.Fit(grid / timing.PER, grid, coefficients, whole, worst).within(MISFIT * timing.spread(values))
-        points.append(coefficients[:3, ok])
-        followed += [path for path, good in zip(paths, ok, strict=True) if good]
-    return Match(grid / timing.PER, np.concatenate(points, axis=1), followed)
+        points, followed = [], list[Path]()
+        for paths, places, basis in kinds:
+            coefficients = timing.coefficients_at(basis, places, fit.grid)
+            ok = timing.misfits(basis[fit.grid] @ coefficients - places) <= limit * timing.spread(places)
+            points.append(coefficients[:m, ok])
+            followed += [path for path, good in zip(paths, ok, strict=True) if good]
+        yield Match(fit.times, np.concatenate(points, axis=1), followed, fit)
 
 
-def along(picture: Picture, curve: Array, laws: Array) -> timing.Fit | None:
-    """Return the times of a path that is ``curve`` (G, d), scaled."""
-    if not picture.paths:
+def matched(picture: Picture, curves: Array, laws: Array, *, shift: bool = True, limit: float = MISFIT) -> Match | None:
+    """Return the first of ``matches``, or None."""
+    return next(matches(picture, curves, laws, shift=shift, limit=limit), None)
+
+
+def stacked(paths: list[Path]) -> Array:
+    """Return the places (f, d, v) of paths."""
+    return np.stack([path.places for path in paths], axis=2)
+
+
+def together(basis: Array, drawn: Array, laws: Array, limit: float = MISFIT) -> timing.Fit | None:
+    """Return the fit of all paths (f, e, v) together, at the best of the times that ``laws`` allow; None if there is none."""
+    if not len(laws):
         return None
-    basis, values = curve[:, :, None], np.stack([path.places for path in picture.paths], axis=2)
-    whole = timing.spread(values)
-    share = timing.screened(basis, values, laws) / whole
-    for v in np.argsort(share.min(axis=0))[:TRIES]:
-        k = int(np.argmin(share[:, v]))
-        if share[k, v] > HOPEFUL:
-            break
-        fit = timing.found(basis, values[:, :, [v]], laws[k], MISFIT * whole[v])
-        if fit and fit.coefficients[0, 0] > 0:
-            return fit
-    return None
+    share, whole = np.linalg.norm(timing.screened(basis, drawn, laws), axis=1), np.linalg.norm(timing.spread(drawn))
+    k = int(np.argmin(share))
+    return timing.found(basis, drawn, laws[k], limit) if share[k] <= HOPEFUL * whole else None
 
 
-def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
-    """Return what the most mistimed frame shows, if a path keeps to ``curve`` (G, d) but at no times that a
-    law allows.
+class Mistake(NamedTuple):
+    """A known mistake: ``curves`` (G, k, m) of k coordinates are drawn at the times of ``laws`` (l, f), or for None at any times.
+
+    The ``sentence`` may have one place {} for what is wrong with the times. Curves that are points of a body (m = 3) or
+    have ``shift`` may be drawn anywhere. ``meant(match)`` returns whether a match counts.
     """
+
+    code: str
+    sentence: str
+    curves: Array
+    laws: Array | None
+    shift: bool = True
+    meant: Callable[[Match], bool] = lambda match: True
+
+
+def instead(
+    picture: Picture, views: list[Array], mistakes: Iterable[Mistake], frames: Frames, limit: float = MISFIT
+) -> Iterator[Shown]:
+    """Yield the ``mistakes`` that a picture shows through one of the ``views`` (d, k)."""
+    for mistake in mistakes:
+        for view in views:
+            curves = view @ mistake.curves
+            if mistake.laws is None:
+                how = _at_any_time(picture, curves[:, :, 0], frames.at)
+            else:
+                match = matched(picture, curves, mistake.laws, shift=mistake.shift, limit=limit)
+                how = frames.wrong(match.times) if match and mistake.meant(match) else ""
+            if how:
+                yield Shown(False, mistake.code, mistake.sentence.format(how))
+
+
+def _at_any_time(picture: Picture, curve: Array, at: Array) -> str:
+    """Return what the most mistimed frame shows, if a path keeps to ``curve`` (G, d) but at no times that a law allows; else ""."""
     from scipy.spatial import KDTree
 
     even = at[:, 0] / np.maximum(at[:, 2] - 1, 1) * (len(curve) - 1)
     total, tree = at[0, 2], KDTree(curve)
     for path in picture.paths[:MOST_PATHS]:
         scale, spread = np.sqrt(np.mean(path.places**2) / np.mean(curve**2)), np.std(path.places - path.places.mean(axis=0))
-        left = np.inf
         for turn in range(4):
-            if scale <= 0:
-                break
-            nearest = tree.query(path.places / scale)[1]
-            scale = np.sum(path.places * curve[nearest]) / np.sum(curve[nearest] ** 2)
-            left = np.sqrt(np.mean((path.places - scale * curve[nearest]) ** 2))
-            if turn and left > HOPEFUL * spread:
+            nearest = curve[tree.query(path.places / scale)[1]]
+            scale = np.sum(path.places * nearest) / np.sum(nearest**2)
+            left = np.sqrt(np.mean((path.places - scale * nearest) ** 2))
+            if scale <= 0 or (turn and left > HOPEFUL * spread):
                 break
         if scale > 0 and left <= MISFIT * spread:
             distance = np.linalg.norm(path.places[:, None] - scale * curve, axis=2)
@@ -145,16 +142,9 @@ def at_any_time(picture: Picture, curve: Array, at: Array) -> str | None:
             off = np.where(same, np.abs(np.arange(len(curve)) - even[:, None]), np.inf)  # the curve may return to a place
             moves = np.any(np.abs(np.diff(path.places, axis=0)) > MOVES * np.abs(path.places).max(), axis=1)
             if (until := at[int(np.flatnonzero(moves)[-1]) + 1, 0]) < (1 - timing.HELD) * (total - 1):
-                return f"from frame {until:.0f} of {total:.0f} on the picture stands still"
+                return f"its samples are mistimed: from frame {until:.0f} of {total:.0f} on the picture stands still"
             k = int(np.argmax(off.min(axis=1)))
-            return f"frame {at[k, 0]:.0f} of {total:.0f} shows sample {np.argmin(off[k]) / timing.PER:.0f}"
-    return None
-
-
-def timed(basis: Array, drawn: Array, laws: Array) -> timing.Fit | None:
-    """Return the fit of all paths (f, e, v) together, at the best of the times that ``laws`` allow; None if there is none."""
-    share, whole = timing.screened(basis, drawn, laws), np.linalg.norm(timing.spread(drawn))
-    k = int(np.argmin(np.linalg.norm(share, axis=1)))
-    if np.linalg.norm(share[k]) > HOPEFUL * whole:
-        return None
-    return timing.found(basis, drawn, laws[k], float(MISFIT * whole))
+            return (
+                f"its samples are mistimed: frame {at[k, 0]:.0f} of {total:.0f} shows sample {np.argmin(off[k]) / timing.PER:.0f}"
+            )
+    return ""

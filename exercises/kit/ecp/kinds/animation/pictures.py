@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.checks import Arrays
-
-Array = NDArray[np.float64]
+from ecp.kinds.animation.timing import Array
 
 MOVES = 1e-3  # of its distance from the origin
 POLAR = -2.0  # in place of the labels of polar axes
@@ -18,9 +16,7 @@ FIRST_STILL = 3  # points of an artist that may be the fixed end of what moves
 
 
 class Path(NamedTuple):
-    """The ``places`` (f, d) of a point of ``artist``. If ``bound``, they are relative to ``origin`` (d,), a
-    fixed point of that artist.
-    """
+    """The ``places`` (f, d) of a point of ``artist``; if ``bound``, relative to ``origin`` (d,), a fixed point of that artist."""
 
     artist: int
     places: Array
@@ -29,8 +25,7 @@ class Path(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """One axes of ``dimensions`` 2 or 3: paths, for each artist the points (s, d) that stay, and sets (f, s,
-    d) without order.
+    """One axes of ``dimensions`` 2 or 3: paths, each artist's points (s, d) that stay, and sets (f, s, d) without order.
 
     ``plane``: of 2-D axes the two coordinates that the labels name, 0, 1, 2 for x, y, z, or None.
     """
@@ -68,9 +63,7 @@ def pictures(seen: Arrays) -> list[Picture]:
 
 
 def _directions(points: Array) -> Array:
-    """Return unit vectors (p, f, 3) of points (p, f, 2) on a map whose radius is the angle from z, in degrees
-    if it exceeds a turn.
-    """
+    """Return unit vectors (p, f, 3) of points (p, f, 2) on a map with the angle from z as radius, in degrees if above a turn."""
     radius = np.linalg.norm(points, axis=2, keepdims=True)
     angle = np.radians(radius) if radius.max() > 2 * np.pi else radius
     return np.concatenate([np.sin(angle) * points / np.where(radius > 0, radius, 1.0), np.cos(angle)], axis=2)
@@ -92,24 +85,21 @@ def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Pi
             else:
                 paths += [Path(int(artist), place - end, True, end) for end in points[~moves, 0][:FIRST_STILL]]
     ends = [path.places + path.origin for path in paths if path.bound]
-    paths = [path for path in paths if path.bound or not any(_same(path.places, end) for end in ends)]
+
+    def is_end(places: Array) -> bool:  # the tip of an arrow drawn twice is not a free point
+        return any(np.abs(places - end).max() <= MOVES * np.ptp(places, axis=0).max() for end in ends)
+
+    paths = [path for path in paths if path.bound or not is_end(path.places)]
     sets = [np.swapaxes(tracks[artists == artist], 0, 1) for artist in np.unique(artists[artists < 0])]
     return Picture(d, paths, still, sets, plane)
 
 
 def _arrow(points: Array) -> Array:
-    """Return the one point (1, d) furthest from the tail at zero, if that is one of ``points`` (s, d) as in
-    an arrow with a head.
-    """
+    """Return the one point (1, d) furthest from the tail at zero, if ``points`` (s, d) hold that, as an arrow with a head does."""
     lengths = np.linalg.norm(points, axis=1)
     far = points[lengths >= 0.99 * lengths.max()]
     single = lengths.min() <= WIDE * lengths.max() and np.ptp(far, axis=0).max() <= MOVES * lengths.max()
     return far[:1] if single else points[:0]
-
-
-def _same(places: Array, others: Array) -> bool:
-    """Return whether two paths (f, d) are one: the tip of an arrow drawn twice, which is not a free point."""
-    return bool(np.abs(places - others).max() <= MOVES * np.ptp(places, axis=0).max())
 
 
 def changed(drawn: list[Picture]) -> int:
@@ -120,19 +110,13 @@ def changed(drawn: list[Picture]) -> int:
     return int(np.sum(np.any(steps, axis=0)))
 
 
-def origins(paths: list[Path]) -> list[Array]:
-    """Return the fixed ends of ``paths``."""
-    return [path.origin for path in paths if path.bound]
+def directions(picture: Picture, paths: list[Path]) -> tuple[Array, Array]:
+    """Return directions (k, d) that stay: those of few points or of a line, and of these the ones with a known tail.
 
-
-def directions(picture: Picture, origins: list[Array]) -> tuple[Array, Array]:
-    """Return directions (k, d) that stay: those of few points or of a line, and of these the lines and arrows
-    with a known tail.
-
-    A tail is known at one of ``origins``, the fixed ends of what moves, or at the zero of the axes.
+    A tail is known at a fixed end of ``paths`` or at the zero of the axes.
     """
     some, sure = [np.zeros((0, picture.dimensions))], [np.zeros((0, picture.dimensions))]
-    tails = [np.zeros(picture.dimensions), *origins]
+    tails = [np.zeros(picture.dimensions), *(path.origin for path in paths if path.bound)]
     for points in picture.still:
         steps = points - points[0]
         straight = len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()

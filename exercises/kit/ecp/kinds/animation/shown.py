@@ -1,17 +1,15 @@
 """What an animation shows of a motion: whether it moves and can be seen, and why it cannot be judged."""
 
-from collections.abc import Callable
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+import pickle
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple, TypeVar
 
 from ecp.animation_recording import moving_share
 from ecp.checks import Arrays, Check, holds
-from ecp.kinds.animation import timing
 from ecp.kinds.animation.pictures import Picture, changed, is_consistent, pictures
+from ecp.kinds.animation.timing import LEAST_FRAMES, Array
 
-Array = NDArray[np.float64]
+T = TypeVar("T")
 
 STILL = 1e-4  # share of the pixels; a picture in which fewer change does not move
 RARELY = 0.03  # share of the frames or samples; a drawing that changes at fewer shows no motion
@@ -36,35 +34,44 @@ class Shown(NamedTuple):
     misfit: float | None = None
 
 
-def judged(seen: Arrays, what: str, compared: Callable[[list[Picture]], tuple[int, Shown]]) -> Shown:
-    """Return what the recording ``seen`` shows of ``what`` follows the motion, or why it shows nothing.
+_last: list[Any] = []  # the last recording, what was asked of it, and the answer
 
-    ``compared(pictures)`` returns the number of samples of the motion, and what the pictures show of it.
+
+def remembered(seen: Arrays, asked: Any, answer: Callable[[], T]) -> T:
+    """Return ``answer()``, or the last one if ``asked`` and the recording are the same: several checks need the same."""
+    key = pickle.dumps(asked)
+    if not (_last and _last[0] is seen and _last[1] == key):
+        _last[:] = [seen, key, answer()]
+    found: T = _last[2]
+    return found
+
+
+def judged(
+    seen: Arrays, n: int, names: Iterable[str], compared: Callable[[list[Picture]], Mapping[str, Shown]]
+) -> dict[str, Shown]:
+    """Return for each of ``names`` what of the recording ``seen`` follows that motion of n samples, or why it shows nothing.
+
+    ``compared(pictures)`` returns what the pictures show by name.
     """
     if not is_consistent(seen):
-        return Shown(False, None, INCONSISTENT)
-    drawn, painted, invisible = pictures(seen), seen["cost"][4] > 0, seen["visible"][1]
+        return dict.fromkeys(names, Shown(False, None, INCONSISTENT))
+    drawn, painted, invisible, frames = pictures(seen), seen["cost"][4] > 0, seen["visible"][1], len(seen["at"])
     if not any(picture.paths for picture in drawn):
         code = "static" if (any(picture.still for picture in drawn) or invisible) and not painted else None
-        return Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING)
-    if len(seen["at"]) < timing.LEAST_FRAMES:
-        return Shown(False, "wrong-frames", f"too short to show the motion: {len(seen['at'])} frames")
-    n, shown = compared(drawn)
-    if shown.found is False and not painted and (changes := changed(drawn)) <= RARELY * min(len(seen["at"]), n):
-        sentence = f"the drawing changes at only {changes} of {len(seen['at'])} frames: is each frame drawn from its own sample?"
-        return Shown(False, "static", sentence)
-    if painted and not shown.found:
-        shown = Shown(None, None, f"the picture is painted as pixels, and nothing else that moves shows {what}")
-    if invisible and not shown.found:
-        shown = shown._replace(sentence=f"{shown.sentence}; artists that cannot be seen do not count")
-    return shown
+        return dict.fromkeys(names, Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING))
+    if frames < LEAST_FRAMES:
+        return dict.fromkeys(names, Shown(False, "wrong-frames", f"too short to show the motion: {frames} frames"))
+    found, changes = compared(drawn), changed(drawn)
 
+    def doubted(name: str, shown: Shown) -> Shown:
+        if shown.found is False and not painted and changes <= RARELY * min(frames, n):
+            sentence = f"the drawing changes at only {changes} of {frames} frames: is each frame drawn from its own sample?"
+            return Shown(False, "static", sentence)
+        if painted:
+            shown = Shown(None, None, f"the picture is painted as pixels, and nothing else that moves shows {name}")
+        return shown._replace(sentence=f"{shown.sentence}; artists that cannot be seen do not count") if invisible else shown
 
-def samples(times: Array, n: int) -> str:
-    """Return which of ``n`` samples the ``times`` (f,) cover, for a report."""
-    step = max(timing.SLACK, float(np.diff(np.sort(times)).max()) + 0.5)
-    low, high = times.min(), times.max()
-    return f"all {n} samples" if low <= step and high >= n - 1 - step else f"samples {low:.0f}–{high:.0f} of {n}"
+    return {name: found[name] if found[name].found else doubted(name, found[name]) for name in names}
 
 
 def standstill(seen: Arrays, still: float = STILL) -> str | None:

@@ -1,0 +1,218 @@
+"""What an author passes to the functions that make questions, and the errors of arguments of a wrong type."""
+
+import ast
+import inspect
+import math
+import reprlib
+import typing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import NoneType, UnionType
+from typing import Annotated, Any
+
+import numpy as np
+
+from ecp.checks import MOST_POINTS
+from ecp.kinds.alignment import UP_TO
+from ecp.outcome import Tolerance
+
+ARGUMENTS = "fiubU"  # kinds of dtype
+SHORT = reprlib.Repr()
+SHORT.maxother = SHORT.maxstring = 90
+Draw = Callable[[np.random.Generator], Any]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a value must be besides its type; ``text`` continues the sentence "it must be"."""
+
+    text: str
+    test: Callable[[Any], Any]
+
+    def holds(self, value: Any) -> bool:
+        """Return whether the test is true and raises nothing that a wrong value causes."""
+        try:
+            return bool(self.test(value))
+        except (TypeError, ValueError, SyntaxError):
+            return False
+
+
+def _is_named(function: Callable[..., Any]) -> bool:
+    return all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(function).parameters.values())
+
+
+def _is_numeric(value: Any) -> bool:
+    array = np.asarray(value)
+    return array.dtype.kind in "fiu" and array.size > 0 and bool(np.all(np.isfinite(array)))
+
+
+def _is_argument(value: Any) -> bool:
+    array = np.asarray(value)
+    return array.dtype.kind in ARGUMENTS and array.size > 0
+
+
+Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
+Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
+Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
+Numbers = Annotated[Any, Rule("a real number or an array of real numbers", _is_numeric)]
+Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", lambda a: _is_numeric(a) and np.min(a) > 0)]
+Text = Annotated[str, Rule("a text that is not empty", str.strip)]
+Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
+Named = Annotated[Callable[..., Any], Rule("a function whose parameters have names", _is_named)]
+Points = Annotated[int, Rule(f"an integer from 1 to {MOST_POINTS}", lambda n: 1 <= n <= MOST_POINTS)]
+UpTo = Annotated[str, Rule(f"one of: {', '.join(UP_TO)}", UP_TO.__contains__)]
+Limit = Annotated[Tolerance, Rule("Tolerance(limit=…, reason=…)", lambda t: t.limit is not None)]
+Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", lambda t: t.limit is None)]
+Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
+
+
+Asked = Annotated[Any, Rule("a real number, a string, an array of real numbers, a draw or a family", _is_argument)]
+
+
+@dataclass(frozen=True)
+class Family:
+    """A function argument: an expression ``text`` over some variables, with parameters that are constant or drawn."""
+
+    text: Expression
+    over: tuple[str, ...]
+    given: Mapping[str, Draw | Asked]
+
+
+Ask = Mapping[str, Family | Draw | Asked]
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A known wrong answer: ``old`` in the right solution's source replaced by ``new``.
+
+    With a ``code`` it is a diagnosis, whose ``sentence`` says what the student did. ``line`` is its place in the declaration.
+    """
+
+    old: str
+    new: str
+    code: str | None = None
+    sentence: str = ""
+    line: int = 0
+
+    def source(self, right: str) -> str:
+        """Return the source with the mistake, from that of the right solution."""
+        return right.replace(self.old, self.new)
+
+
+@dataclass(frozen=True)
+class Itself:
+    """The declaration that the right solution is its own truth, and why nothing else can be."""
+
+    reason: Text
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value that a function returns: its tolerance, its label, and what it leaves ``up_to`` (ecp.kinds.alignment).
+
+    ``points`` is what each of its checks is worth, the public and the hidden one. With ``partial`` a ✗ earns the points times the
+    fraction of inputs that are right, rounded down.
+    """
+
+    tolerance: Tolerance
+    label: str | None = None
+    up_to: UpTo | None = None
+    points: Points = 1
+    partial: bool = False
+
+
+Agree = Tolerance | Value | Annotated[Mapping[str, Tolerance | Value], Rule("a dict of them for several values", bool)]
+"""A tolerance, or one with its label and points, of a single value, or those of several values by name."""
+Truth = Named | Itself
+LimitOrValue = Limit | Annotated[Value, Rule("Value(Tolerance(limit=…))", lambda v: getattr(v.tolerance, "limit", 0) is not None)]
+
+
+def named_values(agree: Agree, label: str | None = None, **of_one: Any) -> dict[str, Value]:
+    """Return the values that a question agrees on by name; a single one, with the other arguments of Value, is "value"."""
+    if not isinstance(agree, Tolerance) and (label or of_one.get("up_to") or of_one.get("partial") or of_one.get("points", 1) != 1):
+        raise ValueError("label=, up_to=, points= and partial= are for a single Tolerance: give them to each Value(…) instead")
+    if isinstance(agree, Mapping):
+        return {name: value if isinstance(value, Value) else Value(value) for name, value in agree.items()}
+    return {"value": agree if isinstance(agree, Value) else Value(agree, label, **of_one)}
+
+
+def tolerance_data(tolerance: Tolerance) -> dict[str, Any]:
+    """Return a tolerance as JSON: the arguments of Tolerance."""
+    return {key: number for key, number in vars(tolerance).items() if number is not None}
+
+
+def type_errors(name: str, value: Any, hint: Any) -> Iterator[str]:
+    """Yield what a value, or a part of it, is and what its type ``hint`` requires, as sentences; and the errors of tolerances."""
+    options = typing.get_args(hint) if typing.get_origin(hint) in UNIONS else (hint,)
+    parts = next((parts for one in options if (parts := _parts(value, one)) is not None), None)
+    if parts is None:
+        yield f"{name} is {SHORT.repr(value)}; it must be {_text(hint)}"
+        return
+    errors = [error for at, part, of in parts for error in type_errors(f"{name}{at}", part, of)]
+    if isinstance(value, Tolerance) and not errors:
+        errors = [f"{name}: {error}" for error in tolerance_errors(value)]
+    yield from errors
+
+
+def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
+    """Yield the errors of a tolerance."""
+    numbers = [number for number in (tolerance.rtol, tolerance.atol, tolerance.limit) if number is not None]
+    if not numbers:
+        yield "the tolerance has no number: give rtol, atol or limit"
+    if tolerance.limit is not None and len(numbers) > 1:
+        yield "the tolerance has limit beside rtol or atol: give one or the other"
+    if any(not (isinstance(number, int | float) and number >= 0 and math.isfinite(number)) for number in numbers):
+        yield "a tolerance must be a finite number ≥ 0"
+    if not tolerance.reason.strip():
+        yield "the tolerance has no reason"
+
+
+def _split(hint: Any) -> tuple[Any, tuple[Any, ...], list[Rule]]:
+    """Return the class of a type hint, the hints of its parts, and its rules."""
+    base, *rules = typing.get_args(hint) if typing.get_origin(hint) is Annotated else (hint,)
+    return typing.get_origin(base) or base, typing.get_args(base), rules
+
+
+def _parts(value: Any, hint: Any) -> list[tuple[str, Any, Any]] | None:
+    """Return the parts of a value, each with its place and type hint, or None if the value is of another class or breaks a rule."""
+    kind, of, rules = _split(hint)
+    parts: list[tuple[str, Any, Any]] | None = None
+    if kind is Mapping and isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+        parts = [(f": {name}", part, of[1]) for name, part in value.items()]
+    elif kind in (tuple, Sequence) and isinstance(value, tuple | list):
+        each = [of[0]] * len(value) if kind is Sequence or ... in of else of
+        parts = [(f"[{k}]", *part) for k, part in enumerate(zip(value, each, strict=True))] if len(each) == len(value) else None
+    elif kind is Any or (kind is Callable and callable(value)):
+        parts = []
+    elif kind in (int, float):
+        parts = [] if isinstance(value, int | kind) and not isinstance(value, bool) else None
+    elif kind not in (Mapping, tuple, Sequence, Callable) and isinstance(value, kind):
+        parts = [(f": {name}", getattr(value, name), one) for name, one in typing.get_type_hints(kind, include_extras=True).items()]
+    return parts if parts is not None and all(rule.holds(value) for rule in rules) else None
+
+
+def _text(hint: Any) -> str:
+    """Return what a value must be."""
+    kind, of, rules = _split(hint)
+    if rules or kind in WORDS:
+        return rules[-1].text if rules else WORDS[kind]
+    if kind in UNIONS:
+        return " or ".join(map(_text, of))
+    if kind in (tuple, Sequence):
+        return f"a list of {_text(of[0])}" if kind is Sequence or ... in of else f"({', '.join(map(_text, of))})"
+    return f"a dict of {_text(of[1])}" if kind is Mapping else f"{kind.__name__}(…)"
+
+
+UNIONS = (typing.Union, UnionType)
+WORDS = {
+    Any: "anything",
+    Callable: "a function",
+    str: "a string",
+    int: "an integer",
+    float: "a number",
+    bool: "True or False",
+    NoneType: "None",
+    Mistake: "mistake(…)",
+    Itself: "itself(…)",
+    Family: "family(…)",
+}

@@ -1,0 +1,94 @@
+"""Whether a drawing along L stays there, and what it does instead."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ecp.checks import Arrays
+from ecp.kinds.animation import cameras
+from ecp.kinds.animation.body.comparing import compared
+from ecp.kinds.animation.body.motion import Body, Motion
+from ecp.kinds.animation.cameras import PARALLEL
+from ecp.kinds.animation.matching import Mistake, instead
+from ecp.kinds.animation.pictures import Picture, directions, is_consistent, pictures
+from ecp.kinds.animation.shown import INCONSISTENT, Shown
+from ecp.kinds.animation.timing import LEAST_FRAMES, Array
+
+MOVES = "L moves with the body: L is fixed in space, do not apply R to it"
+BODY_AXES = "drawn in body axes, where L moves and the axes stay: apply R to the body's points"
+OMEGA = "the drawing follows ω, which moves: L is fixed in space"
+
+
+def momentum_shown(seen: Arrays, body: Body) -> Shown:
+    """Return whether a direction drawn along L of ``body`` stays there, by the camera that draws the body or else as space is."""
+    assert body.L is not None
+    if not is_consistent(seen):
+        return Shown(None, None, INCONSISTENT)
+    drawn, unit = pictures(seen), body.L / np.linalg.norm(body.L)
+    enough = len(seen["at"]) >= LEAST_FRAMES and any(picture.paths for picture in drawn)
+    found = compared(seen, drawn, body).cameras if enough else ()
+    reversed_ = False
+    for picture, camera in zip(drawn, found or (None,) * len(drawn), strict=True):
+        some, sure = directions(picture, picture.paths)
+        for view in [camera] if camera is not None else cameras.plain(picture.dimensions):
+            if np.linalg.norm(view @ unit) <= PARALLEL:
+                if _end_on(picture):
+                    return Shown(True, None, "L points at the viewer, and a point stays there")
+            elif cameras.points_along(some, sure, view @ unit):
+                return Shown(True, None, "a direction along L stays the same")
+            else:
+                reversed_ = reversed_ or cameras.parallel(sure, -(view @ unit))
+    if reversed_:
+        return Shown(False, "reversed-angular-momentum", "the line or arrow for L points along −L")
+    if enough and (wrong := next(_instead_of_momentum(drawn, Motion(body, seen["at"]), unit), None)):
+        return wrong
+    return Shown(None, None, "no direction along L was found in the lines and arrows of the axes: draw L as a line or an arrow")
+
+
+def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> Iterator[Shown]:
+    """Yield what moves as L does in the body, or by R, and what is fixed along another direction."""
+    views = [
+        (picture, view, *directions(picture, picture.paths)) for picture in drawn for view in cameras.plain(picture.dimensions)
+    ]
+    for picture, view, some, _ in views:
+        still = motion.axis is not None and cameras.parallel(some, view[:, motion.axis])
+        inside = BODY_AXES if still else MOVES
+        moving = ((MOVES, motion.R @ unit), (inside, unit @ motion.R), (OMEGA, motion.w))
+        laws = motion.frames.laws
+        wrong = [Mistake("moving-angular-momentum", how, x[:, :, None], laws, shift=False) for how, x in moving]
+        yield from instead(picture, [view], wrong, motion.frames)
+    for _, view, _, sure in views:
+        if sentence := _fixed_elsewhere(sure[np.any(sure != 0, axis=1)], view, motion, unit):
+            yield Shown(None, "wrong-angular-momentum", f"{sentence}: draw L as it is given")
+
+
+def _end_on(picture: Picture) -> bool:
+    """Return whether a point stays at the centre of a circle on which another one runs."""
+    still = np.concatenate([np.zeros((0, picture.dimensions)), *picture.still])
+    for path in picture.paths:
+        places = path.places + path.origin
+        design = np.concatenate([2 * places, np.ones((len(places), 1))], axis=1)
+        centre = np.linalg.lstsq(design, np.sum(places**2, axis=1), rcond=None)[0][:-1]
+        radii = np.linalg.norm(places - centre, axis=1)
+        near = np.linalg.norm(still - centre, axis=1) <= PARALLEL * radii.mean()
+        if np.ptp(radii) <= 2 * PARALLEL * radii.mean() and near.any():
+            return True
+    return False
+
+
+def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> str:
+    """Return where the only fixed line points if that is not L. Of several lines, such as axes, none needs to be L."""
+    single = len(sure) > 0 and all(cameras.parallel(np.array([one, -one]), sure[0]) for one in sure)
+    along = [name for name, direction in zip("xyz", view.T, strict=True) if cameras.parallel(sure, direction)]
+    if single and len(along) == 1:
+        return f"a fixed line points along {along[0]}, but L points along ({_components(unit)})"
+    body = view @ (motion.R[0].T @ unit)
+    if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):
+        return "the fixed line uses the body components of L: convert them with R·L_body"
+    if single and not along and len(view) == 3:
+        return f"the only fixed line points along ({_components(sure[0])}), but L points along ({_components(unit)})"
+    return ""
+
+
+def _components(direction: Array) -> str:
+    return ", ".join(f"{x:.2f}" for x in direction / np.linalg.norm(direction))

@@ -1,0 +1,232 @@
+"""Lines of a published notebook's validation cells, as checks.
+
+The server runs the published cells in place of the student's copies. The arguments of each ``validate`` call
+leave the sandbox as data and are judged again. The student's code computed them, so a line is self-reported and
+carries no points until the author names a truth or trusts it.
+"""
+
+import ast
+import builtins
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecp.checks import Check
+from ecp.claims import KINDS, Claim
+from ecp.exercise import Exercise
+from ecp.judge import Judgement, Verdict
+from ecp.notebook.cells import python_of, statements_of
+from ecp.outcome import Outcome, Tolerance
+from exercises.assignment import PublishedCell
+from exercises.author_notebook import INSTALL, SOLUTION, Cell
+
+VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
+LABEL_AT = {"close": 2, "conserved": 1, "check": 1, "positive": 1, "below": 2}
+"""The position of the argument ``label`` of each function of ``ecp.validate``."""
+LINE = "-line-"  # in the id of each line's check
+NOTEBOOK = "the notebook's own"
+SELF_REPORTED = "self-reported: the student's code computes both sides"
+
+
+class Call(NamedTuple):
+    """A call of ``ecp.validate`` in a cell: its line and column, its kind, its label, its first two arguments, and
+    whether it is inside a function.
+
+    The expressions of a label that is not a plain string stand in braces.
+    """
+
+    place: tuple[int, int]
+    kind: str
+    label: str
+    arguments: tuple[str, str] = ("", "")
+    in_function: bool = False
+
+
+@dataclass(frozen=True)
+class Line:
+    """The declaration of a line: its ``label``, and what makes it count."""
+
+    label: str
+    truth: Any = None
+    trust: bool = False
+    points: int = 1
+    line: int = 0
+
+    @property
+    def counts(self) -> bool:
+        """Whether the line carries points."""
+        return self.trust or self.truth is not None
+
+
+@dataclass(frozen=True)
+class ReportedLine(Check):
+    """A check of the claims that a published cell made at one place of its source."""
+
+    cell: str = ""
+    place: tuple[int, int] = (0, 0)
+    declared: Line = Line("")
+
+    def errors(self) -> list[str]:
+        """Return the errors of the declaration. A line without points has none of its own."""
+        return super().errors() if self.declared.counts else []
+
+    def reported(self, claims: Sequence[Claim], cause: str) -> Outcome:
+        """Return the outcome of the ``claims`` made at its place; without one it is unmeasured for this ``cause``.
+
+        Where the call was made several times, all of them must hold, and the first that does not is shown.
+        """
+        judged = [(claim, self._judged(claim)) for claim in claims]
+        if not judged:
+            return self._marked(self.unmeasured(cause), {})
+        claim, found = next((pair for pair in judged if pair[1].verdict is not Verdict.PASS), judged[-1])
+        outcome = self._outcome(found, [])
+        outcome.label = claim.label or self.label
+        if found.verdict is Verdict.UNMEASURED:
+            outcome.cause = found.detail
+        return self._marked(outcome, claim.numbers)
+
+    def _judged(self, claim: Claim) -> Judgement:
+        if self.declared.truth is None or claim.unfit or claim.left_out:
+            return claim.judged()
+        truth = self.declared.truth() if callable(self.declared.truth) else self.declared.truth
+        return replace(claim, arrays={**claim.arrays, "expected": np.asarray(truth, dtype=float)}).judged()
+
+    def _marked(self, outcome: Outcome, numbers: Mapping[str, float]) -> Outcome:
+        allowed = {"rel_drift": "limit"}
+        known = {allowed.get(name, name): value for name, value in numbers.items()}
+        outcome.tolerance = Tolerance(**known, reason=self.tolerance.reason)
+        if not self.declared.counts:
+            outcome.counted, outcome.points, outcome.self_reported = False, 0, True
+        return outcome
+
+
+def is_self_reported(check: Check) -> bool:
+    """Return whether a check is a line that carries no points."""
+    return isinstance(check, ReportedLine) and not check.declared.counts
+
+
+def calls(source: str) -> list[Call]:
+    """Return the calls of ``validate`` in a code cell, in the order of the source."""
+    tree = ast.parse(python_of(source) or "")
+    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
+    inside = {id(node) for function in functions for node in ast.walk(function)}
+    found = [(node, kind) for node in ast.walk(tree) if isinstance(node, ast.Call) and (kind := _kind(node))]
+    made = [
+        Call((n.lineno, n.col_offset), kind, _label(n, kind), (_argument(n, 0), _argument(n, 1)), id(n) in inside)
+        for n, kind in found
+    ]
+    return sorted(made)
+
+
+def _argument(node: ast.Call, at: int) -> str:
+    return " ".join(ast.unparse(node.args[at]).split()) if len(node.args) > at else ""
+
+
+def _kind(node: ast.Call) -> str | None:
+    match node.func:
+        case ast.Attribute(value=ast.Name(id="validate") | ast.Attribute(attr="validate"), attr=kind) if kind in KINDS:
+            return kind
+    return None
+
+
+def _label(node: ast.Call, kind: str) -> str:
+    given = {keyword.arg: keyword.value for keyword in node.keywords}
+    at = LABEL_AT[kind]
+    return _text(given.get("label", node.args[at] if len(node.args) > at else ast.Constant("")))
+
+
+def _text(node: ast.expr) -> str:
+    match node:
+        case ast.Constant(value=str(text)):
+            return " ".join(text.split())
+        case ast.JoinedStr(values=parts):
+            return " ".join("".join(_part(part) for part in parts).split())
+    return f"{{{ast.unparse(node)}}}"
+
+
+def _part(part: ast.expr) -> str:
+    return str(part.value) if isinstance(part, ast.Constant) else ast.unparse(ast.JoinedStr([part]))[2:-1]
+
+
+def published_cells(cells: Sequence[Cell], names: Sequence[str]) -> tuple[PublishedCell, ...]:
+    """Return the code cells of the published notebook. Those that the student fills in are tagged as solutions or bind a name
+    of ``names``.
+    """
+    code = [cell for cell in cells if cell.kind == "code" and INSTALL not in cell.tags]
+    return tuple(
+        PublishedCell(f"published cell {number}", cell.source, not (SOLUTION in cell.tags or cell.bound() & set(names)), cell.id)
+        for number, cell in enumerate(code, 1)
+    )
+
+
+class Placed(NamedTuple):
+    """A call in a published cell, with the text of the heading above it."""
+
+    cell: PublishedCell
+    call: Call
+    heading: str
+
+
+def placed_calls(cells: Sequence[Cell], published: Sequence[PublishedCell]) -> Iterator[Placed]:
+    """Yield the validation calls of the given cells in order. Headings such as "Validation 2" do not count."""
+    heading, code = "", iter(published)
+    for cell in cells:
+        heading = next((text for _, text in reversed(cell.headings) if not VALIDATION.match(text)), heading)
+        if cell.kind == "code" and INSTALL not in cell.tags and (one := next(code)).is_given:
+            yield from (Placed(one, call, heading) for call in calls(one.source))
+
+
+def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]:
+    """Yield an error for each line that the notebook does not have in that order, or that cannot count."""
+    left = [placed.call for placed in placed_calls(cells, published_cells(cells, ()))]
+    for line in (line for section in sections for line in section.lines):
+        call = next((call for call in left if call.label == line.label), None)
+        if call is None:
+            yield f"line {line.line}: no validation cell has, after the lines before, the label {line.label!r}"
+            continue
+        left = left[left.index(call) + 1 :]
+        if line.truth is not None and call.kind != "close":
+            remedy = "use trust=True, or ask a question"
+            yield f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace: {remedy}"
+
+
+def reported_exercises(exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[Exercise]:
+    """Yield the exercises with their lines as checks. The student defines the names that their cells read."""
+    names = [name for section in sections for name in section.names]
+    published = published_cells(cells, names)
+    left = list(placed_calls(cells, published))
+    for exercise, section in zip(exercises, sections, strict=True):
+        checks, used = list[Check](), list[PublishedCell]()
+        for k, line in enumerate(section.lines, 1):
+            at = next(k for k, placed in enumerate(left) if placed.call.label == line.label)
+            (cell, call, _), left = left[at], left[at + 1 :]
+            used.append(cell)
+            checks.append(_check(f"{exercise.number}{LINE}{k}", line, cell, call))
+        read = tuple(name for name in read_names(published, used) if name not in exercise.functions)
+        yield replace(
+            exercise,
+            functions=(*exercise.functions, *read),
+            variables=(*exercise.variables, *read),
+            checks=(*exercise.checks, *checks),
+        )
+
+
+def _check(id: str, line: Line, cell: PublishedCell, call: Call) -> ReportedLine:
+    def word(seen: Any, truth: Any) -> Judgement:
+        raise NotImplementedError
+
+    reason = NOTEBOOK if line.counts else f"{NOTEBOOK}; {SELF_REPORTED}"
+    points = line.points if line.counts else 0
+    return ReportedLine(
+        id, line.label, (), word, Tolerance(reason=reason), points=points, cell=cell.name, place=call.place, declared=line
+    )
+
+
+def read_names(cells: Sequence[PublishedCell], used: Sequence[PublishedCell]) -> list[str]:
+    """Return the names that the cells ``used`` read and that no given cell binds: the student must define them."""
+    given = {name for cell in cells if cell.is_given for s in statements_of(cell.source) for name in s.names.bound}
+    read = [name for cell in used for s in statements_of(cell.source) for name in sorted(s.names.now | s.names.later)]
+    return [name for name in dict.fromkeys(read) if name not in given and not hasattr(builtins, name)]

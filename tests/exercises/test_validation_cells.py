@@ -1,0 +1,60 @@
+"""Validation calls are found in the cells of a published notebook, with label and place."""
+
+import pytest
+
+from exercises.author import Notebook, line
+from exercises.validation_cells import calls
+from tests.support.course_shape import published, written
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ('validate.close(a, b, "one", rtol=1e-3)', [("close", "one")]),
+        (
+            'ok = validate.conserved(E, "two")\nok = ok and validate.check(ok, label="three")',
+            [("conserved", "two"), ("check", "three")],
+        ),
+        ('validate.check(\n    a > 1,\n    "four "\n    "lines",\n)', [("check", "four lines")]),
+        ('for n in x:\n    validate.close(n, 1, f"order {n:.2f} of {len(x)}")', [("close", "order {n:.2f} of {len(x)}")]),
+        ("validate.below(a, 1, label)", [("below", "{label}")]),
+        ('ecp.validate.positive(a, "five"); validate.positive(b, "six")', [("positive", "five"), ("positive", "six")]),
+        ("%matplotlib inline\nvalidate.check(True, 'seven')", [("check", "seven")]),
+        ('validate.other(1, "no")\nclose(1, 2, "no")', []),
+        ("not python (", []),
+    ],
+)
+def test_calls_are_found_in_order(source, found):
+    assert [(call.kind, call.label) for call in calls(source)] == found
+
+
+def test_a_call_knows_its_place_and_whether_it_is_inside_a_function():
+    first, second = calls('x = 1\ndef f():\n    validate.check(True, "a")\nok = validate.check(x, "b")')
+    assert (first.place, first.in_function) == ((3, 4), True) and (second.place, second.in_function) == ((4, 5), False)
+
+
+def declared(tmp_path, *lines):
+    written(tmp_path, "sums.ipynb", published())
+    made = Notebook("Sums", notebook="sums.ipynb")
+    made.exercise("1", "Task 1", *lines)
+    return made
+
+
+def test_lines_that_the_notebook_does_not_have_are_errors_with_their_lines(tmp_path):
+    lines = [line("twice the sum is 20"), line("no such line"), line("the area is positive", truth=3.0)]
+    wrong = declared(tmp_path, *lines).errors(tmp_path)
+    assert len(wrong) == 2 and all(error.startswith(f"assignment.py line {lines[0].line}: ") for error in wrong)
+    assert "no validation cell has, after the lines before, the label 'no such line'" in wrong[0]
+    assert "validate.positive has no expected value that truth= could replace" in wrong[1]
+
+
+def test_lines_in_another_order_are_an_error(tmp_path):
+    wrong = declared(tmp_path, line("the sum is positive"), line("twice the sum is 20")).errors(tmp_path)
+    assert len(wrong) == 1 and "twice the sum is 20" in wrong[0]
+
+
+def test_the_student_defines_what_the_lines_read(tmp_path):
+    made = declared(tmp_path, line("twice the sum is 20"), line("the sum is positive")).assignment(tmp_path)
+    (exercise,) = made.exercises
+    assert exercise.functions == exercise.variables == ("total",)
+    assert made.max_points() == 0 and [check.points for check in exercise.checks] == [0, 0]

@@ -1,0 +1,50 @@
+"""polhode import-notebook: from a published notebook, or a folder of them, to assignments that are served."""
+
+from exercises.author_notebook import SOLUTION
+from service.cli.__main__ import main
+from tests.support.assignments import known
+from tests.support.course_shape import notebook, published, written
+
+
+def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_path, capsys):
+    course = tmp_path / "course"
+    written(course / "1-sums", "small-sums.ipynb", published())
+    in_function = 'def check_all():\n    validate.check(True, "inside")\nvalidate.check(x > 1, label)\nvalidate.check(x > 0)\n'
+    cells = [
+        ("markdown", "t", [], "# Odd things"),
+        ("code", "s", [], "import sympy\nfrom ecp import nowhere, validate\nimport no_such_package\n"),
+        ("code", "a", [SOLUTION], "x = 2\n"),
+        ("code", "v", ["validation"], in_function),
+    ]
+    written(course / "2 odd", "2.2 Odd ones.ipynb", notebook(*cells))
+    written(course / ".ipynb_checkpoints", "small-sums.ipynb", published())
+    written(course, "empty.ipynb", notebook(("code", "a", [], "x = 1")))
+    with known(tmp_path / "into"):
+        assert main(["import-notebook", str(course), "--into", str(tmp_path / "into")]) == 2
+    told = capsys.readouterr()
+    assert f"{tmp_path / 'into' / 'small_sums'}: 5 of 5 validation lines, self-reported" in told.out
+    assert "notebook_2_2_odd_ones: 1 of 3 validation lines, self-reported" in told.out
+    assert "not taken over: published cell 3, line 2: the call is inside a function" in told.out
+    assert "not taken over: published cell 3, line 4: the call has no label" in told.out
+    assert "no_such_package is not installed on this machine" in told.out and "the kit has no ecp.nowhere" in told.out
+    assert "empty.ipynb has no cell that calls validate.close" in told.err
+    text = (tmp_path / "into" / "notebook_2_2_odd_ones" / "assignment.py").read_text()
+    assert 'packages=("sympy",)' in text and 'line("{label}")' in text
+    with known(tmp_path / "into") as found:
+        assert sorted(found.valid) == ["notebook-2-2-odd-ones", "rigid-body", "small-sums"] and not found.invalid
+        students = found.valid["small-sums"].notebook()
+    assert "ecp.submit()" in students and "ecp.check(" not in students
+
+
+def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
+    text = written(tmp_path, "broken.ipynb", "{").parent
+    assert main(["import-notebook", str(tmp_path / "broken.ipynb"), "--into", str(tmp_path / "into")]) == 2
+    assert "broken.ipynb is not a Jupyter notebook" in capsys.readouterr().err
+    assert main(["import-notebook", str(tmp_path / "nowhere.ipynb"), "--into", str(tmp_path / "into")]) == 2
+    assert "nowhere.ipynb is missing" in capsys.readouterr().err
+    assert not (text / "into").exists()
+    written(tmp_path, "sums.ipynb", published())
+    with known():
+        assert main(["import-notebook", str(tmp_path / "sums.ipynb"), "--into", str(tmp_path / "into")]) == 0
+        assert main(["import-notebook", str(tmp_path / "sums.ipynb"), "--into", str(tmp_path / "into")]) == 2
+    assert "is taken by an assignment" in capsys.readouterr().err

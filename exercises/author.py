@@ -80,7 +80,7 @@ def line(label: str, *, truth: Any = None, trust: bool = False, points: int = 1)
     without parameters that computes it, with which ``validate.close`` then compares; or until ``trust=True`` accepts what the
     student's code reports.
     """
-    return Line(label, truth, trust, points, calling_line())
+    return Line(label, truth, trust, points, sys._getframe(1).f_lineno)
 
 
 def itself(reason: str) -> Itself:

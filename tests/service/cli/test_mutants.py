@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from exercises.catalogue import load_catalogue
 from exercises.solution import Variant
 from service.cli.__main__ import main
 from service.cli.mutants import POLHODE, MutantResult, grade_mutants, kill_rate, table
+from tests.support.assignments import known
 
 
 @pytest.mark.slow  # make exhaustive runs all mutants
@@ -56,18 +56,12 @@ notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, trut
 """
 
 
-def test_the_variants_of_a_declaration(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+def test_the_variants_of_a_declaration(tmp_path, capsys):
     folder = tmp_path / "doubling"
     folder.mkdir()
     (folder / "assignment.py").write_text(DECLARED)
-    monkeypatch.setenv("POLHODE_ASSIGNMENTS", str(tmp_path))
-    load_catalogue.cache_clear()
-    try:
+    with known(folder):
         assert main(["mutants", "doubling"]) == 1
-    finally:
-        monkeypatch.undo()
-        load_catalogue.cache_clear()
     lines = capsys.readouterr().out.splitlines()
     assert "turned out correct: wrong-function, `abs` is missing in `abs(2 * x)`" in lines
     assert "WRONG, BUT ACCEPTED: constant-factor, `x` is halved in `y - x`" in lines

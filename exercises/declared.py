@@ -17,7 +17,14 @@ from ecp.kinds.alignment import UP_TO
 from ecp.outcome import Tolerance
 
 ARGUMENTS = "fiubU"  # kinds of dtype
-SHORT = reprlib.Repr()
+
+
+class _Short(reprlib.Repr):
+    def repr_Tolerance(self, value: Tolerance, level: int) -> str:
+        return f"Tolerance({', '.join(f'{name}={self.repr(given)}' for name, given in tolerance_data(value).items())})"
+
+
+SHORT = _Short()
 SHORT.maxother = SHORT.maxstring = 90
 Draw = Callable[[np.random.Generator], Any]
 
@@ -41,21 +48,20 @@ def _is_named(function: Callable[..., Any]) -> bool:
     return all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(function).parameters.values())
 
 
-def _is_numeric(value: Any) -> bool:
+def is_numeric(value: Any, kinds: str = "fiu") -> bool:
+    """Return whether a value is a finite number or a non-empty array of them, of a dtype of these ``kinds``."""
     array = np.asarray(value)
-    return array.dtype.kind in "fiu" and array.size > 0 and bool(np.all(np.isfinite(array)))
+    return array.dtype.kind in kinds and array.size > 0 and bool(np.all(np.isfinite(array)))
 
 
 def _is_argument(value: Any) -> bool:
-    array = np.asarray(value)
-    return array.dtype.kind in ARGUMENTS and array.size > 0
+    return np.asarray(value).dtype.kind in ARGUMENTS
 
 
 Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
 Count = Annotated[int, Rule("an integer ≥ 1", lambda n: n >= 1)]
 Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
-Numbers = Annotated[Any, Rule("a real number or an array of real numbers", _is_numeric)]
-Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", lambda a: _is_numeric(a) and np.min(a) > 0)]
+Numbers = Annotated[Any, Rule("a finite number or an array of such numbers", lambda a: is_numeric(a, "fiubc"))]
 Text = Annotated[str, Rule("a text that is not empty", str.strip)]
 Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
 Named = Annotated[Callable[..., Any], Rule("a function whose parameters have names", _is_named)]
@@ -66,7 +72,7 @@ Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", l
 Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
 
 
-Asked = Annotated[Any, Rule("a real number, a string, an array of real numbers, a draw or a family", _is_argument)]
+Asked = Annotated[Any, Rule("a real number, a string, or an array of them", _is_argument)]
 
 
 @dataclass(frozen=True)
@@ -78,7 +84,7 @@ class Family:
     given: Mapping[str, Draw | Asked]
 
 
-Ask = Mapping[str, Family | Draw | Asked]
+Ask = Annotated[Mapping[str, Family | Draw | Asked], Rule("a dict of arguments by name", lambda ask: True)]
 
 
 @dataclass(frozen=True)
@@ -197,22 +203,13 @@ def _text(hint: Any) -> str:
     if rules or kind in WORDS:
         return rules[-1].text if rules else WORDS[kind]
     if kind in UNIONS:
-        return " or ".join(map(_text, of))
+        return " or ".join(_text(one) for one in of if one is not NoneType)
     if kind in (tuple, Sequence):
         return f"a list of {_text(of[0])}" if kind is Sequence or ... in of else f"({', '.join(map(_text, of))})"
-    return f"a dict of {_text(of[1])}" if kind is Mapping else f"{kind.__name__}(…)"
+    if kind is Mapping:
+        return f"a dict of {_text(of[1])}"
+    return f"{kind.__name__ if kind in (Tolerance, Value) else kind.__name__.lower()}(…)"
 
 
 UNIONS = (typing.Union, UnionType)
-WORDS = {
-    Any: "anything",
-    Callable: "a function",
-    str: "a string",
-    int: "an integer",
-    float: "a number",
-    bool: "True or False",
-    NoneType: "None",
-    Mistake: "mistake(…)",
-    Itself: "itself(…)",
-    Family: "family(…)",
-}
+WORDS = {Callable: "a function", str: "a string", int: "an integer", float: "a number", bool: "True or False", Any: "anything"}

@@ -17,9 +17,10 @@ from ecp import kinds
 from ecp.author_errors import AuthorError
 from ecp.checks import Arrays
 from ecp.kinds import asking
+from ecp.kinds.alignment import alignment_error
 from ecp.return_value import WrongAnswer
 from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
-from exercises.declared import ARGUMENTS, Draw, Family, Itself, Mistake, Value, tolerance_data
+from exercises.declared import ARGUMENTS, SHORT, Draw, Family, Itself, Mistake, Value, tolerance_data
 
 PUBLIC_ROWS, HIDDEN_ROWS = 3, 16
 ARGUMENT = "arguments are real numbers, strings, and arrays of them: a complex one can be made in call= from two real ones"
@@ -64,7 +65,7 @@ class Question:
     checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
     ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
     scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy. ``wrong`` are the errors of
-    arguments of a wrong type, without which the others cannot be relied on.
+    arguments of a wrong type, by their names.
     """
 
     kind: str
@@ -84,7 +85,7 @@ class Question:
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     uses: Sequence[Callable[..., Any]] = ()
-    wrong: tuple[str, ...] = ()
+    wrong: Mapping[str, Sequence[str]] = field(default_factory=dict)
     line: int = 0
     id: str = ""
 
@@ -128,15 +129,14 @@ class Question:
     @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
-        each = [{name: draw(rng) for name, draw in self.drawn.items()} for _ in range(rows)]
-        columns = {name: [np.asarray(row[name]) for row in each] for name in self.drawn}
+        each = [{name: np.asarray(draw(rng)) for name, draw in self.drawn.items()} for _ in range(rows)]
+        columns = {name: [row[name] for row in each] for name in self.drawn}
         for name, column in columns.items():
             if wrong := [value.dtype for value in column if value.dtype.kind not in ARGUMENTS]:
                 raise TypeError(f"{name} is drawn with dtype {wrong[0]}; {ARGUMENT}")
-            if other := [value.shape for value in column if value.shape != column[0].shape]:
-                raise ValueError(
-                    f"{name} is drawn with shape {column[0].shape} for one input and {other[0]} for another: {CONSTANT}"
-                )
+            one, *others = dict.fromkeys(value.shape for value in column)
+            if others:
+                raise ValueError(f"{name} is drawn with shape {one} for one input and {others[0]} for another: {CONSTANT}")
         return {name: np.array(column) for name, column in columns.items()}
 
     @functools.cached_property
@@ -168,6 +168,9 @@ class Question:
         """The question as data, with the shapes of its answer: calls the right solution once."""
         row = next(asking.each_row(self.draw(np.random.default_rng(0), 1)), {})
         shaped = [value | form for value, form in zip(self.document["returns"], self._forms(row), strict=True)]
+        for value in shaped:
+            if value["up_to"] and (error := alignment_error(value["up_to"], value["shape"], value["complex"])):
+                raise ValueError(f"{error}, but the right solution returned shape {tuple(value['shape'])}")
         return self.document | {"returns": shaped}
 
     def _forms(self, row: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -177,10 +180,9 @@ class Question:
         for part in asking.parts(self.document, answer):
             kind = np.asarray(part).dtype.kind
             if kind not in "fiubc" and not is_symbolic:
-                found = f"an array of dtype {part.dtype}" if isinstance(part, np.ndarray) else f"a {type(part).__name__}"
-                raise TypeError(f"{self.function} returned {found}; a question compares numbers, booleans, and arrays of them")
+                raise TypeError(f"{self.function} returned {SHORT.repr(part)}; it must return numbers, booleans, or arrays of them")
             if not is_symbolic and not np.all(np.isfinite(part)):
-                raise ValueError(f"{self.function} returned a value that is not finite: ask it where it has a finite one")
+                raise ValueError(f"{self.function} returned {SHORT.repr(part)}; ask it for inputs where its answer is finite")
             forms.append({"shape": list(np.shape(part)), "complex": is_symbolic or kind == "c", "boolean": kind == "b"})
         return forms
 

@@ -17,11 +17,12 @@ RESERVED = {*dir(builtins), *keyword.kwlist, *keyword.softkwlist, "ecp", "np", "
 
 def question_errors(question: Question) -> Iterator[str]:
     """Yield the errors of one question as sentences with their lines."""
-    yield from (f"line {question.line}: {question.function}: {error}" for error in question.wrong)
+    wrong = [error for errors in question.wrong.values() for error in errors]
+    yield from (f"line {question.line}: {question.function}: {error}" for error in wrong)
     try:
-        found = list(_of_question(question)) if question.ask or question.values or not question.wrong else []
+        found = list(_of_question(question)) if (question.ask or question.values) and "solution" not in question.wrong else []
     except Exception as error:  # if arguments of a wrong type are the cause, they are reported already
-        found = [] if question.wrong else [f"{question.function}: {type(error).__name__}: {error}"]
+        found = [] if wrong else [f"{question.function}: {type(error).__name__}: {error}"]
     yield from (f"line {question.line}: {error}" for error in found)
     yield from (f"line {mistake.line}: {error}" for mistake in question.mistakes for error in _of_mistake(question, mistake))
 
@@ -56,7 +57,7 @@ def _of_question(question: Question) -> Iterator[str]:
         nodes = ast.walk(ast.parse(question.source))
         assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         yield from (f"the cell does not assign {variable}" for variable in question.variables if variable not in assigned)
-    yield from _of_truth(question)
+    yield from () if "truth" in question.wrong else _of_truth(question)
     yield from question.errors()
     yield from (f"{name} ({label}): {error}" for label, value in question.values.items() for error in _of_points(question, value))
 

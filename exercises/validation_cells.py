@@ -188,9 +188,19 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
             yield f"line {line.line}: no validation cell has, after the lines before, the label {line.label!r}"
             continue
         left = left[left.index(call) + 1 :]
+        if not (line.truth is None or callable(line.truth) or _is_numeric(line.truth)):
+            must = "it must be numbers, or a function without parameters that computes them"
+            yield f"line {line.line}: truth is {line.truth!r}; {must}"
         if line.truth is not None and call.kind != "close":
             remedy = "use trust=True, or ask a question"
             yield f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace: {remedy}"
+
+
+def _is_numeric(value: Any) -> bool:
+    try:
+        return bool(np.all(np.isfinite(np.asarray(value, dtype=float))))
+    except (TypeError, ValueError):
+        return False
 
 
 def reported_exercises(exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[Exercise]:

@@ -41,19 +41,19 @@ def kind(
             try:
                 bound = signature.bind(*args, **named)
             except TypeError as error:
-                return replace(invalid, wrong=(str(error),), line=line)
+                return replace(invalid, wrong={"solution": [str(error)]}, line=line)
             bound.apply_defaults()
             given = bound.arguments
             found = {name: list(type_errors(name, value, hints[name])) for name, value in given.items()}
-            wrong = [error for errors in found.values() for error in errors]
+            wrong = {name: errors for name, errors in found.items() if errors}
             call = BoundArguments(own, {name: given[name] for name in own.parameters})
             try:
                 question = make(*call.args, **call.kwargs)
             except Exception as error:
-                question = replace(invalid, solution=None if found["solution"] else given["solution"])
-                wrong = wrong or [str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"]
-            taken = {name: given[name] for name in defaults if not found[name]}
-            return replace(question, **taken, wrong=tuple(wrong), line=line)
+                question = replace(invalid, solution=None if "solution" in wrong else given["solution"])
+                wrong = wrong or {"": [str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"]}
+            taken = {name: given[name] for name in defaults if name not in wrong}
+            return replace(question, **taken, wrong=wrong, line=line)
 
         made.__signature__ = signature  # type: ignore[attr-defined]
         return made

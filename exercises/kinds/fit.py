@@ -2,17 +2,19 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from exercises.declared import Deviations, Draw, LimitOrValue, Named, Numbers, named_values
+from exercises.declared import Draw, LimitOrValue, Named, Rule, is_numeric, named_values
 from exercises.kinds import kind
 from exercises.question import Question
 
 STARTS = 8
+Data = Annotated[Any, Rule("an array (n,) of real numbers", lambda x: np.ndim(x) == 1 and is_numeric(x))]
+Deviations = Annotated[Any, Rule("a number > 0, or an array of such numbers", lambda a: is_numeric(a) and np.min(a) > 0)]
 Array = NDArray[np.float64]
 
 
@@ -21,7 +23,7 @@ def fit(
     solution: Named,
     model: Named,
     *,
-    x: Numbers,
+    x: Data,
     sigma: Deviations,
     drawn: Mapping[str, Draw],
     agree: tuple[LimitOrValue, LimitOrValue],
@@ -37,8 +39,6 @@ def fit(
     """
     given, deviations = np.asarray(x, float), np.broadcast_to(np.asarray(sigma, float), np.shape(x))
     names, fitted = list(inspect.signature(solution).parameters), list(inspect.signature(model).parameters)[1:]
-    if given.ndim != 1:
-        raise ValueError(f"x has shape {given.shape}: it must be an array (n,)")
     if len(names) != 3:
         raise ValueError(f"{solution.__name__} takes ({', '.join(names)}): it must take the data x, y and sigma, by any names")
     if set(fitted) != set(drawn):

@@ -62,7 +62,7 @@ def test_a_sound_declaration_has_no_errors(tmp_path):
         ("values(double, ask={'x': family('a*t', 't')}, truth=exact, agree=NEAR)", "'a*t' uses a, which is neither a variable"),
         (
             "values(double, ask={'x': family('t', 't')}, truth=itself('a'), agree=NEAR, calls=Tolerance(limit=len, reason='a'))",
-            "double: calls: limit is <built-in function len>; it must be a number or None",
+            "double: calls: limit is <built-in function len>; it must be a number",
         ),
         ("values(min, ask={'x': 1.0}, truth=exact, agree=NEAR)", "the solution is named min, which Python or the kit already uses"),
         ("values(eval('lambda x: x'), ask={'x': 1.0}, truth=exact, agree=NEAR)", "the solution is named <lambda>"),

@@ -48,6 +48,12 @@ def test_lines_that_the_notebook_does_not_have_are_errors_with_their_lines(tmp_p
     assert "validate.positive has no expected value that truth= could replace" in wrong[1]
 
 
+@pytest.mark.parametrize("truth", ["twenty", float("nan"), {"x": 1}])
+def test_a_truth_that_is_no_number_is_an_error(tmp_path, truth):
+    (error,) = declared(tmp_path, line("twice the sum is 20", truth=truth)).errors(tmp_path)
+    assert "it must be numbers, or a function without parameters" in error
+
+
 def test_lines_in_another_order_are_an_error(tmp_path):
     wrong = declared(tmp_path, line("the sum is positive"), line("twice the sum is 20")).errors(tmp_path)
     assert len(wrong) == 1 and "twice the sum is 20" in wrong[0]

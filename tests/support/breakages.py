@@ -78,6 +78,20 @@ KINDS = [
         ("tests/exercises/kinds/test_random.py::test_samples_with_an_integer_seed",),
     ),
     Breakage(
+        "a value that is not finite hides the others",
+        "exercises/kit/ecp/kinds/asking.py",
+        "if bad and (finite or len(bad) == len(values)):",
+        "if bad:",
+        ("tests/exercises/kinds/test_values.py::test_a_value_that_is_not_finite_fails_alone",),
+    ),
+    Breakage(
+        "a part of an argument may have any type",
+        "exercises/declared.py",
+        "errors = [error for at, part, of in parts for",
+        "errors = [error for at, part, of in parts[:0] for",
+        ("tests/exercises/test_kinds.py",),
+    ),
+    Breakage(
         "a series of sympy is evaluated without summing it",
         "exercises/kit/ecp/kinds/expression.py",
         "if (form := simpler()).has(sympy.Sum, sympy.Product):",

@@ -172,6 +172,9 @@ def test_integers_booleans_complex_numbers_strings_and_missing_data(sandbox, tmp
         assert {outcome.verdict for outcome in wrong.outcomes()} == {Verdict.FAIL}, wrong.text()
 
 
+NEAR = Tolerance(atol=1e-12, reason="rounding")
+
+
 def double(x):
     return 2 * x
 
@@ -186,6 +189,25 @@ def word(x):
 
 def missing(x):
     return x * np.nan
+
+
+def turned(x):
+    return x + 1j
+
+
+@pytest.mark.parametrize(
+    ("solution", "shape", "up_to", "reason"),
+    [
+        (double, (), "order", r"is for a list, but the right solution returned shape \(\)"),
+        (double, (2,), "span", r"is for a matrix, but the right solution returned shape \(2,\)"),
+        (turned, (2, 2), "column signs", "is for real numbers"),
+        (double, (2, 2), "column phases", "is for complex numbers"),
+    ],
+)
+def test_what_a_value_leaves_open_must_fit_it(solution, shape, up_to, reason):
+    question = values(solution, {"x": uniform(0, 1, *shape)}, NEAR, truth=lambda x: x, up_to=up_to)
+    with pytest.raises(AuthorError, match=f"up_to='{up_to}' {reason}"):
+        list(next(question.scenes()).question)
 
 
 @pytest.mark.parametrize(
@@ -215,13 +237,13 @@ def missing(x):
             lambda x: x + x,
             "x is drawn with dtype complex128; arguments are real numbers",
         ),
-        (word, {"x": uniform(1, 2)}, lambda x: "large", "word returned a str; a question compares numbers, booleans, and arrays"),
-        (missing, {"x": uniform(1, 2)}, lambda x: x, "missing returned a value that is not finite"),
+        (word, {"x": uniform(1, 2)}, lambda x: "large", "word returned 'large'; it must return numbers, booleans, or arrays"),
+        (missing, {"x": uniform(1, 2)}, lambda x: x, "missing returned nan; ask it for inputs where its answer is finite"),
         (double, {"x": uniform(1, 2)}, missing, "the truth does not answer as .*: double returned a value that is not finite"),
     ],
 )
 def test_a_type_or_shape_that_cannot_be_asked_is_the_author_s_error(solution, ask, truth, reason):
-    question = values(solution, ask, truth=truth, agree=Tolerance(atol=0, reason="of a test"))
+    question = values(solution, ask, truth=truth, agree=NEAR)
     with pytest.raises(AuthorError, match=rf"test_values.py line \d+: question : \w+: .*{reason}"):
         for scene in question.scenes():
             scene.truth(scene.inputs(np.random.default_rng(1)) if callable(scene.inputs) else scene.inputs)

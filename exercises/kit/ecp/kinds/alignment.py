@@ -1,13 +1,12 @@
 """What a value may leave open, such as the signs of eigenvectors: the equivalent value that is nearest to the exact one."""
 
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 Array = NDArray[np.float64]
-UP_TO = ("sign", "order", "column signs", "column phases", "column order and signs", "span")
 
 
 def aligned(got: Array, want: Array, up_to: str | None) -> Array:
@@ -19,7 +18,17 @@ def aligned(got: Array, want: Array, up_to: str | None) -> Array:
     """
     if up_to is None or got.shape != want.shape or not np.all(np.isfinite(got)):
         return got
-    return np.array([_ALIGN[up_to](g, w) for g, w in zip(got, want, strict=True)])
+    return np.array([UP_TO[up_to][0](g, w) for g, w in zip(got, want, strict=True)])
+
+
+def alignment_error(up_to: str, shape: Sequence[int], is_complex: bool) -> str | None:
+    """Return why a value of this shape cannot be compared ``up_to``, None if it can."""
+    dimensions, needs_complex = UP_TO[up_to][1:]
+    if len(shape) < dimensions:
+        return f"up_to={up_to!r} is for {'a matrix' if dimensions == 2 else 'a list'}"
+    if needs_complex not in (None, is_complex):
+        return f"up_to={up_to!r} is for {'complex' if needs_complex else 'real'} numbers"
+    return None
 
 
 def _sign(got: Array, want: Array) -> Array:
@@ -28,8 +37,8 @@ def _sign(got: Array, want: Array) -> Array:
 
 def _order(got: Array, want: Array) -> Array:
     distance = np.abs(got[:, None] - want[None, :]).reshape(len(got), len(want), -1).sum(axis=2)
-    at = linear_sum_assignment(distance)[0][np.argsort(linear_sum_assignment(distance)[1])]
-    return got[at]
+    rows, columns = linear_sum_assignment(distance)
+    return got[rows[np.argsort(columns)]]
 
 
 def _column_signs(got: Array, want: Array) -> Array:
@@ -55,11 +64,12 @@ def _span(got: Array, want: Array) -> Array:
     return np.asarray(got @ (left @ right))
 
 
-_ALIGN: dict[str, Any] = {
-    "sign": _sign,
-    "order": _order,
-    "column signs": _column_signs,
-    "column phases": _column_phases,
-    "column order and signs": _column_order_and_signs,
-    "span": _span,
+UP_TO: dict[str, tuple[Callable[[Array, Array], Array], int, bool | None]] = {
+    "sign": (_sign, 0, None),
+    "order": (_order, 1, None),
+    "column signs": (_column_signs, 2, False),
+    "column phases": (_column_phases, 2, True),
+    "column order and signs": (_column_order_and_signs, 2, False),
+    "span": (_span, 2, False),
 }
+"""How each is aligned, the least number of dimensions it needs, and whether the numbers are complex, if it matters."""

@@ -16,10 +16,12 @@ SKEW = 0.1  # sine of the angle between the line of sight and the normal of a dr
 PLANES = tuple(itertools.permutations(range(3), 2))
 
 
-def plain(dimensions: int, first: tuple[int, int] | None = None) -> list[Array]:
-    """Return the cameras that draw coordinates as they are: in 3-D one, in 2-D those of all ordered pairs, ``first`` first."""
+def plain(dimensions: int, first: tuple[int, int] | None = None, coordinates: int = 3) -> list[Array]:
+    """Return the matrices that draw 2 or 3 coordinates as they are: one, or one for each ordered pair of three, ``first`` first."""
+    if dimensions == coordinates:
+        return [np.eye(dimensions)]
     planes = sorted(PLANES, key=lambda plane: (plane != first, plane[0] > plane[1]))
-    return [np.eye(3)] if dimensions == 3 else [np.eye(3)[list(plane)] for plane in planes]
+    return [np.eye(3)[list(plane)] if dimensions == 2 else np.eye(3)[:, list(plane)] for plane in planes]
 
 
 def straightened(matrix: Array) -> Array | None:
@@ -37,16 +39,11 @@ def straightened(matrix: Array) -> Array | None:
 
 
 def mislabelled(plane: tuple[int, int] | None, camera: Array) -> str:
-    """Return which coordinates a ``camera`` (d, 3) draws instead of those of ``plane``, which the labels name, or "".
-
-    In 3-D only a wrong sign counts.
-    """
+    """Return which coordinates a ``camera`` (2, 3) draws instead of those of ``plane``, which the labels name, or ""."""
     whole = np.rint(camera)
-    shown = tuple(int(k) for k in np.argmax(np.abs(whole), axis=1)[:2])
+    shown = [int(k) for k in np.argmax(np.abs(whole), axis=1)]
     signs = [whole[row, k] for row, k in enumerate(shown)]
-    if plane is None or np.abs(camera - whole).max() > PARALLEL or (shown == plane and signs[0] == signs[1]):
-        return ""
-    if len(camera) == 3 and shown != plane:
+    if plane is None or np.abs(camera - whole).max() > PARALLEL or (shown == list(plane) and signs[0] == signs[1]):
         return ""
     names = " and ".join(f"{'−' if sign < 0 else ''}{'xyz'[k]}" for k, sign in zip(shown, signs, strict=True))
     return f"axes labelled {' and '.join('xyz'[k] for k in plane)} show {names}"
@@ -56,11 +53,6 @@ def parallel(directions: Array, wanted: Array) -> bool:
     """Return whether one of ``directions`` (k, d) points along ``wanted`` (d,)."""
     lengths = np.linalg.norm(directions, axis=1) * np.linalg.norm(wanted)
     return bool(np.any((lengths > 1e-12) & (directions @ wanted >= np.sqrt(1 - PARALLEL**2) * lengths)))
-
-
-def points_along(some: Array, sure: Array, wanted: Array) -> bool:
-    """Return whether a direction points along ``wanted`` (d,). A known tail decides: matplotlib lists an arrow from its tip."""
-    return parallel(sure, wanted) or (parallel(some, wanted) and not parallel(sure, -wanted))
 
 
 def in_perspective(points: Array, places: Array) -> tuple[Array, Array]:

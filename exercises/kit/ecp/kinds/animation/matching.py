@@ -1,11 +1,12 @@
 """Finding curves in a picture: the paths that follow them, the times of the frames, and known mistakes."""
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from ecp.kinds.animation import timing
+from ecp.kinds.animation import cameras, timing
 from ecp.kinds.animation.pictures import MOVES, Path, Picture
 from ecp.kinds.animation.shown import Shown
 from ecp.kinds.animation.timing import Array, Frames
@@ -27,6 +28,12 @@ class Match(NamedTuple):
     points: Array
     paths: list[Path]
     fit: timing.Fit
+
+    def by_artist(self) -> list[tuple[Array, bool]]:
+        """Return the points (m, k) of each artist, and whether they are seen from a fixed end."""
+        artists = np.array([path.artist for path in self.paths])
+        bound = {path.artist: path.bound for path in reversed(self.paths)}
+        return [(self.points[:, artists == artist], bound[artist]) for artist in sorted(bound)]
 
 
 def finely(at: Array, t: Array, values: Array) -> tuple[Array, Array, Array, Array]:
@@ -55,7 +62,7 @@ def matches(picture: Picture, curves: Array, laws: Array, *, shift: bool = True,
     for bound, basis in ((True, curves), (False, shifted)):
         paths = [path for path in picture.paths if path.bound == bound]
         if paths and len(laws):
-            places = stacked(paths)
+            places = np.stack([path.places for path in paths], axis=2)
             kinds.append((paths, places, basis))
             share = np.round(timing.screened(basis, places, laws) / timing.spread(places), 6)
             tried += [(share[k, v], laws[k], places[:, :, [v]], basis) for v, k in enumerate(np.argmin(share, axis=0))]
@@ -75,11 +82,6 @@ def matches(picture: Picture, curves: Array, laws: Array, *, shift: bool = True,
 def matched(picture: Picture, curves: Array, laws: Array, *, shift: bool = True, limit: float = MISFIT) -> Match | None:
     """Return the first of ``matches``, or None."""
     return next(matches(picture, curves, laws, shift=shift, limit=limit), None)
-
-
-def stacked(paths: list[Path]) -> Array:
-    """Return the places (f, d, v) of paths."""
-    return np.stack([path.places for path in paths], axis=2)
 
 
 def together(basis: Array, drawn: Array, laws: Array, limit: float = MISFIT) -> timing.Fit | None:
@@ -106,20 +108,17 @@ class Mistake(NamedTuple):
     meant: Callable[[Match], bool] = lambda match: True
 
 
-def instead(
-    picture: Picture, views: list[Array], mistakes: Iterable[Mistake], frames: Frames, limit: float = MISFIT
-) -> Iterator[Shown]:
-    """Yield the ``mistakes`` that a picture shows through one of the ``views`` (d, k)."""
-    for mistake in mistakes:
-        for view in views:
-            curves = view @ mistake.curves
-            if mistake.laws is None:
+def instead(drawn: list[Picture], mistakes: Iterable[Mistake], frames: Frames, limit: float = MISFIT) -> Iterator[Shown]:
+    """Yield the ``mistakes`` that the pictures show, in coordinates as they are."""
+    for picture, (code, sentence, x, laws, shift, meant) in itertools.product(drawn, mistakes):
+        for curves in (view @ x for view in cameras.plain(picture.dimensions, picture.plane, x.shape[1])):
+            if laws is None:
                 how = _at_any_time(picture, curves[:, :, 0], frames.at)
             else:
-                match = matched(picture, curves, mistake.laws, shift=mistake.shift, limit=limit)
-                how = frames.wrong(match.times) if match and mistake.meant(match) else ""
+                match = matched(picture, curves, laws, shift=shift, limit=limit)
+                how = frames.wrong(match.times) if match and meant(match) else ""
             if how:
-                yield Shown(False, mistake.code, mistake.sentence.format(how))
+                yield Shown(False, code, sentence.format(how))
 
 
 def _at_any_time(picture: Picture, curve: Array, at: Array) -> str:

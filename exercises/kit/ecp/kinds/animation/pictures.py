@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecp.checks import Arrays
+from ecp.kinds.animation.cameras import PARALLEL, parallel
 from ecp.kinds.animation.timing import Array
 
 MOVES = 1e-3  # of its distance from the origin
@@ -35,6 +36,36 @@ class Picture(NamedTuple):
     still: list[Array]
     sets: list[Array]
     plane: tuple[int, int] | None
+
+    def directions(self) -> tuple[Array, Array]:
+        """Return directions (k, d) that stay: those of few points or of a line, and of these the ones with a known tail.
+
+        A tail is known at the fixed end of a path or at the zero of the axes.
+        """
+        some, sure = [np.zeros((0, self.dimensions))], [np.zeros((0, self.dimensions))]
+        tails = [np.zeros(self.dimensions), *(path.origin for path in self.paths if path.bound)]
+        for points in self.still:
+            steps, away = points - points[0], [points - tail for tail in tails]
+            straight = (
+                len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()
+            )
+            if straight:
+                known = [x for x in away if np.linalg.norm(x, axis=1).min() <= MOVES * np.abs(points).max()]
+            else:
+                known = [arrow for x in away if len(points) <= FEW and len(arrow := _arrow(x))]
+            sure += known
+            if straight or (not known and len(points) <= FEW):
+                some += [(points[None, :] - points[:, None])[np.triu_indices(len(points), 1)], *away]
+        return np.concatenate(some + sure), np.concatenate(sure)
+
+    def keeps(self, direction: Array) -> bool:
+        """Return whether something drawn stays along ``direction`` (d,), which is not seen end on.
+
+        A known tail decides, since matplotlib lists an arrow from its tip.
+        """
+        some, sure = self.directions()
+        known = parallel(sure, direction) or (parallel(some, direction) and not parallel(sure, -direction))
+        return known and bool(np.linalg.norm(direction) > PARALLEL)
 
 
 def is_consistent(seen: Arrays) -> bool:
@@ -75,15 +106,13 @@ def _picture(tracks: Array, artists: Array, plane: tuple[int, int] | None) -> Pi
     for artist in np.unique(artists[artists > 0]):
         points = tracks[artists == artist]
         moves = np.ptp(points, axis=1).max(axis=1) > np.maximum(MOVES * np.abs(points).max(axis=(1, 2)), 1e-9)
-        fixed = np.unique(points[~moves, 0], axis=0) if not moves.all() else points[:0, 0]
+        fixed = points[~moves, 0]
         starts = [np.all(np.abs(fixed - place[0]) <= MOVES * np.ptp(place, axis=0).max(), axis=1) for place in points[moves]]
         if len(fixed) and not np.any(starts):
-            still.append(points[~moves, 0])
+            still.append(fixed)
         for place, trail in zip(points[moves], starts, strict=True):
-            if np.any(trail) or not len(fixed):
-                paths.append(Path(int(artist), place, False, np.zeros(d)))
-            else:
-                paths += [Path(int(artist), place - end, True, end) for end in points[~moves, 0][:FIRST_STILL]]
+            bound = [] if np.any(trail) else [Path(int(artist), place - end, True, end) for end in fixed[:FIRST_STILL]]
+            paths += bound or [Path(int(artist), place, False, np.zeros(d))]
     ends = [path.places + path.origin for path in paths if path.bound]
 
     def is_end(places: Array) -> bool:  # the tip of an arrow drawn twice is not a free point
@@ -108,27 +137,3 @@ def changed(drawn: list[Picture]) -> int:
     everything += [points for picture in drawn for points in picture.sets]
     steps = [np.abs(np.diff(points, axis=0)).max(axis=(1, 2)) > MOVES * np.abs(points).max() for points in everything]
     return int(np.sum(np.any(steps, axis=0)))
-
-
-def directions(picture: Picture, paths: list[Path]) -> tuple[Array, Array]:
-    """Return directions (k, d) that stay: those of few points or of a line, and of these the ones with a known tail.
-
-    A tail is known at a fixed end of ``paths`` or at the zero of the axes.
-    """
-    some, sure = [np.zeros((0, picture.dimensions))], [np.zeros((0, picture.dimensions))]
-    tails = [np.zeros(picture.dimensions), *(path.origin for path in paths if path.bound)]
-    for points in picture.still:
-        steps = points - points[0]
-        straight = len(points) > 1 and np.linalg.svd(steps, compute_uv=False)[1:].max(initial=0.0) <= MOVES * np.abs(steps).max()
-        if not straight and len(points) > FEW:
-            continue
-        if straight:
-            near = MOVES * np.abs(points).max()
-            known = [points - tail for tail in tails if np.linalg.norm(points - tail, axis=1).min() <= near]
-        else:
-            known = [arrow for tail in tails if len(arrow := _arrow(points - tail))]
-        sure += known
-        if straight or not known:
-            between = (points[None, :] - points[:, None])[np.triu_indices(len(points), 1)]
-            some += [between, *(points - tail for tail in tails)]
-    return np.concatenate(some + sure), np.concatenate(sure)

@@ -61,17 +61,17 @@ def judged(
         return dict.fromkeys(names, Shown(None if painted else False, code, INVISIBLE if invisible else NOTHING))
     if frames < LEAST_FRAMES:
         return dict.fromkeys(names, Shown(False, "wrong-frames", f"too short to show the motion: {frames} frames"))
-    found, changes = compared(drawn), changed(drawn)
-
-    def doubted(name: str, shown: Shown) -> Shown:
-        if shown.found is False and not painted and changes <= RARELY * min(frames, n):
-            sentence = f"the drawing changes at only {changes} of {frames} frames: is each frame drawn from its own sample?"
-            return Shown(False, "static", sentence)
+    found, changes = dict(compared(drawn)), changed(drawn)
+    for name in (name for name in names if not found[name].found):
+        unseen = "; artists that cannot be seen do not count" if invisible else ""
         if painted:
-            shown = Shown(None, None, f"the picture is painted as pixels, and nothing else that moves shows {name}")
-        return shown._replace(sentence=f"{shown.sentence}; artists that cannot be seen do not count") if invisible else shown
-
-    return {name: found[name] if found[name].found else doubted(name, found[name]) for name in names}
+            found[name] = Shown(None, None, f"the picture is painted as pixels, and nothing else that moves shows {name}{unseen}")
+        elif found[name].found is False and changes <= RARELY * min(frames, n):
+            sentence = f"the drawing changes at only {changes} of {frames} frames: is each frame drawn from its own sample?"
+            found[name] = Shown(False, "static", sentence)
+        else:
+            found[name] = found[name]._replace(sentence=f"{found[name].sentence}{unseen}")
+    return found
 
 
 def standstill(seen: Arrays, still: float = STILL) -> str | None:

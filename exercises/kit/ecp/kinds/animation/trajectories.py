@@ -12,7 +12,7 @@ import numpy as np
 
 from ecp.checks import Arrays
 from ecp.kinds.animation import cameras, timing
-from ecp.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, stacked, together
+from ecp.kinds.animation.matching import HOPEFUL, TRIES, Mistake, finely, instead, matches, together
 from ecp.kinds.animation.pictures import Path, Picture
 from ecp.kinds.animation.shown import Shown, judged, remembered
 from ecp.kinds.animation.timing import Array, Frames
@@ -56,7 +56,7 @@ def _compared(drawn: list[Picture], at: Array, t: Array, trajectories: Curves, l
         shown = _in_picture(picture, curves, frames, limit)
         found |= {name: one for name, one in shown.items() if name not in found or (one.found and not found[name].found)}
     for name in (name for name in curves if name not in found):
-        wrong = (one for picture in free for one in instead(picture, *_mistakes(picture, name, curves, frames), frames, limit))
+        wrong = instead(free, _mistakes(name, curves[name], frames), frames, limit)
         found[name] = next(wrong, Shown(False, "wrong-motion", f"nothing that moves follows {name}"))
     return found
 
@@ -71,42 +71,27 @@ def _with_free_paths(picture: Picture) -> Picture:
 
 
 def _in_picture(picture: Picture, curves: Curves, frames: Frames, limit: float) -> dict[str, Shown]:
-    """Return the trajectories that the paths of one axes follow, by the view that shows most of them."""
-    best, mislabelled, views = Fit(np.zeros(0), {}), dict[str, Shown](), _views(picture, curves)
-    for view in views:
-        fit = _best(_by_view(picture, {name: x @ view.T for name, x in curves.items()}, frames.laws, limit), len(curves))
-        if view.shape == (2, 3) and (wrong := cameras.mislabelled(picture.plane, view)):
-            mislabelled |= {name: Shown(False, "mirrored", wrong) for name in fit.misfit}
-            continue
-        best = max(best, fit, key=_followed)
-        if len(best.misfit) == len(curves):
+    """Return the trajectories that the paths of one axes follow: the most that one view shows, rather as given."""
+    best, found = Fit(np.zeros(0), {}), dict[str, Shown]()
+    for mislabelled, fit in _looks(picture, curves, frames.laws, limit):
+        if mislabelled:
+            found |= {name: Shown(False, "mirrored", mislabelled) for name in fit.misfit}
+        else:
+            best = max(best, fit, key=lambda fit: (len(fit.misfit), fit.as_given))
+        if len(fit.misfit) == len(curves):
             break
-    if not best.misfit and not mislabelled and views[0].shape == (2, 3):
-        best = _best(_by_projection(picture, curves, frames.laws, limit), len(curves))
-    seen = frames.covered(best.times) if best.misfit else ""
-    return mislabelled | {name: Shown(True, None, seen, misfit=misfit) for name, misfit in best.misfit.items()}
+    return found | {name: Shown(True, None, frames.covered(best.times), misfit=misfit) for name, misfit in best.misfit.items()}
 
 
-def _best(fits: Iterator[Fit], trajectories: int) -> Fit:
-    """Return the fit of most trajectories: the first of all of them if there is one, else rather as given."""
-    best = Fit(np.zeros(0), {})
-    for fit in fits:
-        best = max(best, fit, key=_followed)
-        if len(best.misfit) == trajectories:
-            break
-    return best
-
-
-def _followed(fit: Fit) -> tuple[int, bool]:
-    return len(fit.misfit), fit.as_given
-
-
-def _views(picture: Picture, curves: Curves) -> list[Array]:
-    """Return the matrices that draw coordinates as they are, in a plane any two of three."""
-    d = next(iter(curves.values())).shape[1]
-    if d == picture.dimensions:
-        return [np.eye(d)]
-    return [plane if d == 3 else plane.T for plane in cameras.plain(2, picture.plane)]
+def _looks(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[tuple[str, Fit]]:
+    """Yield how the paths follow curves (G, c), in coordinates as they are or by a projection, and what the labels have wrong."""
+    c = next(iter(curves.values())).shape[1]
+    for view in cameras.plain(picture.dimensions, picture.plane, c):
+        wrong = cameras.mislabelled(picture.plane, view) if view.shape == (2, 3) else ""
+        for fit in _by_view(picture, {name: x @ view.T for name, x in curves.items()}, laws, limit):
+            yield wrong, fit
+    for fit in _by_projection(picture, curves, laws, limit) if (picture.dimensions, c) == (2, 3) else ():
+        yield "", fit
 
 
 def _by_view(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:
@@ -115,7 +100,7 @@ def _by_view(picture: Picture, curves: Curves, laws: Array, limit: float) -> Ite
     bases = {name: np.concatenate([x[:, :, None], constant], axis=2) for name, x in curves.items()}
     for curve in sorted(curves.values(), key=lambda x: -float(np.ptp(x, axis=0).max())):
         for match in matches(picture, curve[:, :, None], laws, limit=limit):
-            yield _together(bases, np.moveaxis(stacked(picture.paths), 2, 0)[..., None], match.fit, limit)
+            yield _together(bases, np.stack([path.places for path in picture.paths])[..., None], match.fit, limit)
 
 
 def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) -> Iterator[Fit]:
@@ -124,21 +109,20 @@ def _by_projection(picture: Picture, curves: Curves, laws: Array, limit: float) 
     for (name, basis), path in itertools.product(bases.items(), picture.paths[:TRIES]):
         fit = together(basis, path.places[:, None], laws, limit)
         if fit and _is_projection(fit.coefficients[:3].T, curves[name]):
-            yield _together(bases, np.moveaxis(stacked(picture.paths), 2, 0)[:, :, None], fit, limit)
+            yield _together(bases, np.stack([path.places for path in picture.paths])[:, :, None], fit, limit)
 
 
 def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit:
     """Return the trajectories that ``paths`` (v, f, e, c) follow together, beginning with the coefficients and times of one."""
     chosen = {}
     for name, basis in bases.items():
-        drawn = basis[fit.grid] @ fit.coefficients
-        off = np.sqrt(np.mean((paths - drawn) ** 2, axis=(1, 2, 3)))
-        if off.min() <= HOPEFUL * _extent(drawn):
+        off = _misfits(paths, basis[fit.grid] @ fit.coefficients)
+        if off.min() <= HOPEFUL:
             chosen[name] = paths[int(np.argmin(off))]
     while chosen:
         basis = np.concatenate([bases[name] for name in chosen], axis=1)
         fit = timing.fitted(basis, np.concatenate(list(chosen.values()), axis=1), fit.law)
-        misfit = {name: _misfit(path, bases[name][fit.grid] @ fit.coefficients) for name, path in chosen.items()}
+        misfit = {name: float(_misfits(x[None], bases[name][fit.grid] @ fit.coefficients)[0]) for name, x in chosen.items()}
         worst = max(misfit, key=lambda name: misfit[name])
         if misfit[worst] <= limit:
             given = fit.coefficients[:, 0] - np.eye(len(fit.coefficients))[0]
@@ -147,13 +131,10 @@ def _together(bases: Curves, paths: Array, fit: timing.Fit, limit: float) -> Fit
     return Fit(fit.times, {})
 
 
-def _extent(drawn: Array) -> float:
-    return float(np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2)))
-
-
-def _misfit(path: Array, drawn: Array) -> float:
-    off, extent = timing.misfits((path - drawn).reshape(len(path), -1, 1))[0], _extent(drawn)
-    return float(off / extent) if extent > 0 else np.inf
+def _misfits(paths: Array, drawn: Array) -> Array:
+    """Return the misfits (v,) of ``paths`` (v, f, e, c) to a trajectory as it is ``drawn`` (f, e, c), relative to its extent."""
+    extent = np.sqrt(np.mean((drawn - drawn.mean(axis=0)) ** 2))
+    return timing.misfits(np.moveaxis((paths - drawn).reshape(*paths.shape[:2], -1), 0, 2)) / max(extent, 1e-300)
 
 
 def _is_projection(matrix: Array, curve: Array) -> bool:
@@ -163,16 +144,19 @@ def _is_projection(matrix: Array, curve: Array) -> bool:
     return cameras.straightened(matrix) is not None if len(along) == 3 else np.linalg.matrix_rank(matrix @ along.T, SOME) > 0
 
 
-def _mistakes(picture: Picture, name: str, curves: Curves, frames: Frames) -> tuple[list[Array], list[Mistake]]:
-    """Return the views of a trajectory that nothing follows, and how it may be drawn: in other coordinates, or at other times."""
-    curve, xyz = curves[name], "xyz"[: curves[name].shape[1]]
-    elsewhere = f"{name} is drawn at another scale or place than the others: draw all as they are"
+def _mistakes(name: str, curve: Array, frames: Frames) -> list[Mistake]:
+    """Return how a trajectory that nothing follows may be drawn: in other coordinates, or at other times."""
+    xyz = "xyz"[: curve.shape[1]]
     mirrors = {f"the sign of {x} reversed": np.where(np.array(list(xyz)) == x, -1, 1) * curve for x in xyz}
     for i, k in itertools.combinations(range(len(xyz)), 2):
         order = [{i: k, k: i}.get(j, j) for j in range(len(xyz))]
         mirrors[f"{xyz[i]} and {xyz[k]} exchanged"] = curve[:, order]
-    wrong: list[tuple[str, str, Array, Array | None]] = [("wrong-proportions", elsewhere, curve, frames.laws)]
-    wrong += [("mirrored", f"{name} is drawn with {how}", mirrored, frames.laws) for how, mirrored in mirrors.items()]
-    wrong += [("wrong-frames", f"the motion of {name} is drawn backwards in time", curve, (frames.n - 1) - frames.laws)]
-    wrong += [("wrong-frames", f"{name} is drawn, but {{}}", curve, laws) for laws in (frames.late, None)]
-    return _views(picture, curves), [Mistake(code, sentence, x[:, :, None], laws) for code, sentence, x, laws in wrong]
+    elsewhere = f"{name} is drawn at another scale or place than the others: draw all as they are"
+    late = Mistake("wrong-frames", f"{name} is drawn, but {{}}", curve[:, :, None], frames.late)
+    return [
+        Mistake("wrong-proportions", elsewhere, curve[:, :, None], frames.laws),
+        *(Mistake("mirrored", f"{name} is drawn with {how}", x[:, :, None], frames.laws) for how, x in mirrors.items()),
+        Mistake("wrong-frames", f"the motion of {name} is drawn backwards in time", curve[::-1, :, None], frames.laws),
+        late,
+        late._replace(laws=None),
+    ]

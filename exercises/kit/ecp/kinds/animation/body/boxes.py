@@ -19,7 +19,6 @@ from ecp.kinds.animation.timing import Array
 TRIED, REFINED = 1500, 8  # cameras that are compared in COARSE frames, and the number of them that are fitted
 COARSE = 12
 ROUNDS = 6
-LEAST = 7  # number of moving corners: one may stay if the box is seen along an edge
 PERSPECTIVE = 2  # of the fitted cameras are tried with perspective too
 FLAT = 0.02  # of the longest edge: a point nearer to a plane of symmetry is not a corner
 UNEVEN = 1.05  # largest ratio between the scales of two edges
@@ -35,8 +34,7 @@ def wrong_box(match: Match, half: Array, R: Array) -> Shown | None:
     ``half`` (3,) are the right half edges, ``R`` (G, 3, 3) the attitudes on the times' grid. The corners of a box
     in these proportions may be the points of all artists or of one.
     """
-    artists = np.array([path.artist for path in match.paths])
-    groups = [match.points, *(match.points[:, artists == artist] for artist in np.unique(artists))]
+    groups = [match.points, *(points for points, _ in match.by_artist())]
     found = [_displaced(group, half, R[timing.on_grid(match.times, len(R))]) for group in groups]
     if "" not in found and (wrong := next(filter(None, found), None)):
         return Shown(False, "wrong-motion", wrong)
@@ -103,28 +101,22 @@ def _box_among(points: Array, half: Array) -> tuple[Array, float]:
     return corners[:0], 0.0
 
 
-def together(picture: Picture) -> list[Array]:
-    """Return the moving points of all artists as one set (f, s, d), if they may be the corners of a box."""
-    moving = [path.places + path.origin for path in picture.paths]
-    return [np.stack(moving, axis=1)] if len(moving) >= LEAST else []
-
-
-def box_seen(sets: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
+def box_seen(sets: list[Array], plain: list[Array], R: Array, half: Array, laws: Array) -> tuple[Array, Array] | None:
     """Return the camera (d, 3) and times (f,) at which one of ``sets`` (f, s, d) shows corners of the box, or None.
 
-    ``R`` (G, 3, 3) on the times' grid.
+    The cameras ``plain`` are tried first. ``R`` (G, 3, 3) on the times' grid.
     """
     corners = R @ (CORNERS * half).T  # (G, 3, 8)
     for points in sets if len(laws) else []:
         low, high = points.min(axis=1), points.max(axis=1)
         drawn = points - np.median((low + high) / 2, axis=0)
-        tried = _tried(drawn, corners, laws) if (high - low).min(axis=0).max() > 0 else ()
+        tried = _tried(drawn, plain, corners, laws) if (high - low).min(axis=0).max() > 0 else ()
         if found := next(filter(None, (_fitted(drawn, corners, camera, law) for camera, law in tried)), None):
             return found
     return None
 
 
-def _tried(drawn: Array, corners: Array, laws: Array) -> Iterator[tuple[Array, Array]]:
+def _tried(drawn: Array, plain: list[Array], corners: Array, laws: Array) -> Iterator[tuple[Array, Array]]:
     """Yield cameras and laws for a set (f, s, d), compared in a few frames: as space is, or in 2-D from any side.
 
     In 3-D a rotated and a mirrored box are the same set. The cameras with perspective have the shape (3, 4).
@@ -138,8 +130,8 @@ def _tried(drawn: Array, corners: Array, laws: Array) -> Iterator[tuple[Array, A
         size = np.sqrt(np.mean(drawn[few] ** 2) / max(float(np.mean(seen**2)), 1e-300))
         return float(_distances(drawn[few], size * seen).min(axis=2).mean())
 
-    for plain in cameras.plain(drawn.shape[2]):
-        yield plain, min(laws, key=lambda law: cost(plain, law))
+    for camera in plain:
+        yield camera, min(laws, key=lambda law: cost(camera, law))
     off = np.abs(laws - np.linspace(0, laws.max(), len(drawn))).max(axis=1)  # from an even run through all samples
     again = [law for law in laws if np.any(np.diff(law) < 0)]
     for law in (laws[int(np.argmin(off))], *again[:1]) if drawn.shape[2] == 2 else ():

@@ -17,11 +17,12 @@ from ecp.kinds.animation.body.direction import read, resembling
 from ecp.kinds.animation.body.motion import NAMES, Body, Motion
 from ecp.kinds.animation.body.own_view import View, by_own_camera
 from ecp.kinds.animation.matching import Mistake, instead, matched
-from ecp.kinds.animation.pictures import Path, Picture, directions
+from ecp.kinds.animation.pictures import Picture
 from ecp.kinds.animation.shown import Shown, judged, remembered
 from ecp.kinds.animation.timing import Array
 
 BODY = "the body"
+CORNERS = 7  # that move, at least: one may stay if the box is seen along an edge
 TRANSPOSED = "the drawing follows the transposed R: R takes body components to space, so {} is R[:, :, {}], its {} column"
 
 
@@ -49,7 +50,7 @@ def _compared(drawn: list[Picture], motion: Motion) -> Shown:
         wrong: Iterator[Shown] = (shown for _, shown in views if shown)
         if look is _as_it_is:
             omega, *others = _mistakes(motion).values()
-            wrong = chain(_those_in(drawn, [omega], motion), wrong, _those_in(drawn, others, motion))
+            wrong = chain(instead(drawn, [omega], motion.frames), wrong, instead(drawn, others, motion.frames))
         if first := next(wrong, None):
             closer = next(alike, None) if first.code == "wrong-axis" else None
             return first._replace(cameras=found) if closer is None else Shown(False, "wrong-motion", closer, found)
@@ -66,14 +67,9 @@ def _wrong_elsewhere(drawn: list[Picture], views: list[View], motion: Motion) ->
         mirrored = (x for x in (shown, by_own_camera(picture, motion)[1]) if x and x.code == "mirrored")
         names = ("transposed", "late axis") if labelled and picture.plane else ("late axis",)
         others = [mistake for name, mistake in _mistakes(motion).items() if name in names]
-        if found := next(chain(mirrored, _those_in([picture], others, motion)), None):
+        if found := next(chain(mirrored, instead([picture], others, motion.frames)), None):
             return found._replace(sentence=f"one of the axes is wrong: {found.sentence}")
     return None
-
-
-def _those_in(drawn: list[Picture], mistakes: list[Mistake], motion: Motion) -> Iterator[Shown]:
-    """Yield the mistakes that the pictures show as space is."""
-    return (shown for picture in drawn for shown in instead(picture, cameras.plain(picture.dimensions), mistakes, motion.frames))
 
 
 def _mistakes(motion: Motion) -> dict[str, Mistake]:
@@ -103,12 +99,12 @@ def _as_it_is(picture: Picture, motion: Motion) -> View:
         if match is None:
             continue
         upside_down = picture.dimensions == 2 and motion.axis is not None and np.all(match.points[motion.axis] < 0)
-        if upside_down and _draws_momentum(picture, [-plain], motion, match.paths):
+        if upside_down and motion.unit is not None and picture.keeps(-plain @ motion.unit):
             camera, match = -plain, match._replace(points=-match.points)
         shown = read(match, motion)
         if shown.found and motion.half is not None and boxes.stays(picture, match, motion.half):
             shown = Shown(False, "static", "the box itself stays where it is: draw its corners with R[k] as well")
-        elif shown.found and not _agrees(picture, camera, motion, match.paths):
+        elif shown.found and motion.unit is not None and not _agrees(picture, camera, motion.unit):
             sentence = f"{motion.name} and L are drawn in different coordinates: are x and y swapped in one of them?"
             shown = Shown(False, "mirrored", sentence)
         elif shown.found and (wrong := cameras.mislabelled(picture.plane, plain)):
@@ -119,17 +115,11 @@ def _as_it_is(picture: Picture, motion: Motion) -> View:
     return first
 
 
-def _draws_momentum(picture: Picture, views: list[Array], motion: Motion, paths: list[Path]) -> bool:
-    """Return whether something drawn stays along L as one of ``views`` shows it."""
-    some, sure = directions(picture, paths)
-    drawn = [] if motion.unit is None else [camera @ motion.unit for camera in views]
-    return any(np.linalg.norm(L) > cameras.PARALLEL and cameras.points_along(some, sure, L) for L in drawn)
-
-
-def _agrees(picture: Picture, camera: Array, motion: Motion, paths: list[Path]) -> bool:
+def _agrees(picture: Picture, camera: Array, unit: Array) -> bool:
     """Return whether a drawing along L fits the camera. It does not if L is drawn by another camera and not by this one."""
-    every = [sign * plain for plain in cameras.plain(picture.dimensions) for sign in (1, -1)]
-    return _draws_momentum(picture, [camera, -camera], motion, paths) or not _draws_momentum(picture, every, motion, paths)
+    own, every = [camera], cameras.plain(picture.dimensions)
+    some, others = ((picture.keeps(sign * view @ unit) for view in views for sign in (1, -1)) for views in (own, every))
+    return any(some) or not any(others)
 
 
 def _box(drawn: list[Picture], motion: Motion, *, unsorted: bool) -> Iterator[Shown]:
@@ -137,11 +127,12 @@ def _box(drawn: list[Picture], motion: Motion, *, unsorted: bool) -> Iterator[Sh
     if (half := motion.half) is None:
         return
     for picture in drawn:
-        sets = picture.sets if unsorted else boxes.together(picture)
-        transposed = _mistakes(motion)["transposed"]
-        if found := boxes.box_seen(sets, motion.R, half, motion.frames.laws):
+        moving = [path.places + path.origin for path in picture.paths]
+        sets = picture.sets if unsorted else [np.stack(moving, axis=1)] if len(moving) >= CORNERS else []
+        plain, transposed = cameras.plain(picture.dimensions, picture.plane), _mistakes(motion)["transposed"]
+        if found := boxes.box_seen(sets, plain, motion.R, half, motion.frames.laws):
             wrong = cameras.mislabelled(picture.plane, found[0])
             right = Shown(True, None, f"the box is drawn, {motion.frames.covered(found[1])}")
             yield Shown(False, "mirrored", wrong) if wrong else right
-        elif boxes.box_seen(sets, transposed.curves, half, motion.frames.laws):
+        elif boxes.box_seen(sets, plain, transposed.curves, half, motion.frames.laws):
             yield Shown(False, transposed.code, transposed.sentence)

@@ -40,9 +40,8 @@ def _stray_line(match: Match, axis: int) -> Array | None:
 
     An artist shows it by a direction along it, or by three or more points in a plane across it.
     """
-    artists, stray = np.array([path.artist for path in match.paths]), None
-    for artist in np.unique(artists):
-        points, bound = match.points[:, artists == artist].T, match.paths[int(np.argmax(artists == artist))].bound
+    stray = None
+    for points, bound in ((of_artist.T, bound) for of_artist, bound in match.by_artist()):
         steps = np.concatenate([(points[:, None] - points).reshape(-1, 3), points if bound else points[:0]])
         steps = steps[np.linalg.norm(steps, axis=1) > SPAN * np.abs(points).max()]
         units = steps / np.linalg.norm(steps, axis=1, keepdims=True)
@@ -68,49 +67,32 @@ def _other_direction(unit: Array, motion: Motion) -> Shown:
 
 
 def resembling(picture: Picture, motion: Motion) -> str | None:
-    """Return what the 3-D arrows of ``picture`` from a fixed end do instead of following the axis; None if it is not known."""
-    for path in picture.paths if motion.unit is not None and motion.axis is not None and picture.dimensions == 3 else []:
-        lengths = np.linalg.norm(path.places, axis=1, keepdims=True)
-        if not path.bound or lengths.min() <= 0:
-            continue
-        unit = path.places / lengths
+    """Return what the 3-D arrows of ``picture`` from a fixed end do instead of following the axis; None if it is not known.
+
+    They turn about L in step with the axis but at another angle, one of their coordinates stays, or they scatter about the
+    path of the axis: the deviation changes its sign from frame to frame.
+    """
+    name, z = motion.name, motion.unit
+    if z is None or motion.axis is None or picture.dimensions != 3:
+        return None
+    for path in (path for path in picture.paths if path.bound):
+        lengths = np.maximum(np.linalg.norm(path.places, axis=1, keepdims=True), 1e-300)
+        unit, tips = path.places / lengths, path.places / lengths.mean()
         exact = motion.tip[timing.on_grid(np.linspace(0, motion.frames.n - 1, len(unit)), len(motion.R))]
-        if (
-            found := _cone(unit, exact, motion)
-            or _level(path.places / lengths.mean(), exact, motion)
-            or _noise(unit, exact, motion)
-        ):
-            return found
+        angle, right = unit @ z, exact @ z
+        x = exact[0] - right[0] * z
+        azimuths = [np.unwrap(np.arctan2(v @ np.cross(z, x), v @ x)) for v in (unit, exact)]
+        in_step = np.std(angle) <= STEADY and np.abs(np.subtract(*azimuths)).max() <= IN_STEP
+        if in_step and np.abs(np.mean(angle - right)) > DIFFERENT:
+            drawn, wanted = (np.degrees(np.arccos(np.clip(np.mean(c), -1, 1))) for c in (angle, right))
+            cone = f"the drawing turns about L with {name}, but on a cone of {drawn:.0f}° about L"
+            return f"{cone}; {name} makes an angle of {wanted:.0f}°"
+        k = int(np.argmin(np.std(tips, axis=0)))
+        if np.std(tips[:, k]) <= STEADY / 4 and np.std(tips, axis=0).max() > STEADY < np.std(exact[:, k]):
+            constant = f"the {'xyz'[k]} coordinate of the drawing is constant"
+            return f"{constant}, but {name} circles L, which does not point along {'xyz'[k]}: draw R[:, :, {motion.axis}]"
+        left, spread = unit - exact, np.sqrt(np.mean((exact - exact.mean(axis=0)) ** 2))
+        size = np.sqrt(np.mean(left**2))
+        if np.sqrt(np.mean(np.diff(left, axis=0) ** 2)) > size and size <= SCATTERED * spread:
+            return f"the drawing follows {name} but scatters about its path, by {size / spread:.0%} of it: is noise added?"
     return None
-
-
-def _cone(unit: Array, exact: Array, motion: Motion) -> str | None:
-    """Return on what cone about L the arrow turns, in step with the axis but at another angle."""
-    z = motion.unit
-    assert z is not None
-    angle, right = unit @ z, exact @ z
-    x = exact[0] - right[0] * z
-    azimuths = [np.unwrap(np.arctan2(v @ np.cross(z, x), v @ x)) for v in (unit, exact)]
-    if np.std(angle) > STEADY or np.abs(np.mean(angle - right)) <= DIFFERENT or np.abs(np.subtract(*azimuths)).max() > IN_STEP:
-        return None
-    drawn, wanted = (np.degrees(np.arccos(np.clip(np.mean(c), -1, 1))) for c in (angle, right))
-    cone = f"the drawing turns about L with {motion.name}, but on a cone of {drawn:.0f}° about L"
-    return f"{cone}; {motion.name} makes an angle of {wanted:.0f}°"
-
-
-def _level(tips: Array, exact: Array, motion: Motion) -> str | None:
-    """Return the coordinate that stays while the others change; ``tips`` (f, 3) in units of their mean length."""
-    k = int(np.argmin(np.std(tips, axis=0)))
-    if np.std(tips[:, k]) > STEADY / 4 or not np.std(tips, axis=0).max() > STEADY < np.std(exact[:, k]):
-        return None
-    constant = f"the {'xyz'[k]} coordinate of the drawing is constant"
-    return f"{constant}, but {motion.name} circles L, which does not point along {'xyz'[k]}: draw R[:, :, {motion.axis}]"
-
-
-def _noise(unit: Array, exact: Array, motion: Motion) -> str | None:
-    """Return that the path scatters: the deviation changes its sign from frame to frame, and the rest is the path of the axis."""
-    left, spread = unit - exact, np.sqrt(np.mean((exact - exact.mean(axis=0)) ** 2))
-    size = np.sqrt(np.mean(left**2))
-    if np.sqrt(np.mean(np.diff(left, axis=0) ** 2)) <= size or size > SCATTERED * spread:
-        return None
-    return f"the drawing follows {motion.name} but scatters about its path, by {size / spread:.0%} of it: is noise added?"

@@ -10,7 +10,7 @@ from ecp.kinds.animation.body.comparing import compared
 from ecp.kinds.animation.body.motion import Body, Motion
 from ecp.kinds.animation.cameras import PARALLEL
 from ecp.kinds.animation.matching import Mistake, instead
-from ecp.kinds.animation.pictures import Picture, directions, is_consistent, pictures
+from ecp.kinds.animation.pictures import Picture, is_consistent, pictures
 from ecp.kinds.animation.shown import INCONSISTENT, Shown
 from ecp.kinds.animation.timing import LEAST_FRAMES, Array
 
@@ -29,15 +29,14 @@ def momentum_shown(seen: Arrays, body: Body) -> Shown:
     found = compared(seen, drawn, body).cameras if enough else ()
     reversed_ = False
     for picture, camera in zip(drawn, found or (None,) * len(drawn), strict=True):
-        some, sure = directions(picture, picture.paths)
         for view in [camera] if camera is not None else cameras.plain(picture.dimensions):
             if np.linalg.norm(view @ unit) <= PARALLEL:
                 if _end_on(picture):
                     return Shown(True, None, "L points at the viewer, and a point stays there")
-            elif cameras.points_along(some, sure, view @ unit):
+            elif picture.keeps(view @ unit):
                 return Shown(True, None, "a direction along L stays the same")
             else:
-                reversed_ = reversed_ or cameras.parallel(sure, -(view @ unit))
+                reversed_ = reversed_ or cameras.parallel(picture.directions()[1], -(view @ unit))
     if reversed_:
         return Shown(False, "reversed-angular-momentum", "the line or arrow for L points along −L")
     if enough and (wrong := next(_instead_of_momentum(drawn, Motion(body, seen["at"]), unit), None)):
@@ -47,17 +46,15 @@ def momentum_shown(seen: Arrays, body: Body) -> Shown:
 
 def _instead_of_momentum(drawn: list[Picture], motion: Motion, unit: Array) -> Iterator[Shown]:
     """Yield what moves as L does in the body, or by R, and what is fixed along another direction."""
-    views = [
-        (picture, view, *directions(picture, picture.paths)) for picture in drawn for view in cameras.plain(picture.dimensions)
-    ]
-    for picture, view, some, _ in views:
-        still = motion.axis is not None and cameras.parallel(some, view[:, motion.axis])
-        inside = BODY_AXES if still else MOVES
-        moving = ((MOVES, motion.R @ unit), (inside, unit @ motion.R), (OMEGA, motion.w))
-        laws = motion.frames.laws
-        wrong = [Mistake("moving-angular-momentum", how, x[:, :, None], laws, shift=False) for how, x in moving]
-        yield from instead(picture, [view], wrong, motion.frames)
-    for _, view, _, sure in views:
+    views = [(picture, view) for picture in drawn for view in cameras.plain(picture.dimensions)]
+    axes_stay = motion.axis is not None and any(
+        cameras.parallel(picture.directions()[0], M[:, motion.axis]) for picture, M in views
+    )
+    moving = ((MOVES, motion.R @ unit), (BODY_AXES if axes_stay else MOVES, unit @ motion.R), (OMEGA, motion.w))
+    code, laws = "moving-angular-momentum", motion.frames.laws
+    yield from instead(drawn, [Mistake(code, how, x[:, :, None], laws, shift=False) for how, x in moving], motion.frames)
+    for picture, view in views:
+        sure = picture.directions()[1]
         if sentence := _fixed_elsewhere(sure[np.any(sure != 0, axis=1)], view, motion, unit):
             yield Shown(None, "wrong-angular-momentum", f"{sentence}: draw L as it is given")
 
@@ -80,15 +77,11 @@ def _fixed_elsewhere(sure: Array, view: Array, motion: Motion, unit: Array) -> s
     """Return where the only fixed line points if that is not L. Of several lines, such as axes, none needs to be L."""
     single = len(sure) > 0 and all(cameras.parallel(np.array([one, -one]), sure[0]) for one in sure)
     along = [name for name, direction in zip("xyz", view.T, strict=True) if cameras.parallel(sure, direction)]
-    if single and len(along) == 1:
-        return f"a fixed line points along {along[0]}, but L points along ({_components(unit)})"
     body = view @ (motion.R[0].T @ unit)
+    lines = [sure[0] / np.linalg.norm(sure[0]) if single else unit, unit]
+    line, L = (", ".join(f"{x:.2f}" for x in direction) for direction in lines)
+    if single and len(along) == 1:
+        return f"a fixed line points along {along[0]}, but L points along ({L})"
     if not along and np.linalg.norm(body) > PARALLEL and cameras.parallel(sure, body):
         return "the fixed line uses the body components of L: convert them with R·L_body"
-    if single and not along and len(view) == 3:
-        return f"the only fixed line points along ({_components(sure[0])}), but L points along ({_components(unit)})"
-    return ""
-
-
-def _components(direction: Array) -> str:
-    return ", ".join(f"{x:.2f}" for x in direction / np.linalg.norm(direction))
+    return f"the only fixed line points along ({line}), but L points along ({L})" if single and not along and len(view) == 3 else ""

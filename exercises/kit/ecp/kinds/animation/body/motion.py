@@ -26,24 +26,21 @@ class Body:
 
 
 class Motion:
-    """The attitudes R (G, 3, 3) of ``body`` on the grid of times, the angular velocity w (G, 3) in space up to its unit, and
-    the frames ``at`` (f, 3) of its animation. ``unit`` (3,) points along L.
+    """The motion of ``body`` on the grid of times, and the frames ``at`` (f, 3) of its animation.
+
+    Attitudes R (G, 3, 3), and in space the axis ``tip`` (G, 3), the angular velocity w (G, 3) up to its unit, and ``unit`` (3,)
+    along L.
     """
 
     def __init__(self, body: Body, at: Array) -> None:
-        self.body, self.axis, self.half = body, body.axis, body.half
+        self.axis, self.half = body.axis, body.half
         at, t, self.R, rate = finely(at, body.t, body.R)
+        self.tip = self.R[:, :, 2 if body.axis is None else body.axis]
         spin = np.swapaxes(self.R, 1, 2) @ rate
         self.w = np.einsum("gij,gj->gi", self.R, spin[:, [2, 0, 1], [1, 2, 0]])
         self.unit = None if body.L is None else body.L / np.linalg.norm(body.L)
         self.name = "the body" if body.axis is None else NAMES[body.axis]
         self.frames = Frames(at, t, self._turns())
-
-    @property
-    def tip(self) -> Array:
-        """The body axis (G, 3) in space."""
-        assert self.axis is not None
-        return self.R[:, :, self.axis]
 
     def _turns(self) -> Array:
         """Return the turns since the start (n,): of the axis about L, or of the body."""

@@ -1,6 +1,6 @@
 """A drawing by the student's own camera: turned, not mirrored, and the same for the body, L and the labels."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 
 import numpy as np
 
@@ -9,12 +9,12 @@ from ecp.kinds.animation.body.direction import read
 from ecp.kinds.animation.body.motion import Motion
 from ecp.kinds.animation.cameras import PARALLEL
 from ecp.kinds.animation.matching import matched, together
-from ecp.kinds.animation.pictures import Path, Picture, directions
+from ecp.kinds.animation.pictures import Path, Picture
 from ecp.kinds.animation.shown import Shown
 from ecp.kinds.animation.timing import Array
 
 View = tuple[Array | None, Shown | None]  # a camera and what it shows
-Own = tuple[Array, Array, list[Path]]  # a camera, the times of the frames, and the paths from which they were found
+Own = tuple[Array, Array]  # a camera and the times of the frames
 
 ROUNDS = 3  # in which times and perspective are fitted in turn
 NEAREST = 0.5  # inverse of the distance of a camera from the centre, in lengths of the axis
@@ -29,33 +29,34 @@ def by_own_camera(picture: Picture, motion: Motion) -> View:
         wrong = cameras.mislabelled(picture.plane, own[0])
         if wrong:
             return None, Shown(False, "mirrored", wrong)
-        return _checked_box(picture, motion, *own[:2]) if motion.axis is None else _checked(picture, motion, *own)
+        return (_checked_box if motion.axis is None else _checked)(picture, motion, *own)
     own = _own_camera(picture, motion, frames.late)
     if own and (np.ptp(own[1]) > UNAMBIGUOUS * frames.n or np.any(np.diff(own[1]) < 0)):
         return None, Shown(False, "wrong-frames", f"the body is drawn, but {frames.wrong(own[1])}")
     return None, None
 
 
-def _checked(picture: Picture, motion: Motion, camera: Array, times: Array, paths: list[Path]) -> View:
+def _checked(picture: Picture, motion: Motion, camera: Array, times: Array) -> View:
     """Judge a camera: it must not mirror, must draw L too, and must not turn about an L that stays."""
     shown = Shown(True, None, f"seen from another side, {motion.frames.covered(times)}")
-    if mirrored := len(camera) == 3 and np.linalg.det(camera) < 0:
+    if len(camera) == 3 and np.linalg.det(camera) < 0:
         shown = Shown(False, "mirrored", f"the drawing is a mirror image of the motion{_swapped(camera)}")
-    if motion.unit is not None and not mirrored:
-        shown = _beside_momentum(camera, motion.unit, motion.name, *directions(picture, paths)) or shown
+    elif motion.unit is not None:
+        shown = _beside_momentum(picture, camera, motion.unit, motion.name) or shown
     return None if shown.found is False else camera, shown
 
 
-def _beside_momentum(camera: Array, unit: Array, name: str, some: Array, sure: Array) -> Shown | None:
+def _beside_momentum(picture: Picture, camera: Array, unit: Array, name: str) -> Shown | None:
     """Return why the camera does not fit the fixed directions of the picture, of which one should be L; None if it does."""
-    L = camera @ unit
-    seen, drawn = bool(np.linalg.norm(L) > PARALLEL), cameras.parallel(some, L)
+    L, some = camera @ unit, picture.directions()[0]
+    seen = bool(np.linalg.norm(L) > PARALLEL)
     for as_it_is in (plain @ unit for plain in cameras.plain(len(camera))):
         if np.linalg.norm(L - as_it_is) <= PARALLEL:
             return Shown(False, "wrong-frames", TURNED)
-        if seen and not drawn and np.linalg.norm(as_it_is) > PARALLEL and cameras.parallel(some, as_it_is):
+        kept = np.linalg.norm(as_it_is) > PARALLEL and cameras.parallel(some, as_it_is)
+        if seen and kept and not cameras.parallel(some, L):
             return Shown(False, "mirrored", "the body and L are drawn in different coordinates")
-    if len(camera) == 3 or not seen or cameras.points_along(some, sure, L):
+    if len(camera) == 3 or not seen or picture.keeps(L):
         return None
     if cameras.parallel(some, -L):
         return Shown(False, "wrong-axis", f"{name} and L are drawn on opposite sides: one of them has the wrong sign")
@@ -68,7 +69,7 @@ def _checked_box(picture: Picture, motion: Motion, camera: Array, times: Array) 
         sentence = f"a mirror image{how}? The box turned by 180° looks the same: draw x, y and z as they are"
         return camera, Shown(None, "mirrored", sentence)
     match = matched(picture, camera @ motion.R, times[None])
-    return camera, read(match, motion) if match else None
+    return camera, read(match, motion) if match else Shown(True, None, f"drawn as it is, {motion.frames.covered(times)}")
 
 
 def _swapped(camera: Array) -> str:
@@ -81,45 +82,47 @@ def _swapped(camera: Array) -> str:
 
 
 def _own_camera(picture: Picture, motion: Motion, laws: Array) -> Own | None:
-    """Return a camera found from a drawn direction or from the points of a body."""
-    for path in picture.paths if motion.axis is not None else []:
-        fit = together(motion.tip[:, None], path.places[:, None], laws)
-        if fit and (camera := cameras.straightened(fit.coefficients.T)) is not None:
-            return camera, fit.times, [path]
-    for path in picture.paths if motion.axis is not None and picture.dimensions == 2 else []:
-        if path.bound and len(laws) and (own := _in_perspective(motion, path, laws)):
+    """Return a camera found from a drawn axis or from the points of a body."""
+    for look in (_of_axis, _in_perspective) if motion.axis is not None and len(laws) else ():
+        if own := next(filter(None, (look(path, motion, laws) for path in picture.paths)), None):
             return own
     nine = np.concatenate([motion.R.reshape(-1, 1, 9), np.ones((len(motion.R), 1, 1))], axis=2)
     for paths in _bodies(picture):
         values = np.stack([path.places for path in paths], axis=1)
         fit = together(nine, values.reshape(len(values), 1, -1), laws)
         if fit and (camera := _of_body(fit.coefficients, motion.R[fit.grid], values)) is not None:
-            return camera, fit.times, paths
+            return camera, fit.times
     return None
 
 
-def _in_perspective(motion: Motion, path: Path, laws: Array) -> Own | None:
+def _of_axis(path: Path, motion: Motion, laws: Array) -> Own | None:
+    """Return a camera (d, 3) if the path is the tip of the axis."""
+    fit = together(motion.tip[:, None], path.places[:, None], laws)
+    camera = cameras.straightened(fit.coefficients.T) if fit else None
+    return None if fit is None or camera is None else (camera, fit.times)
+
+
+def _in_perspective(path: Path, motion: Motion, laws: Array) -> Own | None:
     """Return a camera (2, 3) if the path is the tip p of the axis, drawn as M p / (1 − q·p).
 
     q points towards the viewer, which excludes mirror images. On the cone p·L is constant, so a multiple of L
     may be added to q and M scaled.
     """
-    if motion.unit is None:
+    drawn, tips, unit = path.places, motion.tip[:, None], motion.unit
+    if unit is None or not path.bound or drawn.shape[1] == 3:
         return None
-    drawn = path.places
-    law = times = laws[int(np.argmin(timing.screened(motion.tip[:, None], drawn[:, None], laws).sum(axis=1)))]
+    law = times = laws[int(np.argmin(timing.screened(tips, drawn[:, None], laws).sum(axis=1)))]
     for _ in range(ROUNDS):
-        tip = motion.tip[timing.on_grid(times, len(motion.R))]
+        tip = motion.tip[timing.on_grid(times, len(tips))]
         _, q = cameras.in_perspective(tip, drawn)
-        fit = together(motion.tip[:, None], (drawn * (1 - tip @ q)[:, None])[:, None], law[None])
-        if not fit or (straight := cameras.straightened(fit.coefficients.T)) is None:
+        if not (own := _of_axis(path._replace(places=drawn * (1 - tip @ q)[:, None]), motion, law[None])):
             return None
-        camera, times = straight, fit.times
-    design = np.column_stack([motion.unit, np.cross(*camera)])
+        camera, times = own
+    design = np.column_stack([unit, np.cross(*camera)])
     along, near = np.linalg.lstsq(design, q, rcond=None)[0]
-    scale = 1 - along * float(np.mean(motion.tip @ motion.unit))
+    scale = 1 - along * float(np.mean(motion.tip @ unit))
     upright = np.linalg.norm(design @ [along, near] - q) <= cameras.SKEW * np.linalg.norm(q)
-    return (camera, times, [path]) if upright and 0 < near / scale < NEAREST else None
+    return own if upright and 0 < near / scale < NEAREST else None
 
 
 def _of_body(coefficients: Array, R: Array, drawn: Array) -> Array | None:
@@ -145,13 +148,9 @@ def _of_body(coefficients: Array, R: Array, drawn: Array) -> Array | None:
 
 
 def _bodies(picture: Picture) -> list[list[Path]]:
-    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with
-    one or two paths.
-    """
-    groups: dict[tuple[str, int], list[Path]] = {}
-    free = [path for path in picture.paths if not path.bound]
+    """Return groups of three or more paths that may belong to one body: of one artist, or of all artists with one or two paths."""
+    free, groups = [path for path in picture.paths if not path.bound], defaultdict[int, list[Path]](list)
     owned = Counter(path.artist for path in free)
     for path in free:
-        count = owned[path.artist]
-        groups.setdefault(("artist", path.artist) if count > 2 else ("each", count), []).append(path)
+        groups[path.artist if owned[path.artist] > 2 else -owned[path.artist]].append(path)
     return [paths for paths in groups.values() if len(paths) > 2]

@@ -78,6 +78,13 @@ def test_faces_in_any_order(camera):
     assert body_shown(painted_faces(TUMBLE[::-1], camera), BOX).found is False
 
 
+def test_faces_in_any_order_show_the_coordinates_that_the_labels_name():
+    seen = painted_faces(TUMBLE, SPACE[[2, 0]])
+    assert body_shown(seen | {"labels": np.array([[0.0, 2, 0]])}, BOX).found is True
+    shown = body_shown(seen | {"labels": np.array([[0.0, 0, 2]])}, BOX)
+    assert shown.code == "mirrored" and "axes labelled x and z show z and x" in shown.sentence
+
+
 def test_only_the_faces_that_are_seen():
     assert body_shown(painted_faces(TUMBLE, ISOMETRIC, EYE), BOX).found is True
     assert body_shown(painted_faces(TUMBLE, ISOMETRIC, EYE), Body(T, TUMBLE, half=HALF[::-1])).found is False

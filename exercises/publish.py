@@ -113,51 +113,44 @@ def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> 
     """
     if (text := python_of(cell.source)) is None:
         return EMPTY
-    python = text.split("\n")
     lines = cell.source.split("\n")
-    head = len(lines) - len(python)  # lines of a cell magic above the Python
+    head = len(lines) - len(text.split("\n"))  # lines of a cell magic above the Python
     nodes = [s.node for s in statements_of(cell.source)]
     solved = [node for node in nodes if isinstance(node, DEFINITION) and node.name in names]
     others = {name: None for s in statements_of(cell.source) if s.node not in solved for name in sorted(s.names.bound)}
     if SOLUTION not in cell.tags and not set(others) & set(names):
         for node in reversed(solved):
-            lines[head + _first(node) - 1 : head + (node.end_lineno or 0)] = _emptied(python, node)
+            lines[head + _first(node) - 1 : head + (node.end_lineno or 0)] = [_emptied(text, node)]
         return "\n".join(lines)
     asked = [name for name in others if name in read and not name.startswith("_")]
-    parts = ["\n".join(_emptied(python, node)) for node in solved]
+    parts = [_emptied(text, node) for node in solved]
     if asked or not parts:
         parts.append(EMPTY + "".join(f"\n# {name} = ..." for name in asked))
     return "\n\n\n".join(parts)
 
 
-def _emptied(lines: Sequence[str], node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> list[str]:
-    """Return the lines of a definition with its signature, docstring and decorators. A class keeps those of its methods."""
-    first, begin = node.body[0], _first(node.body[0])
-    before = _until(lines[first.lineno - 1], first.col_offset)
+def _emptied(text: str, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) -> str:
+    """Return a definition in ``text`` with signature, docstring and decorators. A class keeps its fields and emptied methods."""
+    lines, first = text.split("\n"), node.body[0]
+    before, outer = (lines[n.lineno - 1].encode()[: n.col_offset].decode() for n in (first, node))  # ast counts columns in bytes
     own_line = not before.strip()
-    indent = before if own_line else _until(lines[node.lineno - 1], node.col_offset) + "    "
-    head = "\n".join([*lines[_first(node) - 1 : begin - 1], *([] if own_line else [before.rstrip()])])
-    emptied = re.sub(r"(\n[ \t]*(#.*)?)+$", "", head).split("\n")
+    indent = before if own_line else outer + "    "
+    head = [*lines[_first(node) - 1 : _first(first) - 1], *([] if own_line else [before.rstrip()])]
+    kept = [re.sub(r"(\n[ \t]*(#.*)?)+$", "", "\n".join(head))]
     if ast.get_docstring(node, clean=False) is not None:
-        text = [*lines[first.lineno - 1 : first.end_lineno]]
-        text[-1] = _until(text[-1], first.end_col_offset or 0)
-        emptied += text if own_line else [indent + text[0].encode()[first.col_offset :].decode(), *text[1:]]
+        kept.append(f"{indent}{ast.get_source_segment(text, first)}")
     members: list[str] = []
     for member in node.body if isinstance(node, ast.ClassDef) and own_line else []:
         if isinstance(member, DEFINITION):
-            members += ([""] if members or len(emptied) > 1 else []) + _emptied(lines, member)
+            members += ([""] if members or len(kept) > 1 else []) + [_emptied(text, member)]
         elif isinstance(member, ast.AnnAssign):  # a field of a dataclass belongs to the signature
-            members += lines[member.lineno - 1 : member.end_lineno]
-    return emptied + (members or [f"{indent}..."])
+            members.append(f"{indent}{ast.get_source_segment(text, member)}")
+    return "\n".join(kept + (members or [f"{indent}..."]))
 
 
 def _first(node: ast.stmt) -> int:
     """Return the first line of a statement, with its decorators."""
     return min([node.lineno, *(decorator.lineno for decorator in getattr(node, "decorator_list", []))])
-
-
-def _until(line: str, column: int) -> str:
-    return line.encode()[:column].decode()  # ast counts columns in bytes
 
 
 def _read_in(cell: Cell) -> Iterator[str]:

@@ -779,6 +779,20 @@ COMMANDS = [
         ("tests/exercises/test_equivalence.py",),
     ),
     Breakage(
+        "the notebook of verify lacks what a solution's cell sets besides",
+        "service/cli/verify_notebook.py",
+        'if own else [("", True)]',
+        'if not own else [("", True)]',
+        ("tests/service/cli/test_verify_notebook.py::test_later_cells_read_what_the_authors_solution_cell_sets_besides",),
+    ),
+    Breakage(
+        "the author's notebook is no sample",
+        "exercises/mistakes.py",
+        "if solved := tuple(number for number in numbers if number not in absent):",
+        "if solved := ():",
+        ("tests/service/cli/test_verify_made.py",),
+    ),
+    Breakage(
         "polhode grade exits with 1 where a file could not be graded",
         "service/cli/grade.py",
         "return 2 if any(file.fault for file in graded) else 0",

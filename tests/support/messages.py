@@ -129,7 +129,7 @@ def _strings(node: ast.AST) -> Iterator[tuple[ast.expr, str]]:
 def _direct(node: ast.expr) -> Iterator[tuple[ast.expr, str]]:
     match node:
         case ast.Constant(value=str(text)):
-            yield node, text
+            yield node, re.sub(r"\{[\w%]+_[qrt](:\.0)?\}", "…", text)  # the parts in the sentences of exercises/mutation.py
         case ast.JoinedStr(values=values):
             yield node, "".join(str(v.value) if isinstance(v, ast.Constant) else "…" for v in values)
         case ast.IfExp(body=one, orelse=other) | ast.BinOp(left=one, op=ast.Add(), right=other):

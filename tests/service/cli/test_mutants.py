@@ -68,8 +68,7 @@ notebook.exercise("1", "Doubling", values(double, ask={"x": uniform(0, 1)}, trut
 """
 
 
-def test_the_variants_of_a_declaration(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+def test_the_variants_of_a_declaration(tmp_path, capsys):
     folder = tmp_path / "doubling"
     folder.mkdir()
     (folder / "assignment.py").write_text(DECLARED)

@@ -116,12 +116,15 @@ class Sweep:
 
 
 class PublishedCell(NamedTuple):
-    """A code cell of the students' notebook. ``is_given`` is false for one that the student fills in."""
+    """A code cell of the students' notebook. ``is_given`` is false for one that the student fills in; ``is_validation`` is true
+    for one that calls ``validate``.
+    """
 
     name: str
     source: str
     is_given: bool
     id: str = ""
+    is_validation: bool = False
 
 
 @dataclass(frozen=True)

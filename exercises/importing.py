@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ecp.notebook.cells import statements_of
-from exercises.author_notebook import Cell, InvalidNotebook, read
+from exercises.author_notebook import SOLUTION, Cell, InvalidNotebook, read
 from exercises.validation_cells import Placed, placed_calls, published_cells
 
 CELL_S, GRADING_S = 60, 600  # CPU time of a cell, and of a grading: cells of a course take up to a minute
+DATA_FILE = re.compile(r"(?!\.)[\w\-. ]+\.(csv|txt|dat|tsv|npy|npz|json|h5|fits)")
 AVAILABLE = {"ecp", "numpy", "scipy", "matplotlib", "mpl_toolkits"}
 HEAD = '''"""{title}: imported from {file}.
 
@@ -27,7 +28,7 @@ from exercises.author import Notebook, line
 notebook = Notebook(
     {quoted_title},
     notebook={quoted_file},
-{packages}    load_s={cell_s},  # CPU time of one cell
+{packages}{data}    load_s={cell_s},  # CPU time of one cell
     cpu_s={grading_s},  # and of a whole grading
 )
 '''
@@ -44,7 +45,9 @@ LONGEST = 40  # characters of an argument in a comment
 
 
 class Imported(NamedTuple):
-    """The text of assignment.py, the number of validation calls taken over, and each of the others as a sentence."""
+    """The text of assignment.py, the number of validation calls taken over, each of the others as a sentence, and the data files
+    that the cells read, by name.
+    """
 
     slug: str
     title: str
@@ -52,6 +55,7 @@ class Imported(NamedTuple):
     taken: int
     left: list[str]
     warnings: list[str]
+    data: dict[str, bytes]
 
 
 def imported(path: Path) -> Imported:
@@ -65,17 +69,22 @@ def imported(path: Path) -> Imported:
     left = [f"{one.cell.name}, line {one.call.place[0]}: {_reason(one)}" for one in placed if one not in taken]
     packages, warnings = _packages(cells)
     listed = f"    packages=({', '.join(map(_quoted, packages))},),\n" if packages else ""
+    data, absent = _data(cells, path.parent)
+    warnings += absent
+    if not any(SOLUTION in cell.tags for cell in cells):
+        warnings.append(f"no cell is tagged {SOLUTION}: the server then runs every cell that contains code as it is published")
     text = HEAD.format(
         title=title,
         file=path.name,
         quoted_title=_quoted(title),
         quoted_file=_quoted(path.name),
         packages=listed,
+        data=f"    data=({', '.join(map(_quoted, data))},),\n" if data else "",
         cell_s=CELL_S,
         grading_s=GRADING_S,
     )
     text += "".join(_exercises(taken))
-    return Imported(_slug(path.stem), title, text, len(taken), left, warnings)
+    return Imported(_slug(path.stem), title, text, len(taken), left, warnings, data)
 
 
 def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
@@ -124,8 +133,29 @@ def _packages(cells: Sequence[Cell]) -> tuple[tuple[str, ...], list[str]]:
     warnings = [
         f"{name} is not installed on this machine: install it, and name it in packages" for name in sorted(top) if name not in known
     ]
+    warnings += _aliases(nodes)
     warnings += [f"the kit has no {name}: the cells that import it fail" for name in sorted(modules) if _is_missing(name)]
     return tuple(found), warnings
+
+
+def _data(cells: Sequence[Cell], folder: Path) -> tuple[dict[str, bytes], list[str]]:
+    """Return the files beside the notebook that its code names, and a warning for each that is not there."""
+    nodes = [node for cell in cells if cell.kind == "code" for s in statements_of(cell.source) for node in ast.walk(s.node)]
+    named = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    files = sorted(name for name in named if DATA_FILE.fullmatch(name))
+    found = {name: (folder / name).read_bytes() for name in files if (folder / name).is_file()}
+    return found, [f"{name} is not beside the notebook: the cells that read it fail" for name in files if name not in found]
+
+
+def _aliases(nodes: Sequence[ast.AST]) -> Iterator[str]:
+    """Yield a warning for each other name of ``validate`` or of its functions, whose calls are not found."""
+    for node in nodes:
+        for name in node.names if isinstance(node, ast.ImportFrom) else ():
+            module = node.module if isinstance(node, ast.ImportFrom) else None
+            if (module, name.name) == ("ecp", "validate") and name.asname not in (None, "validate"):
+                yield f"the notebook calls validate {name.asname}: calls under that name are not taken over"
+            elif module == "ecp.validate":
+                yield f"the notebook imports validate.{name.name} by its own name: calls under it are not taken over"
 
 
 def _is_missing(module: str) -> bool:

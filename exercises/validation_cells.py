@@ -7,13 +7,15 @@ carries no points until the author names a truth or trusts it.
 
 import ast
 import builtins
+import inspect
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecp import validate
 from ecp.checks import Check
 from ecp.claims import KINDS, Claim
 from ecp.exercise import Exercise
@@ -21,11 +23,12 @@ from ecp.judge import Judgement, Verdict
 from ecp.notebook.cells import python_of, statements_of
 from ecp.outcome import Outcome, Tolerance
 from exercises.assignment import PublishedCell
-from exercises.author_notebook import INSTALL, SOLUTION, Cell
+from exercises.author_notebook import INSTALL, Cell
 
 VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LABEL_AT = {"close": 2, "conserved": 1, "check": 1, "positive": 1, "below": 2}
 """The position of the argument ``label`` of each function of ``ecp.validate``."""
+LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 LINE = "-line-"  # in the id of each line's check
 NOTEBOOK = "the notebook's own"
 SELF_REPORTED = "self-reported: the student's code computes both sides"
@@ -33,9 +36,10 @@ SELF_REPORTED = "self-reported: the student's code computes both sides"
 
 class Call(NamedTuple):
     """A call of ``ecp.validate`` in a cell: its line and column, its kind, its label, its first two arguments, and
-    whether it is inside a function.
+    whether it is inside a function, or repeated: inside a loop.
 
-    The expressions of a label that is not a plain string stand in braces.
+    The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false. ``numbers`` are the
+    tolerances and limits that its text gives as numbers, and ``computed`` the names of those that it computes.
     """
 
     place: tuple[int, int]
@@ -43,6 +47,10 @@ class Call(NamedTuple):
     label: str
     arguments: tuple[str, str] = ("", "")
     in_function: bool = False
+    repeated: bool = False
+    is_plain: bool = False
+    numbers: tuple[tuple[str, float], ...] = ()
+    computed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,33 +74,45 @@ class ReportedLine(Check):
     """A check of the claims that a published cell made at one place of its source."""
 
     cell: str = ""
-    place: tuple[int, int] = (0, 0)
+    call: Call = field(default_factory=lambda: Call((0, 0), "", ""))
     declared: Line = Line("")
 
     def errors(self) -> list[str]:
         """Return the errors of the declaration. A line without points has none of its own."""
         return super().errors() if self.declared.counts else []
 
-    def reported(self, claims: Sequence[Claim], cause: str) -> Outcome:
+    def reported(self, claims: Sequence[Claim], cause: str, *, stopped: bool = False) -> Outcome:
         """Return the outcome of the ``claims`` made at its place; without one it is unmeasured for this ``cause``.
 
-        Where the call was made several times, all of them must hold, and the first that does not is shown.
+        Where the call was made several times, all of them must hold, and the first that does not is shown. If its cell ``stopped``,
+        the loop around it may not have ended.
         """
-        judged = [(claim, self._judged(claim)) for claim in claims]
-        if not judged:
+        judged = [(fixed, self._judged(fixed)) for claim in claims if (fixed := self._fixed(claim))]
+        claim, found = next(
+            (pair for pair in judged if pair[1].verdict is not Verdict.PASS), judged[-1] if judged else (None, None)
+        )
+        if claim is None or found is None or (stopped and self.call.repeated and found.verdict is Verdict.PASS):
             return self._marked(self.unmeasured(cause), {})
-        claim, found = next((pair for pair in judged if pair[1].verdict is not Verdict.PASS), judged[-1])
         outcome = self._outcome(found, [])
-        outcome.label = claim.label or self.label
+        outcome.label = self.label if self.call.is_plain else claim.label or self.label
         if found.verdict is Verdict.UNMEASURED:
             outcome.cause = found.detail
         return self._marked(outcome, claim.numbers)
 
+    def _fixed(self, claim: Claim) -> Claim | None:
+        """Return the claim with the numbers of the published call. None if that call cannot have made it."""
+        if claim.kind != self.call.kind:
+            return None
+        detail = claim.detail if claim.kind == "check" else ""
+        return replace(claim, numbers={**claim.numbers, **dict(self.call.numbers)}, detail=detail)
+
     def _judged(self, claim: Claim) -> Judgement:
         if self.declared.truth is None or claim.unfit or claim.left_out:
             return claim.judged()
-        truth = self.declared.truth() if callable(self.declared.truth) else self.declared.truth
-        return replace(claim, arrays={**claim.arrays, "expected": np.asarray(truth, dtype=float)}).judged()
+        truth = np.asarray(self.declared.truth() if callable(self.declared.truth) else self.declared.truth, dtype=float)
+        if not np.all(np.isfinite(truth)):
+            raise ValueError(f"truth of the line {self.label!r} is not finite")
+        return replace(claim, arrays={**claim.arrays, "expected": truth}).judged()
 
     def _marked(self, outcome: Outcome, numbers: Mapping[str, float]) -> Outcome:
         allowed = {"rel_drift": "limit"}
@@ -114,11 +134,22 @@ def calls(source: str) -> list[Call]:
     functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
     inside = {id(node) for function in functions for node in ast.walk(function)}
     found = [(node, kind) for node in ast.walk(tree) if isinstance(node, ast.Call) and (kind := _kind(node))]
-    made = [
-        Call((n.lineno, n.col_offset), kind, _label(n, kind), (_argument(n, 0), _argument(n, 1)), id(n) in inside)
+    loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
+    repeated = {id(node) for loop in loops for node in ast.walk(loop)}
+    return sorted(
+        Call(
+            (n.lineno, n.col_offset),
+            kind,
+            _label(n, kind),
+            (_argument(n, 0), _argument(n, 1)),
+            in_function=id(n) in inside,
+            repeated=id(n) in repeated,
+            is_plain=isinstance(_given(n, "label", LABEL_AT[kind]), ast.Constant),
+            numbers=_numbers(n, kind),
+            computed=tuple(name for name, node in _given_numbers(n, kind) if _number(node) is None),
+        )
         for n, kind in found
-    ]
-    return sorted(made)
+    )
 
 
 def _argument(node: ast.Call, at: int) -> str:
@@ -132,10 +163,44 @@ def _kind(node: ast.Call) -> str | None:
     return None
 
 
-def _label(node: ast.Call, kind: str) -> str:
+def _given(node: ast.Call, name: str, at: int) -> ast.expr | None:
+    """Return the argument ``name`` of a call, which may stand at the position ``at``."""
     given = {keyword.arg: keyword.value for keyword in node.keywords}
-    at = LABEL_AT[kind]
-    return _text(given.get("label", node.args[at] if len(node.args) > at else ast.Constant("")))
+    return given.get(name, node.args[at] if len(node.args) > at else None)
+
+
+def _label(node: ast.Call, kind: str) -> str:
+    return _text(_given(node, "label", LABEL_AT[kind]) or ast.Constant(""))
+
+
+def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the tolerances and limits of a call by name, those that it does not name with their defaults."""
+    if any(isinstance(one, ast.Starred) for one in node.args) or any(keyword.arg is None for keyword in node.keywords):
+        yield from ((name, node) for name in KINDS[kind].numbers)  # only running the call shows them
+        return
+    parameters = inspect.signature(getattr(validate, kind)).parameters
+    for at, (name, parameter) in enumerate(parameters.items()):
+        if name in KINDS[kind].numbers:
+            yield name, _given(node, name, at) or ast.Constant(parameter.default)
+
+
+def _numbers(node: ast.Call, kind: str) -> tuple[tuple[str, float], ...]:
+    return tuple((name, number) for name, given in _given_numbers(node, kind) if (number := _number(given)) is not None)
+
+
+def _number(node: ast.expr) -> float | None:
+    """Return the number that the text of an expression gives, None if the expression needs a name or a call."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+        case ast.UnaryOp(op=ast.USub(), operand=inner) if (number := _number(inner)) is not None:
+            return -number
+        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
+            factors = _number(left), _number(right)
+            if factors[0] is None or factors[1] is None or (isinstance(op, ast.Div) and not factors[1]):
+                return None
+            return factors[0] * factors[1] if isinstance(op, ast.Mult) else factors[0] / factors[1]
+    return None
 
 
 def _text(node: ast.expr) -> str:
@@ -157,9 +222,15 @@ def published_cells(cells: Sequence[Cell], names: Sequence[str]) -> tuple[Publis
     """
     code = [cell for cell in cells if cell.kind == "code" and INSTALL not in cell.tags]
     return tuple(
-        PublishedCell(f"published cell {number}", cell.source, not (SOLUTION in cell.tags or cell.bound() & set(names)), cell.id)
+        PublishedCell(f"published cell {number}", cell.source, _is_given(cell, names), cell.id, bool(calls(cell.source)))
         for number, cell in enumerate(code, 1)
     )
+
+
+def _is_given(cell: Cell, names: Sequence[str]) -> bool:
+    """Return whether the student leaves the cell as it is: it is no solution, and contains more than comments."""
+    is_comment = python_of(cell.source) is not None and not statements_of(cell.source)
+    return not (is_comment or cell.is_solution(names))
 
 
 class Placed(NamedTuple):
@@ -194,6 +265,10 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
         if line.truth is not None and call.kind != "close":
             remedy = "use trust=True, or ask a question"
             yield f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace: {remedy}"
+        elif line.truth is not None and call.computed:
+            remedy = "write it there as a number, or ask a question"
+            widened = f"the validation cell computes {call.computed[0]}, which the student's code could widen"
+            yield f"line {line.line}: {widened}: {remedy}"
 
 
 def _is_numeric(value: Any) -> bool:
@@ -230,9 +305,7 @@ def _check(id: str, line: Line, cell: PublishedCell, call: Call) -> ReportedLine
 
     reason = NOTEBOOK if line.counts else f"{NOTEBOOK}; {SELF_REPORTED}"
     points = line.points if line.counts else 0
-    return ReportedLine(
-        id, line.label, (), word, Tolerance(reason=reason), points=points, cell=cell.name, place=call.place, declared=line
-    )
+    return ReportedLine(id, line.label, (), word, Tolerance(reason=reason), points=points, cell=cell.name, call=call, declared=line)
 
 
 def read_names(cells: Sequence[PublishedCell], used: Sequence[PublishedCell]) -> list[str]:

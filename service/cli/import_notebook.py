@@ -34,7 +34,8 @@ def _import(arguments: argparse.Namespace) -> int:
     for file in files:
         try:
             made = imported(file)
-            folder = created(made.slug, made.title, into, {catalogue.DECLARATION: made.text.encode(), file.name: file.read_bytes()})
+            files_of = {catalogue.DECLARATION: made.text.encode(), file.name: file.read_bytes(), **made.data}
+            folder = created(made.slug, made.title, into, files_of)
             catalogue.register_folder(folder)
             catalogue.load_catalogue.cache_clear()
             catalogue.find(made.slug)

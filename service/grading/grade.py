@@ -298,7 +298,8 @@ def _passes(assignment: Assignment, check: Check, played: PlayedJob, crossed: Cr
 
 def _outcome(check: Check, scenes: list[Scene], result: PlayResult, truths: Mapping[str, Arrays]) -> Outcome:
     if isinstance(check, ReportedLine):
-        return check.reported(result.reported.get((check.cell, check.place), ()), _cause_of_cell(check.cell, result))
+        claims = result.reported.get((check.cell, check.call.place), ())
+        return check.reported(claims, _cause_of_cell(check.cell, result), stopped=check.cell in result.cells)
     for scene in scenes:
         if not result.finished(scene.name):
             return check.unmeasured(_cause(scene, result))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ecp.outcome import Ended, SceneEnd
 from exercises.assignment import ArraySpec
 from service.sandbox import claims
-from service.sandbox.guest.claims import MOST_CLAIMS
+from service.sandbox.guest.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
 from service.sandbox.result import GUEST_CODES, PlayResult
@@ -57,7 +57,7 @@ class Reader:
         self._driven = {s.name for s in job.scenes if s.drive}
         self._names_known = False
         self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()
-        self._claims = 0
+        self._claims, self._numbers = {False: 0, True: 0}, 0  # of the submission's own cells and of published ones
         self._answer_header, self._answer_size, self._places = b"", 0, list[Place]()
 
     started: str | None
@@ -160,13 +160,16 @@ class Reader:
         )
 
     def _claim(self, payload: bytes) -> None:
-        if self._names_known or self._claims >= MOST_CLAIMS:
-            raise ProtocolError("a claim after the cells, or one too many")
+        if self._names_known:
+            raise ProtocolError("a claim after the cells")
         try:
             cell, place, claim = claims.read(*_headed(payload), self._cells, text)
         except ValueError:
             raise ProtocolError("not a claim") from None
-        self._claims += 1
+        self._claims[place is not None] += 1
+        self._numbers += sum(array.size for array in claim.arrays.values())
+        if self._claims[False] > MOST_CLAIMS or self._claims[True] > MOST_REPORTED + MOST_CUT or self._numbers > 2 * MOST_IN_ALL:
+            raise ProtocolError("too many claims")
         if place is None:
             self.result.claims.append(claim.outcome(cell))
         else:

@@ -64,3 +64,21 @@ def test_the_student_defines_what_the_lines_read(tmp_path):
     (exercise,) = made.exercises
     assert exercise.functions == exercise.variables == ("total",)
     assert made.max_points() == 0 and [check.points for check in exercise.checks] == [0, 0]
+
+
+def test_a_call_knows_the_numbers_that_its_text_gives():
+    source = 'validate.close(a, b, "one")\nvalidate.below(a, 2 * 1e-3, "two")\nvalidate.conserved(a, "three", rel_drift=3 * sigma)'
+    assert [(call.numbers, call.computed) for call in calls(source)] == [
+        ((("rtol", 1e-6), ("atol", 1e-9)), ()),
+        ((("limit", 2e-3),), ()),
+        ((), ("rel_drift",)),
+    ]
+
+
+def test_a_truth_with_a_tolerance_that_the_cell_computes_is_an_error(tmp_path):
+    text = published(checks=('validate.close(total, 10, "ten", atol=3 * sigma)\n', "x = 1\n", "x = 1\n"))
+    written(tmp_path, "sums.ipynb", text)
+    made = Notebook("Sums", notebook="sums.ipynb")
+    made.exercise("1", "Task 1", line("ten", truth=10))
+    (error,) = made.errors(tmp_path)
+    assert "the validation cell computes atol, which the student's code could widen" in error

@@ -45,6 +45,12 @@ def published(solutions=(HIDDEN,) * 3, setup=SETUP, checks=CHECKS):
     return notebook(*[cell for cell in cells if cell[3] is not None])
 
 
+def bare(*sources):
+    """A notebook of code cells without ids, as `ecp.submit` sends it."""
+    cells = [{"cell_type": "code", "metadata": {}, "source": s, "outputs": [], "execution_count": None} for s in sources]
+    return json.dumps({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 4})
+
+
 def course_notebook():
     """Notebook 2.6 as the course publishes it: with emptied solution cells."""
     cells = json.loads(FILE.read_text(encoding="utf-8"))

@@ -10,7 +10,7 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
 from tests.support.course_notebook import FILE, LABELS
-from tests.support.course_shape import CHECKS, HIDDEN, SETUP, SOLUTIONS, course_notebook, published, written
+from tests.support.course_shape import CHECKS, HIDDEN, SETUP, SOLUTIONS, bare, course_notebook, notebook, published, written
 
 
 def imported_folder(folder, name, text):
@@ -122,3 +122,115 @@ def test_a_truth_or_trust_makes_a_line_count(tmp_path, sandbox):
     assert marks(made) == "pppfp" and (made.score, made.max_score) == (4, 5)
     assert marks(again) == "pppfp"
     assert {o.verdict for o in made.outcomes() if o.self_reported} == {Verdict.PASS}
+
+
+REUSED = (
+    'validate.close(x, 1.0, "x is one")\n',
+    'validate.close(x, 2.0, "x is two")\n',
+    'validate.check(y > 0, "y is positive")\n',
+)
+ONE, TWO, THREE = "x = np.ones(3)\n", "x = np.full(3, 2.0)\n", "y = 1\n"
+
+
+@pytest.fixture(scope="module")
+def reused(tmp_path_factory):
+    """Exercise 2 gives the variable of exercise 1 another value."""
+    home = imported_folder(tmp_path_factory.mktemp("reused"), "reused-x", published(checks=REUSED))
+    with known(home) as found:
+        yield found.valid["reused-x"]
+
+
+MARKED = "".join(f"# %%\n{cell}\n" for cell in (SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]))
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (bare(SETUP, TWO, REUSED[1], ONE, REUSED[0], THREE, REUSED[2]), "mine.ipynb"),  # exercises in another order
+        (bare(SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2], SETUP), "mine.ipynb"),
+        (bare(ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2], SETUP), "mine.ipynb"),  # Setup ran again after all others
+        (bare(SETUP, REUSED[0], ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]), "mine.ipynb"),  # a cell twice
+        (bare(SETUP, ONE + REUSED[0] + TWO, REUSED[1], THREE, REUSED[2]), "mine.ipynb"),  # cells merged
+        (bare("".join([SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]])), "mine.ipynb"),
+        ("".join([SETUP, ONE, REUSED[0], TWO, REUSED[1], THREE, REUSED[2]]), "mine.py"),
+        (MARKED, "mine.py"),  # jupytext
+        (MARKED.replace("is one", "is One"), "mine.py"),  # with an edited copy
+        (published((ONE, TWO, THREE), checks=(None, *REUSED[1:])), "mine.ipynb"),  # a validation cell deleted
+    ],
+)
+def test_each_line_sees_the_values_of_its_own_exercise(reused, sandbox, text, name):
+    assert marks(grade(Submission(text, name), reused, sandbox, 1).report) == "ppp"
+
+
+def test_equal_validation_cells_belong_to_their_own_exercises(tmp_path, sandbox):
+    checks = ('validate.close(x, y, "the numbers agree")\n',) * 3
+    with known(imported_folder(tmp_path, "equal-cells", published(checks=checks))) as found:
+        wrong = ("x, y = 1, 2\n", "x, y = 2, 2\n", "x, y = 3, 3\n")
+        assert marks(report(found.valid["equal-cells"], sandbox, published(wrong, checks=checks))) == "fpp"
+        without_ids = bare(SETUP, *[cell for pair in zip(wrong, checks, strict=True) for cell in pair])
+        assert marks(report(found.valid["equal-cells"], sandbox, without_ids)) == "fpp"
+
+
+def test_a_cell_of_comments_that_is_not_tagged_is_the_students(tmp_path, sandbox):
+    cells = [("code", "a", [], SETUP), ("code", "b", [], HIDDEN), ("code", "c", [], REUSED[0])]
+    with known(imported_folder(tmp_path, "no-tags", notebook(*cells))) as found:
+        assert marks(report(found.valid["no-tags"], sandbox, bare(SETUP, ONE, REUSED[0]))) == "p"
+
+
+def test_own_checks_do_not_use_up_those_of_the_published_cells(sums, sandbox):
+    own = "for k in range(99):\n    validate.check(True, 'mine')\n"
+    assert marks(report(sums, sandbox, published((SOLUTIONS[0], f"powers = [1, 2, 4, 9]\n{own}", SOLUTIONS[2])))) == "ppfpp"
+    many = "powers = [2.0**n for n in range({})]\n"
+    assert marks(report(sums, sandbox, published((SOLUTIONS[0], many.format(200), SOLUTIONS[2])))) == "ppppp"
+    made = report(sums, sandbox, published((SOLUTIONS[0], "powers = [1] + [1.0] * 1500\n", SOLUTIONS[2])))
+    assert marks(made) == "ppfpp"
+    made = report(sums, sandbox, published((SOLUTIONS[0], "powers = [2.0**(n % 1000) for n in range(1001)]\n", SOLUTIONS[2])))
+    assert marks(made) == "ppupp" and "more than 1000 checks of one line" in made.outcomes()[2].cause
+
+
+def test_a_loop_that_stops_early_proves_nothing(sums, sandbox):
+    powers = "def powers():\n    yield 1\n    1 / 0\npowers = powers()\n"
+    made = report(sums, sandbox, published((SOLUTIONS[0], powers, SOLUTIONS[2])))
+    assert marks(made) == "ppupp" and "ZeroDivisionError" in made.outcomes()[2].cause
+
+
+IMPORTS = 'from ecp import validate\nvalidate.close(total, 10, "ten")\n'
+PATCHES = (
+    "import ecp.validate as w\nold = w.close\nw.close = lambda got, expected, *a, **k: old(expected, expected, *a, **k)\n",
+    "import ecp, types\nv = ecp.validate\necp.validate = types.SimpleNamespace(close=lambda g, e, label: v.close(e, e, label))\n",
+    "import sys\nsys._getframe = None\n",
+    "import sys\nsys.modules['ecp'] = None\n",
+)
+
+
+@pytest.mark.parametrize("patch", PATCHES)
+def test_a_published_cell_that_imports_validate_gets_the_kits(tmp_path, sandbox, patch):
+    checks = (IMPORTS, *CHECKS[1:])
+    with known(imported_folder(tmp_path, "imports-it", published(checks=checks))) as found:
+        made = report(found.valid["imports-it"], sandbox, published((f"total = 11\n{patch}", *SOLUTIONS[1:]), checks=checks))
+    assert marks(made) == "fppp"
+
+
+FORGED = (
+    "class Forged:\n    def __array__(self, *a, **k):\n        {}\n        raise SystemExit\n"
+    "total = Forged()\ndouble = lambda x: x\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("solution", "mark"),
+    [
+        ("total = []\n", "f"),
+        (FORGED.format("validate.check(True, 'forged')"), "u"),
+        (FORGED.format("validate.close(1.0, 1.0, 'forged', rtol=float('inf'))"), "f"),
+    ],
+)
+def test_only_the_published_call_with_its_own_tolerance_earns_points(tmp_path, sandbox, solution, mark):
+    checks = ('validate.close(total, 10, "ten")\n', *CHECKS[1:])
+    home = imported_folder(tmp_path, "pointed", published(checks=checks))
+    text = (home / "assignment.py").read_text().replace('line("ten")', 'line("ten", truth=10, points=3)')
+    (home / "assignment.py").write_text(text)
+    with known(home) as found:
+        made = report(found.valid["pointed"], sandbox, published((solution, *SOLUTIONS[1:]), checks=checks))
+    first = made.outcomes()[0]
+    assert (first.verdict.value[0], first.label, first.earned) == (mark, "ten", 0)

@@ -124,7 +124,11 @@ def _numbers(name: str, value: Any) -> Array:
 
 
 def _truth(value: Any) -> Array:
-    """Return a condition as 1 or 0: True or False of Python or numpy, or an array that holds one of them."""
+    """Return a condition as 1 or 0: True or False of Python, numpy or sympy, or an array that holds one of
+    them.
+    """
+    if type(value).__module__ == "sympy.logic.boolalg" and type(value).__name__ in ("BooleanTrue", "BooleanFalse"):
+        value = bool(value)  # sympy's answer to Rational(1, 2) < 1
     if not isinstance(value, bool | np.bool_ | np.ndarray) or np.asarray(value).dtype != bool or np.size(value) != 1:
         what = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
         reduce = " (use np.all)" if isinstance(value, np.ndarray) and value.size > 1 else ""
@@ -133,8 +137,8 @@ def _truth(value: Any) -> Array:
 
 
 def _close(got: Array, expected: Array, rtol: float, atol: float) -> Judgement:
-    """Judge two arrays, of which one may be a single number for every element of the other."""
-    if 0 in (got.ndim, expected.ndim):
+    """Judge two arrays, of which one may be a single number for every element of the other, if it has any."""
+    if 0 in (got.ndim, expected.ndim) and got.size and expected.size:
         got, expected = np.broadcast_arrays(got, expected)
     return judge.close(got, expected, rtol, atol)
 

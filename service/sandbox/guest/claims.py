@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
@@ -9,15 +10,20 @@ from typing import Any
 
 import numpy as np
 
+import ecp
 from ecp import validate
 from ecp.claims import Claim
 
 from .wire import Writer
 
-MOST_CLAIMS = 100  # of one submission
+MOST_CLAIMS = 100  # of the cells of one submission
+MOST_AT_PLACE = 1000  # of one call in a published cell
+MOST_REPORTED = 10_000  # of all published cells
+MOST_CUT = 1000  # calls of published cells of which not every claim is sent
 MOST_NUMBERS = 1 << 16  # of one claim: 512 KiB
 MOST_IN_ALL = 1 << 20  # numbers of all claims: 8 MiB
 MOST_AXES = 8
+_getframe = sys._getframe  # a submission can replace it
 
 
 class Recorder:
@@ -27,7 +33,10 @@ class Recorder:
     """
 
     def __init__(self) -> None:
-        self.cell, self._claims, self._numbers = "", 0, 0
+        self.cell, self._claims = "", 0
+        self._numbers = {False: 0, True: 0}  # of the submission's own cells and of the published ones
+        self._reported, self._all_reported = Counter[tuple[str, int, int]](), 0
+        self._cut = set[tuple[str, int, int]]()
         self.places = False  # whether claims are sent with their place in the cell's source
         self.validate = _private_copy()
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
@@ -43,23 +52,54 @@ class Recorder:
             for module in (validate, self.validate):
                 module.watchers.clear()
 
+    @contextmanager
+    def in_place(self, student: dict[str, Any], *, published: bool) -> Iterator[None]:
+        """Let a ``published`` cell that runs inside the ``with`` block find the private copy of ``ecp.validate``."""
+        if not published:
+            yield
+            return
+        theirs = student.get("validate")
+        student["validate"] = ecp.validate = self.validate
+        sys.modules |= {"ecp": ecp, "ecp.validate": self.validate}
+        try:
+            yield
+        finally:
+            ecp.validate = sys.modules["ecp.validate"] = validate
+            if student.get("validate") is self.validate:
+                student["validate"] = theirs
+
     @property
     def left_out(self) -> int:
         """The number of claims beyond the limit."""
         return max(0, self._claims - MOST_CLAIMS)
 
     def _record(self, claim: Claim) -> None:
-        self._claims += 1
-        if self._claims > MOST_CLAIMS:
+        place = _place(self.cell) if self.places else None
+        if place is None:
+            self._claims += 1
+            kept, beyond = self._claims <= MOST_CLAIMS, ""
+        else:
+            kept, beyond = self._kept((self.cell, place[0], place[1]))
+        if not kept:
             return
         size = sum(array.size for array in claim.arrays.values())
-        left_out = self._too_large(claim, size)
+        left_out = beyond or self._too_large(claim, size)
         arrays = {} if left_out or claim.unfit else claim.arrays
-        self._numbers += size if arrays else 0
+        self._numbers[self.places] += size if arrays else 0
         header: dict[str, Any] = {name: getattr(claim, name) for name in ("kind", "label", "detail", "unfit")}
         header |= {"cell": self.cell, "left_out": left_out, "numbers": {k: float(v) for k, v in claim.numbers.items()}}
-        header |= {"place": _place(self.cell)} if self.places else {}
+        header |= {} if place is None else {"place": place}
         self._unsent.append((header, arrays))
+
+    def _kept(self, place: tuple[str, int, int]) -> tuple[bool, str]:
+        """Return whether a claim made there is sent, and why without its arrays: the first one beyond a limit tells the host."""
+        if self._all_reported < MOST_REPORTED and self._reported[place] < MOST_AT_PLACE:
+            self._reported[place] += 1
+            self._all_reported += 1
+            return True, ""
+        first = place not in self._cut and len(self._cut) < MOST_CUT
+        self._cut |= {place} if first else set()
+        return first, f"more than {MOST_AT_PLACE} checks of one line, or {MOST_REPORTED} of the notebook"
 
     def send(self, write: Writer) -> None:
         """Send the claims recorded since the last call."""
@@ -72,7 +112,7 @@ class Recorder:
             return f"an array has more than {MOST_AXES} axes"
         if size > MOST_NUMBERS:
             return f"{size} numbers; one check may have at most {MOST_NUMBERS}"
-        if self._numbers + size > MOST_IN_ALL:
+        if self._numbers[self.places] + size > MOST_IN_ALL:
             return f"all checks together have more than {MOST_IN_ALL} numbers"
         return ""
 
@@ -91,7 +131,7 @@ def _private_copy() -> Any:
 
 def _place(cell: str) -> list[int]:
     """Return line and column, of the cell that runs, of the call that is in progress; [0, 0] if it does not run."""
-    frame: FrameType | None = sys._getframe()
+    frame: FrameType | None = _getframe()
     while frame is not None and frame.f_code.co_filename != cell:
         frame = frame.f_back
     if frame is None:

@@ -209,9 +209,6 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     for name, source, published in job["cells"]:
         budget = Budget(job["load_budget_s"]) if several else budget
         recorder.cell, recorder.places = name, published
-        theirs = student.get("validate")
-        if published:
-            student["validate"] = recorder.validate
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
 
         for piece in pieces(source):
@@ -222,7 +219,8 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                     student.update(kept)
 
             before = animate.shown[:]
-            ended = _run_limited(load, budget)
+            with recorder.in_place(student, published=published):
+                ended = _run_limited(load, budget)
             recorder.send(write)
             if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
                 animate.shown[:] = [last]
@@ -231,8 +229,6 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                 write.event("cell", scene=name, **ended)
             if not budget.left() and not several:
                 return shows
-        if student.get("validate") is recorder.validate:
-            student["validate"] = theirs
     return shows
 
 

@@ -48,3 +48,18 @@ def test_what_cannot_be_imported_is_named_and_nothing_is_left(tmp_path, capsys):
         assert main(["import-notebook", str(tmp_path / "sums.ipynb"), "--into", str(tmp_path / "into")]) == 0
         assert main(["import-notebook", str(tmp_path / "sums.ipynb"), "--into", str(tmp_path / "into")]) == 2
     assert "is taken by an assignment" in capsys.readouterr().err
+
+
+def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, capsys):
+    setup = (
+        "import numpy as np\nfrom ecp import validate\nfrom ecp import validate as v\nd = np.loadtxt('d.csv')\ne = 'absent.csv'\n"
+    )
+    file = written(tmp_path, "data.ipynb", notebook(("code", "s", [], setup), ("code", "c", [], 'validate.positive(d, "d > 0")')))
+    written(tmp_path, "d.csv", "1 2 3")
+    with known():
+        assert main(["import-notebook", str(file), "--into", str(tmp_path / "into")]) == 0
+    told = capsys.readouterr().out
+    assert "absent.csv is not beside the notebook" in told and "calls validate v: calls under that name" in told
+    assert "no cell is tagged solution" in told
+    assert (tmp_path / "into" / "data" / "d.csv").read_text() == "1 2 3"
+    assert 'data=("d.csv",),' in (tmp_path / "into" / "data" / "assignment.py").read_text()

@@ -124,6 +124,14 @@ def test_a_truth_or_trust_makes_a_line_count(tmp_path, sandbox):
     assert {o.verdict for o in made.outcomes() if o.self_reported} == {Verdict.PASS}
 
 
+def test_a_students_own_checks_are_reported_wherever_validate_was_imported(tmp_path, sandbox):
+    cells = [("code", "a", [], SETUP), ("code", "b", ["solution"], HIDDEN), ("code", "c", [], IMPORTS)]
+    own = "total = 10\nvalidate.check(total > 1, 'mine')\n"
+    with known(imported_folder(tmp_path, "own-lines", notebook(*cells))) as found:
+        made = report(found.valid["own-lines"], sandbox, bare(SETUP, own, IMPORTS, own.replace("mine", "again")))
+    assert marks(made) == "p" and [check.label for check in made.notebook_checks] == ["mine", "again"]
+
+
 REUSED = (
     'validate.close(x, 1.0, "x is one")\n',
     'validate.close(x, 2.0, "x is two")\n',
@@ -179,7 +187,8 @@ def test_a_cell_of_comments_that_is_not_tagged_is_the_students(tmp_path, sandbox
 
 def test_own_checks_do_not_use_up_those_of_the_published_cells(sums, sandbox):
     own = "for k in range(99):\n    validate.check(True, 'mine')\n"
-    assert marks(report(sums, sandbox, published((SOLUTIONS[0], f"powers = [1, 2, 4, 9]\n{own}", SOLUTIONS[2])))) == "ppfpp"
+    made = report(sums, sandbox, published((SOLUTIONS[0], f"powers = [1, 2, 4, 9]\n{own}", SOLUTIONS[2])))
+    assert marks(made) == "ppfpp" and len(made.notebook_checks) == 99
     many = "powers = [2.0**n for n in range({})]\n"
     assert marks(report(sums, sandbox, published((SOLUTIONS[0], many.format(200), SOLUTIONS[2])))) == "ppppp"
     made = report(sums, sandbox, published((SOLUTIONS[0], "powers = [1] + [1.0] * 1500\n", SOLUTIONS[2])))

@@ -58,7 +58,7 @@ class Recorder:
         if not published:
             yield
             return
-        theirs = student.get("validate")
+        theirs = student.get("validate", validate)
         student["validate"] = ecp.validate = self.validate
         sys.modules |= {"ecp": ecp, "ecp.validate": self.validate}
         try:

@@ -3,6 +3,7 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
+import sympy
 from matplotlib.animation import ArtistAnimation, FuncAnimation
 from matplotlib.figure import Figure
 
@@ -34,12 +35,18 @@ def test_validate_prints_one_line_and_returns_a_bool(capsys):
     ]
 
 
+def test_check_takes_sympys_true_and_false(capsys):
+    half = sympy.Rational(1, 2)
+    assert validate.check(half < 1, "half") and not validate.check(half > 1, "half")
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
         (lambda: validate.close(None, 1.0, "a"), "got is None: nothing was computed or returned"),
         (lambda: validate.close("a", 1.0, 1.0), "got is a string: pass the arrays first and the label last"),
         (lambda: validate.close([1.0, 2.0], [1.0, 2.0, 3.0], "a"), "shape (2,) vs expected shape (3,)"),
+        (lambda: validate.close([], 1.0, "a"), "shape (0,) vs expected shape ()"),
         (lambda: validate.close([1.0, np.nan], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
         (lambda: validate.close([1.0, None], [1.0, 2.0], "a"), "got holds values that are not finite numbers"),
         (lambda: validate.close([1.0, [2.0, 3.0]], 1.0, "a"), "got is list, not an array of numbers"),

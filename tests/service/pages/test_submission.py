@@ -16,6 +16,7 @@ from ecp.outcome import Diagnosis, Ended, ExerciseReport, SceneEnd
 from exercises import validation
 from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
+from service.http.templating import ENVIRONMENT
 from service.pages.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference
 from service.store.course import people, tokens
 from tests.support.database import run, sql
@@ -477,3 +478,12 @@ def test_the_page_states_each_cause_once_above_the_lines_that_refer_to_it(server
     assert page.count("ω̇₂ has the opposite sign: check &lt;I₃ − I₁&gt;") == 1 and page.count('href="#cause-1"') == 2
     assert "<h2>One cause explains 2 failures</h2>" in page and page.index('id="cause-1"') < page.index("Exercise 2.")
     assert '<a href="#check-c1">label 1</a>; <a href="#check-c2">label 2</a>' in page
+
+
+@pytest.mark.parametrize(
+    ("points", "total", "shown"),
+    [(2, 2, '<span class="pass">✓ 2 of 2</span>'), (1, 2, '<span class="fail">✗ 1 of 2</span>'), (0, 0, "no points")],
+)
+def test_points_of_an_assignment_without_any_have_no_verdict(points, total, shown):
+    macros = ENVIRONMENT.get_template("macros.html").module
+    assert macros.points({"points": points, "max_score": total, "total": total}) == shown

@@ -118,7 +118,7 @@ def _draw_time(file: Path, inputs, follow: bool) -> float:
     from matplotlib import pyplot as plt
 
     names = {}
-    exec((ASSIGNMENT.folder / "setup.py").read_text() + "\n" + file.read_text(), names)
+    exec(ASSIGNMENT.setup + "\n" + file.read_text(), names)
     real = animation_recording.drawn
     animation_recording.drawn = real if follow else lambda figure: []
     try:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from exercises.catalogue import find
 from reference import Exact, box_moments, motion
 from reference.compiled import compiled_motion
 
@@ -28,7 +29,7 @@ SCENES = {
 def notebook() -> Callable[..., object]:
     """Return integrate_body of the notebook's Setup cell."""
     names: dict[str, Callable[..., object]] = {}
-    exec((ROOT / "exercises" / "rigid_body" / "setup.py").read_text(), names)
+    exec(find("rigid-body").setup, names)
     return names["integrate_body"]
 
 

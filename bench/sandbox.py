@@ -163,8 +163,7 @@ def _probing():
     scenes = [assignment.scene("probes"), assignment.scene("torque-free")]
     inputs = {s.name: draw_inputs(s, 1) for s in scenes}
     played = tuple(SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes)
-    setup, plays = ((assignment.folder / name).read_text() for name in ("setup.py", "plays.py"))
-    job = Job(setup, plays, (Cell("submission.py", RIGHT),), ("euler_eqs",), played)
+    job = Job(assignment.setup, assignment.plays, (Cell("submission.py", RIGHT),), ("euler_eqs",), played)
     return job, inputs, {s.name: truth(s, inputs[s.name]) for s in scenes}
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 import reference
 from ecp.checks import Arrays
 from exercises.assignment import Inputs
-from exercises.rigid_body.public.parameters import SYMMETRIC
+from exercises.rigid_body.public.quantities import SYMMETRIC
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from exercises.kinds.animation import RECORDING
 from exercises.rigid_body import draws, probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
-from exercises.rigid_body.public.parameters import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
+from exercises.rigid_body.public.quantities import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
 
 Array = NDArray[np.float64]
 

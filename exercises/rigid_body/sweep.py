@@ -4,7 +4,7 @@ import reference
 from ecp.checks import Arrays
 from ecp.outcome import SweepResult
 from exercises.assignment import ArraySpec, Inputs, Scene, Sweep
-from exercises.rigid_body.public.parameters import BODY, TORQUE_FREE
+from exercises.rigid_body.public.quantities import BODY, TORQUE_FREE
 from exercises.sweep import BUDGET_S, SETTINGS, result
 from reference.errors import errors
 from reference.exact import Sampled

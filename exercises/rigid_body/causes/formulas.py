@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import reference
 from exercises.rigid_body.public.diagnosis import Mistake, answers
-from exercises.rigid_body.public.parameters import BODY, SYMMETRIC
+from exercises.rigid_body.public.quantities import BODY, SYMMETRIC
 from exercises.rigid_body.scenes import BOOK
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from ecp.checks import Arrays, Check, within
 from ecp.kinds.animation.body import Body, follows
 from ecp.kinds.animation.shown import moves
 
-from .tolerance import as_closely
+from .quantities import as_closely
 
 NOTEBOOK = "the notebook's own tolerance"
 DRIVE = "the integrator, at rtol 1e-11, stays within 1e-9 of the exact motion on this scene"

@@ -11,10 +11,20 @@ from ecp.checks import Arrays
 from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
 from ecp.exercise import Figure
 
-from .observables import kinetic_energy, momentum_norm, space_momentum, transverse, turning_rate
-from .parameters import BODY, NUDGE, SPIN, SYMMETRIC, SYMMETRIC_RATE
-from .parameters import BOX as BOX_NUMBERS
-from .tolerance import as_closely
+from .quantities import (
+    BODY,
+    NUDGE,
+    SPIN,
+    SYMMETRIC,
+    SYMMETRIC_RATE,
+    as_closely,
+    kinetic_energy,
+    momentum_norm,
+    space_momentum,
+    transverse,
+    turning_rate,
+)
+from .quantities import BOX as BOX_NUMBERS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

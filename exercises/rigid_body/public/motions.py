@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from ecp.exercise import Motion
 
-from .parameters import BODY, BOX, SYMMETRIC
+from .quantities import BODY, BOX, SYMMETRIC
 
 
 def _half(I: ArrayLike) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ import reference
 from ecp.judge import Verdict
 from exercises.rigid_body import plays
 from exercises.rigid_body.draws import DRAWN
-from exercises.rigid_body.public import tolerance
+from exercises.rigid_body.public import quantities
 from service.grading.grade import draw_inputs, truth
 
 SPELLINGS = {
@@ -61,7 +61,7 @@ def test_a_right_function_is_well_within_what_is_allowed(name, spelling, rigid_b
 
 
 def test_the_tolerance_is_the_product_it_says():
-    allowed = tolerance.as_closely({"kappa": np.array(40.0), "angle": np.array(20.0)})
+    allowed = quantities.as_closely({"kappa": np.array(40.0), "angle": np.array(20.0)})
     assert allowed.limit == pytest.approx(10 * 1e-11 * 60, rel=1e-2)
     assert allowed.reason == "rtol 1e-11 × (sensitivity 40 + 20 rad turned) × safety 10"
-    assert tolerance.RTOL == plays.RTOL
+    assert quantities.RTOL == plays.RTOL

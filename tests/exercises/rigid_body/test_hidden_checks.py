@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecp.judge import Verdict
-from exercises.rigid_body.public.parameters import SYMMETRIC
+from exercises.rigid_body.public.quantities import SYMMETRIC
 from service.grading.grade import draw_inputs, truth
 
 # By check, an error of f times what is allowed, in the arrays ``seen`` of the scenes; ``exact`` is the truth of the first of them.

@@ -1,5 +1,5 @@
-"""Quantities that the public checks measure. They are part of the students' kit, which therefore lacks the
-equations asked for.
+"""The bodies and spins of notebook 2.6 in SI units, the quantities that the public checks measure, and the
+tolerance of a motion. They are part of the students' kit, which therefore lacks the equations asked for.
 
 Sums are written element by element: the last bits of einsum depend on an array's place in memory, and a
 student's kernel must print the same digits as the server.
@@ -8,7 +8,31 @@ student's kernel must print the same digits as the server.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ecp.checks import Arrays
+from ecp.outcome import Tolerance
+
 Array = NDArray[np.float64]
+
+BOX = (1.0, 2.0, 1.4, 0.4)  # mass and edges of the book, kg and m
+SPIN = 6.0  # rad/s about each axis of the book in turn
+SPIN_TIME = 2.5  # s
+NUDGE = 0.02  # both other components, as a fraction of the spin
+BODY = (2.0, 3.0, 4.0)  # moments of exercises 2 and 3
+TORQUE_FREE = (1.0, 0.6, 0.8)  # and their spin: T = 2.82 J, |L| = 4.180909 kg m²/s
+SYMMETRIC = (1.0, 1.0, 1.6)  # moments of exercises 4 and 6
+SYMMETRIC_RATE = 1.8  # rad/s, (I₃ − I₁)/I₁ · ω₃ with ω₃ = 3
+
+RTOL = 1e-11  # of the integrations in plays.py
+SAFETY = 10.0  # ten thousand motions of the right equations (make bench) use less than a tenth of the resulting limit
+
+
+def as_closely(truth: Arrays) -> Tolerance:
+    """Return the tolerance of one scene: the integrator's tolerance for every radian, magnified by the
+    motion's sensitivity.
+    """
+    kappa, angle = float(truth["kappa"]), float(truth["angle"])
+    reason = f"rtol {RTOL:g} × (sensitivity {kappa:.4g} + {angle:.4g} rad turned) × safety {SAFETY:g}"
+    return Tolerance(limit=float(f"{RTOL * (kappa + angle) * SAFETY:.2e}"), reason=reason)
 
 
 def kinetic_energy(w: Array, I: ArrayLike) -> Array:

@@ -3,7 +3,7 @@
 import pytest
 
 from exercises.author import Notebook, line
-from exercises.validation_cells import calls
+from exercises.validation_calls import calls
 from tests.support.course_shape import published, written
 
 

@@ -92,7 +92,7 @@ class Recorder:
         self._unsent.append((header, arrays))
 
     def _kept(self, place: tuple[str, int, int]) -> tuple[bool, str]:
-        """Return whether a claim made there is sent, and why without its arrays: the first one beyond a limit tells the host."""
+        """Return whether a claim made there is sent, and why without its arrays: the first one beyond a limit is sent."""
         if self._all_reported < MOST_REPORTED and self._reported[place] < MOST_AT_PLACE:
             self._reported[place] += 1
             self._all_reported += 1

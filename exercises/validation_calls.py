@@ -1,0 +1,121 @@
+"""Calls of ``ecp.validate`` in a code cell: their places, labels and tolerances, read from the source alone."""
+
+import ast
+import inspect
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from ecp import validate
+from ecp.claims import KINDS
+from ecp.notebook.cells import python_of
+
+LABEL_AT = {"close": 2, "conserved": 1, "check": 1, "positive": 1, "below": 2}
+"""The position of the argument ``label`` of each function of ``ecp.validate``."""
+LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+
+
+class Call(NamedTuple):
+    """A call of ``ecp.validate`` in a cell: its line and column, its kind, its label, its first two arguments, and
+    whether it is inside a function, or repeated: inside a loop.
+
+    The expressions of a label that is not a plain string stand in braces; ``is_plain`` is then false. ``numbers`` are the
+    tolerances and limits that its text gives as numbers, and ``computed`` the names of those that it computes.
+    """
+
+    place: tuple[int, int]
+    kind: str
+    label: str
+    arguments: tuple[str, str] = ("", "")
+    in_function: bool = False
+    repeated: bool = False
+    is_plain: bool = False
+    numbers: tuple[tuple[str, float], ...] = ()
+    computed: tuple[str, ...] = ()
+
+
+def calls(source: str) -> list[Call]:
+    """Return the calls of ``validate`` in a code cell, in the order of the source."""
+    tree = ast.parse(python_of(source) or "")
+    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
+    inside = {id(node) for function in functions for node in ast.walk(function)}
+    found = [(node, kind) for node in ast.walk(tree) if isinstance(node, ast.Call) and (kind := _kind(node))]
+    loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
+    repeated = {id(node) for loop in loops for node in ast.walk(loop)}
+    return sorted(
+        Call(
+            (n.lineno, n.col_offset),
+            kind,
+            _label(n, kind),
+            (_argument(n, 0), _argument(n, 1)),
+            in_function=id(n) in inside,
+            repeated=id(n) in repeated,
+            is_plain=isinstance(_given(n, "label", LABEL_AT[kind]), ast.Constant),
+            numbers=_numbers(n, kind),
+            computed=tuple(name for name, node in _given_numbers(n, kind) if _number(node) is None),
+        )
+        for n, kind in found
+    )
+
+
+def _argument(node: ast.Call, at: int) -> str:
+    return " ".join(ast.unparse(node.args[at]).split()) if len(node.args) > at else ""
+
+
+def _kind(node: ast.Call) -> str | None:
+    match node.func:
+        case ast.Attribute(value=ast.Name(id="validate") | ast.Attribute(attr="validate"), attr=kind) if kind in KINDS:
+            return kind
+    return None
+
+
+def _given(node: ast.Call, name: str, at: int) -> ast.expr | None:
+    """Return the argument ``name`` of a call, which may stand at the position ``at``."""
+    given = {keyword.arg: keyword.value for keyword in node.keywords}
+    return given.get(name, node.args[at] if len(node.args) > at else None)
+
+
+def _label(node: ast.Call, kind: str) -> str:
+    return _text(_given(node, "label", LABEL_AT[kind]) or ast.Constant(""))
+
+
+def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the tolerances and limits of a call by name, those that it does not name with their defaults."""
+    if any(isinstance(one, ast.Starred) for one in node.args) or any(keyword.arg is None for keyword in node.keywords):
+        yield from ((name, node) for name in KINDS[kind].numbers)  # only running the call shows them
+        return
+    parameters = inspect.signature(getattr(validate, kind)).parameters
+    for at, (name, parameter) in enumerate(parameters.items()):
+        if name in KINDS[kind].numbers:
+            yield name, _given(node, name, at) or ast.Constant(parameter.default)
+
+
+def _numbers(node: ast.Call, kind: str) -> tuple[tuple[str, float], ...]:
+    return tuple((name, number) for name, given in _given_numbers(node, kind) if (number := _number(given)) is not None)
+
+
+def _number(node: ast.expr) -> float | None:
+    """Return the number that the text of an expression gives, None if the expression needs a name or a call."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+        case ast.UnaryOp(op=ast.USub(), operand=inner) if (number := _number(inner)) is not None:
+            return -number
+        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
+            factors = _number(left), _number(right)
+            if factors[0] is None or factors[1] is None or (isinstance(op, ast.Div) and not factors[1]):
+                return None
+            return factors[0] * factors[1] if isinstance(op, ast.Mult) else factors[0] / factors[1]
+    return None
+
+
+def _text(node: ast.expr) -> str:
+    match node:
+        case ast.Constant(value=str(text)):
+            return " ".join(text.split())
+        case ast.JoinedStr(values=parts):
+            return " ".join("".join(_part(part) for part in parts).split())
+    return f"{{{ast.unparse(node)}}}"
+
+
+def _part(part: ast.expr) -> str:
+    return str(part.value) if isinstance(part, ast.Constant) else ast.unparse(ast.JoinedStr([part]))[2:-1]

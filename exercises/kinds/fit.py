@@ -70,8 +70,14 @@ def fit(
 
 
 def _fitted(residuals: Callable[[Array], Array], starts: list[Array]) -> tuple[Array, Array, float]:
-    """Return parameters, covariance and half the sum of squares of the best of the fits from several starts."""
+    """Return parameters, covariance and half the sum of squares of the best of the fits from several starts.
+
+    Of equally good ones, such as those with both signs of a width, the nearest to the starts is the best.
+    """
     found = [least_squares(residuals, p, "3-point", method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15) for p in starts]
-    best = min(found, key=lambda result: float(result.cost))
+    least = min(float(result.cost) for result in found)
+    equal = [result for result in found if result.cost <= least * (1 + 1e-9)]
+    middle, spread = np.mean(starts, axis=0), np.std(starts, axis=0) + np.finfo(float).tiny
+    best = min(equal, key=lambda result: float(np.linalg.norm((result.x - middle) / spread)))
     jacobian = np.asarray(best.jac)
     return best.x, np.linalg.inv(jacobian.T @ jacobian), float(best.cost)

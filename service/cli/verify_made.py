@@ -63,9 +63,12 @@ class _Results:
         self.reports: dict[str, Report] = {}
         self._measured: defaultdict[str, list[tuple[str, Verdict, str]]] = defaultdict(list)
         self._cpu_s: defaultdict[tuple[str, ...], list[float]] = defaultdict(list)
-        asked = [value for questions in assignment.questions.values() for question in questions for value in question["returns"]]
+
+    def _left_open(self, sample: MadeSample) -> str:
+        """Return what the questions of a sample's exercises ignore, in parentheses, or ""."""
+        asked = [value for n in sample.ask for question in self.assignment.questions.get(n, ()) for value in question["returns"]]
         left_open = sorted({f"{value['name']} up to {value['up_to']}" for value in asked if value["up_to"]})
-        self._left_open = f" (they compare {', '.join(left_open)})" if left_open else ""
+        return f" (they compare {', '.join(left_open)})" if left_open else ""
 
     def add(self, seed: int, graded: GradedFile) -> bool:
         """Add the grading of a sample. Return whether it is as expected."""
@@ -79,7 +82,8 @@ class _Results:
             self.reports[name] = report
             self._measured[name] += [(o.id, o.verdict, f"{o.measured or 0:.6g}") for o in report.outcomes()]
             self._cpu_s[self.samples[name].ask].append(graded.cpu_s)
-            wrong = [line.replace(UNSEEN, UNSEEN + self._left_open) for line in self.samples[name].unexpected(document(report))]
+            sample = self.samples[name]
+            wrong = [line.replace(UNSEEN, UNSEEN + self._left_open(sample)) for line in sample.unexpected(document(report))]
             wrong += [f"  {line}" for line in report.text().split("\n")] if wrong else []
         self.tally.add(graded, expected=not wrong)
         self.differences[name] += [f"seed {seed}: {line}" for line in wrong]
@@ -92,7 +96,7 @@ class _Results:
             for other in [s for s in self.samples.values() if s.ask == sample.ask and s.name != name]:
                 if self._measured[other.name] == numbers:
                     again = "give both mistakes the same code and sentence"
-                    yield f"the checks do not distinguish it from {other.name}{self._left_open}: {again}"
+                    yield f"the checks do not distinguish it from {other.name}{self._left_open(sample)}: {again}"
 
     def summary(self, seeds: int, *, whole: bool) -> Iterator[str]:
         """Yield how many samples are as expected, and for a ``whole`` set the checks that no sample fails and slow exercises."""

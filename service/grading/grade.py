@@ -5,7 +5,7 @@ import logging
 import platform
 import zlib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import metadata
 
 import numpy as np
@@ -25,7 +25,7 @@ from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
-from service.sandbox.job import LOAD_BUDGET_S, Job, SceneRequest
+from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -180,16 +180,9 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
     cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
-    return Job(
-        "" if assignment.published else assignment.setup,  # one of the published cells
-        assignment.plays,
-        cells,
-        functions,
-        requests,
-        load_budget_s=LOAD_BUDGET_S if assignment.load_s is None else assignment.load_s,
-        variables=variables,
-        data=data,
-    )
+    setup = "" if assignment.published else assignment.setup  # else one of the published cells
+    job = Job(setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
+    return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
 
 
 @functools.cache

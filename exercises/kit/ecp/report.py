@@ -145,6 +145,8 @@ class Report:
 
 
 def _note(scene_end: SceneEnd) -> str | None:
+    if scene_end.ended is Ended.TIMED_OUT and " " in scene_end.scene:  # a cell: no check says why its functions are missing
+        return f"{scene_end.scene}: {scene_end.sentence}; of the cells after it, only definitions were run"
     if scene_end.traceback is None or scene_end.ended in (Ended.FINISHED, Ended.NOT_PLAYED):
         return None
     shown = "\n".join(f"     {line}" for line in scene_end.traceback.rstrip().split("\n"))

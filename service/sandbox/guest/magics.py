@@ -9,6 +9,7 @@ from typing import Any
 
 MARK = re.compile(r"^# %%", re.MULTILINE)
 MOST_PIECES = 500
+DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)
 # A cell magic that only measures or captures leaves Python below it; any other means the cell is not Python.
 TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
 
@@ -18,9 +19,10 @@ def runnable(source: str, name: str) -> types.CodeType:
     return _compiled(source, name, 0)
 
 
-def statements(source: str, name: str) -> list[types.CodeType]:
-    """Compile each top-level statement of a cell."""
-    nodes = _compiled(source, name, ast.PyCF_ONLY_AST).body
+def statements(source: str, name: str, kinds: tuple[type, ...] = (ast.stmt,)) -> list[types.CodeType]:
+    """Compile each top-level statement of a cell that is of one of the ``kinds``."""
+    every: list[ast.stmt] = _compiled(source, name, ast.PyCF_ONLY_AST).body
+    nodes = [node for node in every if isinstance(node, kinds)]
     future = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.module == "__future__"]
     return [compile(ast.Module([*future, node], []), name, "exec") for node in nodes]
 

@@ -19,13 +19,14 @@ from ecp.return_value import describe_exception, is_written, missing
 from .calls import LOADED, Channel
 from .claims import Recorder
 from .ipython_stubs import install_stubs, stand_ins
-from .magics import last_name, pieces, runnable, statements
+from .magics import DEFINITIONS, last_name, pieces, runnable, statements
 from .seal import Seal
 from .wire import Questions, Writer
 
 Names = dict[str, Any]
 
 CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
+DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder: plays import private copies, which a submission cannot replace
 PRIVATE = ("ecp.artists", "ecp.visibility", "ecp.animation_recording")
@@ -200,10 +201,11 @@ def _adopt(plays: Names, student: Names, shows: str) -> Names:
 def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, write: Writer, kept: Names) -> str:
     """Run the cells in order, as a notebook does, and report those that fail. A failure does not stop the next cell.
 
-    Names in ``kept`` keep their values, whatever the cells assign to them. Return the source of the last cell that showed an
-    animation, or an empty string.
+    When their time is spent, the cell that used it up and those after it only define their functions and classes. Names in
+    ``kept`` keep their values, whatever the cells assign to them. Return the source of the last cell that showed an animation, or
+    an empty string.
     """
-    budget, shows = Budget(job["load_budget_s"]), ""
+    budget, shows, left = Budget(job["load_budget_s"]), "", Budget(DEFINITIONS_S)
     student |= kept
     several = any(published for _, _, published in job["cells"])
     for name, source, published in job["cells"]:
@@ -218,6 +220,14 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                     exec(code, student)
                     student.update(kept)
 
+            def define(name: str = name, piece: str = piece) -> None:
+                for code in statements(piece, name, DEFINITIONS):
+                    exec(code, student)
+                student.update(kept)
+
+            if not budget.left():
+                _run_limited(define, left)
+                continue
             before = animate.shown[:]
             with recorder.in_place(student, published=published):
                 ended = _run_limited(load, budget)
@@ -227,8 +237,9 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
             shows = shows if animate.shown == before else piece
             if ended["ended"] != "finished":
                 write.event("cell", scene=name, **ended)
-            if not budget.left() and not several:
-                return shows
+            if not budget.left():
+                left = Budget(DEFINITIONS_S)
+                _run_limited(define, left)
     return shows
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import curve_fit
 
 from ecp.judge import Verdict
 from ecp.kinds import question_checks
@@ -60,3 +61,22 @@ def test_a_straight_line_by_the_normal_equations(absolute):
 def test_a_covariance_that_is_not_finite_fails_alone(toolbox):
     question = next(q for q in toolbox.notebook.questions() if q.kind == "fit")
     assert failed(question, question.defined_by(question.source.replace("return p, C", "return p, C * np.nan"))) == [COVARIANCE]
+
+
+def resonance(x, y, s):
+    start = (1.0, 1.5, 0.5)
+    p, C = curve_fit(lorentz, x, y, start, sigma=s, absolute_sigma=True, xtol=1e-12, ftol=1e-12)
+    return p, C
+
+
+def lorentz(x, A, x0, g):
+    return A / (1 + ((x - x0) / g) ** 2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_model_with_two_equal_minima_has_the_one_that_was_drawn(seed):
+    drawn = {"A": uniform(0.8, 2), "x0": uniform(1, 2), "g": uniform(0.3, 0.8)}
+    near = Tolerance(limit=1e-3, reason="of a standard deviation")
+    question = fit(resonance, lorentz, x=np.linspace(0, 3, 40), sigma=0.05, drawn=drawn, agree=(near, near))
+    assert not list(question.errors() if question.errors else ())
+    assert failed(question, question.student, seed) == []

@@ -1,6 +1,7 @@
 """Submissions that lie on the wire or strain the host: each gets a verdict, the next one its due, and nobody a fault."""
 
 import json
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -32,7 +33,6 @@ LIES = {
     "two colours": FILM + 'A("film", "frames", [2, 4, 4, 2], bytes(64))\n' + ENDED,
     "no frames": FILM + 'A("film", "frames", [0, 4, 4, 3], b"")\n' + ENDED,
     "blames the sandbox": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
-    "times from the guest": "np.ascontiguousarray = lambda v, dtype=None: np.zeros(np.shape(v), dtype)\n" + RIGHT,
     "sleeps through its alarm": PRELUDE
     + "signal.signal(signal.SIGALRM, signal.SIG_IGN)\nJ(event='defined', names=5)\ntime.sleep(60)",
     "huge numbers": "def euler_eqs(t, w, I):\n    return np.full(3, 1e180)",
@@ -45,7 +45,6 @@ LIKE_OTHERS = (  # test_wire.py refuses them too
     "no colours",
     "no frames",
     "two colours",
-    "times from the guest",
 )
 
 
@@ -145,6 +144,16 @@ def test_slow_cells_cost_the_loading_and_not_the_guest(rigid_body, sandbox, monk
     submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
     report = grade(submission, rigid_body, sandbox, 3, ["2"]).report
     assert report.passed and report.scene_ends[0].ended is Ended.TIMED_OUT
+
+
+def test_functions_below_a_cell_that_never_ends_are_graded(rigid_body, sandbox):
+    """Such a cell may be the course's own demonstration of an earlier function that is not written yet."""
+    cells = ["import numpy as np", "while True: pass\ndef helper(x):\n    return x", RIGHT, "for k in range(10**9): pass"]
+    notebook = {"nbformat": 4, "cells": [{"cell_type": "code", "source": s} for s in cells]}
+    submission = Submission.from_bytes(json.dumps(notebook).encode(), "a.ipynb")
+    report = grade(submission, replace(rigid_body, load_s=0.3), sandbox, 3).report
+    assert report.score == report.max_score == 23 and report.not_attempted == ["1", "6"], report.text()
+    assert "cell 2: your code used more than 0.3 s of CPU time; of the cells after it, only definitions were run" in report.text()
 
 
 def test_a_motion_forged_without_its_probes_earns_nothing(rigid_body, sandbox):

@@ -284,6 +284,7 @@ def test_a_mistake_fails_its_checks(toolbox, sandbox, number, failed):
     assert {outcome.id for outcome in report.outcomes() if outcome.verdict is Verdict.FAIL} == failed, report.text()
 
 
+@pytest.mark.slow
 def test_the_right_solution_in_the_sandbox_and_in_the_kit(toolbox, sandbox, tmp_path):
     source = question(toolbox).source
     report = grade(Submission(source), toolbox.assignment, sandbox, 1).report

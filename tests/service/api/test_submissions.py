@@ -329,6 +329,7 @@ def test_log_lines_are_json_with_ids_and_hold_no_source_and_no_header(server):
     assert any(line["message"] == "graded" and uuid.UUID(line["grading"]) and line["attempt"] == line["grading"] for line in lines)
 
 
+@pytest.mark.slow
 def test_a_sweep_is_made_when_somebody_asks(server):
     source = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
     id = json.loads(post(server, {"source": source, "exercises": ["2"]}, Prefer="wait=60")[2])["id"]

@@ -92,6 +92,7 @@ def test_files_without_entry_and_entries_without_file(folder, capsys):
     assert told.endswith("right_matrix.py: listed in expected.toml, but the file does not exist\n")
 
 
+@pytest.mark.slow
 def test_write_adds_what_is_missing_and_changes_nothing_else(folder, capsys):
     """A name that does not tell its report gets no entry: a right_ that is wrong must not become what is expected."""
     expected = folder / "samples" / "expected.toml"

@@ -64,6 +64,7 @@ def test_what_fools_checks_of_invariants_does_not_fool_these(files, name, rigid_
     assert verdicts["2-pointwise"] is Verdict.FAIL and verdicts["2-motion"] is Verdict.FAIL
 
 
+@pytest.mark.slow
 def test_same_seed_same_report(files, rigid_body, sandbox):
     one, two = (graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=7).report for _ in range(2))
     other = graded(files, "wrong_slip_1e-9.py", rigid_body, sandbox, seed=8).report
@@ -87,6 +88,7 @@ def test_what_is_hidden_tells_no_inputs(files, rigid_body, sandbox):
     assert not any(f"{x:.6g}" in told for x in [*inputs["w0"], *inputs["I"], inputs["t_end"]])
 
 
+@pytest.mark.slow
 def test_a_report_survives_storage_whole(files, rigid_body, sandbox):
     for name in ("right_all.py", "wrong_notebook.ipynb", "wrong_not_finite.py"):
         report = graded(files, name, rigid_body, sandbox).report

@@ -21,6 +21,7 @@ def swept(rigid_body, sandbox):
     return sweep(Submission(RIGHT), rigid_body, sandbox)
 
 
+@pytest.mark.slow
 def test_errors_and_calls_are_those_of_the_reference(swept):
     known = {(p["method"], p["setting"]): p for p in load_work_precision()["points"] if p["scene"] == swept.scene}
     assert len(swept.points) == 18

@@ -65,6 +65,7 @@ def no_bubblewrap(tmp_path):
     return {"PATH": str(tmp_path / "bin"), "PYTHONPATH": str(tmp_path)}
 
 
+@pytest.mark.slow
 def test_grade_refuses_without_the_least_level(no_bubblewrap, tmp_path):
     file = tmp_path / "x.py"
     file.write_text("def euler_eqs(t, w, I): return w")

@@ -54,6 +54,7 @@ def _axes_in_front(figure, axes):
     figure.add_axes([0, 0, 1, 1], zorder=9).plot([0, 1], [0, 1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "style"),
     [
@@ -75,6 +76,7 @@ def test_what_changes_no_pixel_does_not_count(before, style):
     assert seen["visible"][0] == 0 or style == {"alpha": 0.002}, "only the title changes"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("three", [False, True], ids=["2-D", "3-D"])
 @pytest.mark.parametrize(
     "style",

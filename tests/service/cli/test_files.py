@@ -144,12 +144,12 @@ def test_where_one_is_broken_its_files_are_graded_by_no_other(file, tmp_path, ca
     folder = copied(course, "broken_one")
     change(folder / "hidden_checks.py", "limit=1e-13", 'limit=1e-13, hidden="yes"')
     with known(course):
-        with pytest.raises(InvalidAssignment, match=r"hidden_checks\.py line 9: TypeError"):
+        with pytest.raises(InvalidAssignment, match=r"hidden_checks\.py line 5: TypeError"):
             resolve_assignment(None, [folder / "samples" / "right_terms.py"])
         with pytest.raises(NoAssignment, match="assignment broken-one"):
             resolve_assignment(None, [file("def oscillator(): ...")])
         assert main(["grade", "--assignment", "broken-one", str(file("def oscillator(): ..."))]) == 2
-        assert "polhode: assignment broken-one: hidden_checks.py line 9" in capsys.readouterr().err
+        assert "polhode: assignment broken-one: hidden_checks.py line 5" in capsys.readouterr().err
         assert main(["assignments"]) == 2
         told = capsys.readouterr()
         assert "damped-oscillator  The damped oscillator" in told.out and "polhode: assignment broken-one" in told.err

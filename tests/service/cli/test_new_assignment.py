@@ -220,7 +220,7 @@ def test_a_server_serves_it_and_a_broken_one_costs_only_itself(tmp_path, course_
     with pytest.raises(urllib.error.HTTPError) as caught:
         submit(server, "broken-one", "def oscillator(): ...")
     assert caught.value.code == 503 and json.load(caught.value)["type"].endswith(":assignment-broken")
-    assert "assignment broken-one: plays.py is missing" in server.log.read_text()
+    assert "assignment broken-one: scene probes: plays.py has no function" in server.log.read_text()
 
 
 def submit(server, slug, source):

@@ -26,7 +26,6 @@ def query(database, statement):
         return connection.execute(statement).fetchone()[0]
 
 
-@pytest.mark.slow
 def test_start_stop_start_keeps_what_was_written(data):
     database = EmbeddedPostgres(data)
     database.start()

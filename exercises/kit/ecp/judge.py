@@ -144,7 +144,7 @@ def _worst(delta: Array, allowed: Array) -> tuple[tuple[int, ...] | None, float 
     """Return index and margin of the value that uses most of its allowance. NaN is the worst."""
     if delta.size == 0:
         return None, None
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         used = np.where(delta == 0, 0.0, delta / allowed)
     used = np.where(np.isnan(used), np.inf, used)
     flat = int(np.argmax(used))

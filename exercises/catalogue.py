@@ -48,6 +48,7 @@ def register_folder(folder: Path) -> None:
     """Add the assignment in ``folder`` to the catalogue of this process and of those it starts."""
     known = os.environ.get(SETTING)
     os.environ[SETTING] = os.pathsep.join([*([known] if known else []), str(folder.resolve())])
+    load_catalogue.cache_clear()
 
 
 def slug_of(folder: Path) -> str:

@@ -21,11 +21,15 @@ from ecp.notebook.cells import python_of, statements_of
 from ecp.outcome import Outcome, Tolerance
 from exercises.assignment import PublishedCell
 from exercises.author_notebook import INSTALL, Cell
+from exercises.declared import Rule, is_numeric
 from exercises.validation_calls import Call, calls
 
 VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check
 NOTEBOOK = "the notebook's own"
+TRUTH = Rule(
+    "numbers, or a function without parameters that computes them", lambda truth: callable(truth) or is_numeric(truth, "fiub")
+)
 SELF_REPORTED = "self-reported: the student's code computes both sides"
 
 
@@ -147,9 +151,8 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
             yield f"line {line.line}: no validation cell has, after the lines before, the label {line.label!r}"
             continue
         left = left[left.index(call) + 1 :]
-        if not (line.truth is None or callable(line.truth) or _is_numeric(line.truth)):
-            must = "it must be numbers, or a function without parameters that computes them"
-            yield f"line {line.line}: truth is {line.truth!r}; {must}"
+        if not (line.truth is None or TRUTH.holds(line.truth)):
+            yield f"line {line.line}: truth is {line.truth!r}; it must be {TRUTH.text}"
         if line.truth is not None and call.kind != "close":
             remedy = "use trust=True, or ask a question"
             yield f"line {line.line}: validate.{call.kind} has no expected value that truth= could replace: {remedy}"
@@ -157,13 +160,6 @@ def line_errors(cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[str]
             remedy = "write it there as a number, or ask a question"
             widened = f"the validation cell computes {call.computed[0]}, which the student's code could widen"
             yield f"line {line.line}: {widened}: {remedy}"
-
-
-def _is_numeric(value: Any) -> bool:
-    try:
-        return bool(np.all(np.isfinite(np.asarray(value, dtype=float))))
-    except (TypeError, ValueError):
-        return False
 
 
 def reported_exercises(exercises: Iterable[Exercise], cells: Sequence[Cell], sections: Sequence[Any]) -> Iterator[Exercise]:

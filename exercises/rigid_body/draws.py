@@ -27,13 +27,13 @@ def boxes(rng: np.random.Generator) -> Inputs:
     """Draw boxes (m, a, b, c): some with no two moments nearly equal, then cubes, equal edges, plates, bars,
     large and small ones.
     """
-    boxes: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
+    drawn: list[ArrayLike] = [_unequal_box(rng) for _ in range(UNEQUAL)]
     for m, a, b, c in (_unequal_box(rng) for _ in range(2)):
         long, thin = 20 * max(a, b, c), min(a, b, c) / 20
-        boxes += [(m, a, a, a), (m, b, a, a), (m, a, b, a), (m, a, a, b), (m, a, b, thin), (m, long, b, c)]
+        drawn += [(m, a, a, a), (m, b, a, a), (m, a, b, a), (m, a, a, b), (m, a, b, thin), (m, long, b, c)]
     sizes = [(1e3, 1e3), (1e-3, 1e-3), (1e-3, 1e3), (1e3, 1e-3)]
-    boxes += [np.array(_unequal_box(rng)) * [mass, *[length] * 3] for mass, length in sizes]
-    return {"boxes": np.array(boxes)}
+    drawn += [np.array(_unequal_box(rng)) * [mass, *[length] * 3] for mass, length in sizes]
+    return {"boxes": np.array(drawn)}
 
 
 def tensors(rng: np.random.Generator) -> Inputs:
@@ -56,7 +56,7 @@ def tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
 def _unequal_box(rng: np.random.Generator) -> tuple[float, ...]:
     while True:
         box = (rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3))
-        if np.diff(np.sort(reference.box_moments(*box))).min() > 0.05 * reference.box_moments(*box).max():
+        if are_apart(reference.box_moments(*box)):
             return box
 
 
@@ -69,9 +69,13 @@ def body(rng: Rng) -> Array:
     """Return moments (3,) of a box in kg m², in any order, no two nearly equal."""
     while True:
         moments = reference.box_moments(rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3))
-        low, mid, high = np.sort(moments)
-        if min(mid - low, high - mid) > APART * high:
+        if are_apart(moments):
             return moments
+
+
+def are_apart(moments: Array) -> bool:
+    """Return whether no two moments are nearly equal."""
+    return bool(np.diff(np.sort(moments)).min() > APART * moments.max())
 
 
 def long_run(rng: Rng) -> Inputs:

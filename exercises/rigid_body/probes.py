@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import reference
 from exercises.assignment import Inputs
+from exercises.rigid_body.draws import are_apart
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
@@ -22,7 +23,6 @@ PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random
 SPECIAL = 20
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
 AT_REST = 1e-20  # rad/s², the scale at ω = 0, where a right rate is exactly zero
-APART = 0.05  # least relative distance of two moments that are not equal
 
 
 def number_of_points(motions: int) -> int:
@@ -68,7 +68,7 @@ def _random(rng: Rng, order: tuple[int, ...], signs: tuple[float, ...]) -> tuple
 def _moments(rng: Rng) -> Array:
     while True:
         moments = reference.box_moments(6.0, *rng.uniform(0.4, 2.0, 3))
-        if np.diff(np.sort(moments)).min() > APART * moments.max():
+        if are_apart(moments):
             return moments
 
 

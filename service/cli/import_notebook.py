@@ -37,7 +37,6 @@ def _import(arguments: argparse.Namespace) -> int:
             files_of = {catalogue.DECLARATION: made.text.encode(), file.name: file.read_bytes(), **made.data}
             folder = created(made.slug, made.title, into, files_of)
             catalogue.register_folder(folder)
-            catalogue.load_catalogue.cache_clear()
             catalogue.find(made.slug)
         except (InvalidNotebook, InvalidAssignment, CannotScaffold, OSError) as error:
             print(f"polhode: {file}: {error}", file=sys.stderr)

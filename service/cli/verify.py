@@ -119,7 +119,6 @@ def _slugs(name: str) -> list[str]:
     for folder in selected:
         if folder not in folders:
             catalogue.register_folder(folder)
-            load_catalogue.cache_clear()
     return [catalogue.slug_of(folder) for folder in selected]
 
 

@@ -111,7 +111,7 @@ class _Results:
     def _untested(self) -> Iterator[str]:
         ids: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
         for check in self.assignment.checks():
-            if check.id not in self.tally.failed:
+            if check.scenes and check.id not in self.tally.failed:
                 ids[self.assignment.scene(check.scenes[0]).function, check.label.removesuffix(NEW_INPUTS)].append(check.id)
         for (function, label), found in ids.items():
             yield f'warning: no sample fails {" and ".join(found)}: declare a mistake of {function} that fails "{label}"'

@@ -40,7 +40,7 @@ def play_chains(assignment: Assignment, played: PlayedJob, crossed: CrossCheck, 
     chains = Chains()
     needed: dict[str, set[str]] = {}  # by function: those to replace so that it is right, itself if it is wrong
     for question, names in _questions(assignment, played.job):
-        checks = [check for check in assignment.checks() if names.issuperset(check.scenes)]
+        checks = [check for check in assignment.checks() if check.scenes and names.issuperset(check.scenes)]
         passed = sum(passes(check, played, crossed) for check in checks)
         replaced = set[str]().union(*(needed.get(name, ()) for name in question.get("uses", ())))
         may_pass = question["function"] in played.result.defined or played.result.cells

@@ -180,8 +180,7 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
     functions, variables = tuple(sorted(assignment.functions())), tuple(sorted(assignment.variables()))
     data = {name: assignment.folder / name for name in assignment.data}
     cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
-    setup = "" if assignment.published else assignment.setup  # else one of the published cells
-    job = Job(setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
+    job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
 
 
@@ -259,9 +258,6 @@ def _judge(
     for check in exercise.applicable_checks(result.defined, assignment.names):
         scenes = [assignment.scene(name) for name in check.scenes]
         outcome = _outcome(check, scenes, result, played.truths)
-        if isinstance(check, ReportedLine):
-            outcomes.append(outcome)
-            continue
         if unsteady := next((s for s in scenes if {s.name, s.after} & crossed.unsteady), None):
             if outcome.verdict is Verdict.PASS:
                 outcome = check.failed("the same questions in another order got different answers")
@@ -269,7 +265,7 @@ def _judge(
         elif outcome.verdict is not Verdict.PASS:
             outcome.diagnosis = _diagnose_failure(scenes, result, causes)
         outcome.hidden = assignment.hidden(check)
-        outcome.remarks = remarks.get(check.scenes[0], [])
+        outcome.remarks = [remark for name in check.scenes[:1] for remark in remarks.get(name, [])]
         outcomes.append(outcome)
     return ExerciseReport(number=exercise.number, title=exercise.title, outcomes=outcomes)
 

@@ -558,7 +558,7 @@ SANDBOX = [
     Breakage(
         "a cell's own definition replaces the reference function",
         "service/sandbox/guest/run_scenes.py",
-        "                    student.update(kept)\n",
+        "        student.update(kept)\n",
         "",
         ("tests/service/grading/test_chains.py",),
     ),

@@ -6,6 +6,7 @@ import pytest
 
 from ecp.judge import Verdict
 from exercises.importing import imported
+from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
@@ -243,3 +244,89 @@ def test_only_the_published_call_with_its_own_tolerance_earns_points(tmp_path, s
         made = report(found.valid["pointed"], sandbox, published((solution, *SOLUTIONS[1:]), checks=checks))
     first = made.outcomes()[0]
     assert (first.verdict.value[0], first.label, first.earned) == (mark, "ten", 0)
+
+
+STRENGTHENED = """
+def disc(r):
+    return np.pi * r**2
+
+
+def ring(a, b):
+    return disc(b) - disc(a)
+
+
+ROUNDING = Tolerance(limit=1e-12, reason="a thousand rounding errors")
+notebook.exercise(
+    "area",
+    "Areas",
+    line("the disc of radius 3", trust=True),
+    values(
+        disc,
+        ask={"r": uniform(1, 2)},
+        truth=lambda r: 3.141592653589793 * r * r,
+        agree=ROUNDING,
+        mistakes=[mistake("np.pi * r**2", "2 * np.pi * r", "wrong-formula", "this is the circumference")],
+    ),
+)
+notebook.exercise(
+    "ring",
+    "Rings",
+    values(
+        ring,
+        ask={"a": uniform(1, 2), "b": uniform(3, 4)},
+        truth=lambda a, b: 3.141592653589793 * (b - a) * (b + a),
+        agree=ROUNDING,
+        uses=[disc],
+        mistakes=[mistake("disc(b) - disc(a)", "disc(b)", "missing-term", "the hole is missing")],
+    ),
+)
+"""
+DISC, RING = "def disc(r):\n    return np.pi * r**2\n", "def ring(a, b):\n    return disc(b) - disc(a)\n"
+DISC_LINE = 'validate.close(disc(3.0), 9 * np.pi, "the disc of radius 3")\n'
+
+
+def of_rings(disc=HIDDEN, ring=HIDDEN):
+    return notebook(
+        ("markdown", "setup-text", [], "## Setup"),
+        ("code", "setup", [], SETUP),
+        ("code", "disc", ["solution"], disc),
+        ("code", "disc-lines", ["validation"], DISC_LINE),
+        ("code", "ring", ["solution"], ring),
+    )
+
+
+@pytest.fixture(scope="module")
+def rings(tmp_path_factory):
+    """An imported notebook with two questions, one of which uses the function of the other; both use the published Setup."""
+    home = imported_folder(tmp_path_factory.mktemp("rings"), "rings", of_rings(DISC, RING))
+    head, _, _ = (home / "assignment.py").read_text().partition("\nnotebook.exercise(")
+    imports = "import Notebook, Tolerance, line, mistake, uniform\nfrom exercises.kinds.values import values\n"
+    text = head.replace("import Notebook, line\n", f"{imports}import numpy as np\n") + STRENGTHENED
+    (home / "assignment.py").write_text(text)
+    with known(home) as found:
+        assert not found.invalid, found.invalid
+        yield found.valid["rings"]
+
+
+def test_a_question_of_an_imported_notebook_is_diagnosed(rings, sandbox):
+    made = report(rings, sandbox, of_rings("def disc(r):\n    return 2 * np.pi * r\n", RING))
+    assert marks(made) == "fffpp"
+    assert [{d.sentence for d in o.diagnosis} for o in made.outcomes()[:2]] == [{"this is the circumference"}] * 2
+
+
+def test_a_chain_of_an_imported_notebook_uses_the_reference(rings, sandbox):
+    made = report(rings, sandbox, of_rings("def disc(r):\n    return 2 * np.pi * r\n", RING))
+    assert made.provenance.chains == {"ring": "the reference disc"}
+
+
+def test_a_line_of_an_imported_notebook_does_not_keep_a_chain_from_its_own_function(rings, sandbox):
+    """The line fails, because the published cell calls the function with a number that the student did not foresee."""
+    one = "def disc(r):\n    if r == 3.0:\n        raise ValueError\n    return np.pi * r**2\n"
+    made = report(rings, sandbox, of_rings(one, "def ring(a, b):\n    return disc(b)\n"))
+    assert marks(made) == "ppuff" and made.provenance.chains == {"ring": "the submission's disc"}
+
+
+@pytest.mark.slow
+def test_verify_of_an_imported_notebook_names_no_line_as_untested(rings, capsys):
+    assert main(["verify", "rings", "--seeds", "1", "--jobs", "1"]) == 0
+    assert "warning" not in capsys.readouterr().out

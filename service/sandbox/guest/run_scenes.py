@@ -1,11 +1,13 @@
 """The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
+import ast
 import importlib
 import linecache
 import signal
 import sys
 import types
 from collections.abc import Callable
+from functools import partial
 from time import monotonic, process_time
 from typing import Any
 
@@ -62,8 +64,9 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     """
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
+    setup = "" if any(published for _, _, published in job["cells"]) else job["setup"]  # it is one of the published cells
     try:
-        (plays, unchanged), student = _load_plays(job["plays"]), prepare(job["setup"])
+        (plays, unchanged), student = _load_plays(job["plays"]), prepare(setup)
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
@@ -214,33 +217,29 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
 
         for piece in pieces(source):
-
-            def load(name: str = name, piece: str = piece) -> None:
-                for code in statements(piece, name) if kept else [runnable(piece, name)]:
-                    exec(code, student)
-                    student.update(kept)
-
-            def define(name: str = name, piece: str = piece) -> None:
-                for code in statements(piece, name, DEFINITIONS):
-                    exec(code, student)
-                student.update(kept)
-
-            if not budget.left():
-                _run_limited(define, left)
-                continue
-            before = animate.shown[:]
-            with recorder.in_place(student, published=published):
-                ended = _run_limited(load, budget)
-            recorder.send(write)
-            if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
-                animate.shown[:] = [last]
-            shows = shows if animate.shown == before else piece
-            if ended["ended"] != "finished":
-                write.event("cell", scene=name, **ended)
-            if not budget.left():
+            if budget.left():
+                before = animate.shown[:]
+                with recorder.in_place(student, published=published):
+                    ended = _run_limited(partial(_execute, piece, name, student, kept), budget)
+                recorder.send(write)
+                if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
+                    animate.shown[:] = [last]
+                shows = shows if animate.shown == before else piece
+                if ended["ended"] != "finished":
+                    write.event("cell", scene=name, **ended)
+                if budget.left():
+                    continue
                 left = Budget(DEFINITIONS_S)
-                _run_limited(define, left)
+            _run_limited(partial(_execute, piece, name, student, kept, DEFINITIONS), left)
     return shows
+
+
+def _execute(source: str, name: str, student: Names, kept: Names, kinds: tuple[type, ...] = (ast.stmt,)) -> None:
+    """Execute the statements of these ``kinds``. Names in ``kept`` have their values again after each statement."""
+    whole = not kept and kinds == (ast.stmt,)
+    for code in [runnable(source, name)] if whole else statements(source, name, kinds):
+        exec(code, student)
+        student.update(kept)
 
 
 def _run_limited(action: Callable[[], None], budget: Budget) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Animations of points that follow given trajectories: drawn in any style, and the wrong ones told apart."""
+"""Animations of points that follow given trajectories: drawn in any style, and wrong ones named."""
 
 import json
 from dataclasses import replace

@@ -21,13 +21,13 @@ def test_a_course_is_imported_and_each_notebook_says_what_was_taken_over(tmp_pat
     written(course, "empty.ipynb", notebook(("code", "a", [], "x = 1")))
     with known(tmp_path / "into"):
         assert main(["import-notebook", str(course), "--into", str(tmp_path / "into")]) == 2
-    told = capsys.readouterr()
-    assert f"{tmp_path / 'into' / 'small_sums'}: 5 of 5 validation lines, self-reported" in told.out
-    assert "notebook_2_2_odd_ones: 1 of 3 validation lines, self-reported" in told.out
-    assert "not taken over: published cell 3, line 2: the call is inside a function" in told.out
-    assert "not taken over: published cell 3, line 4: the call has no label" in told.out
-    assert "no_such_package is not installed on this machine" in told.out and "the kit has no ecp.nowhere" in told.out
-    assert "empty.ipynb has no cell that calls validate.close" in told.err
+    printed = capsys.readouterr()
+    assert f"{tmp_path / 'into' / 'small_sums'}: 5 of 5 validation lines, self-reported" in printed.out
+    assert "notebook_2_2_odd_ones: 1 of 3 validation lines, self-reported" in printed.out
+    assert "not taken over: published cell 3, line 2: the call is inside a function" in printed.out
+    assert "not taken over: published cell 3, line 4: the call has no label" in printed.out
+    assert "no_such_package is not installed on this machine" in printed.out and "the kit has no ecp.nowhere" in printed.out
+    assert "empty.ipynb has no cell that calls validate.close" in printed.err
     text = (tmp_path / "into" / "notebook_2_2_odd_ones" / "assignment.py").read_text()
     assert 'packages=("sympy",)' in text and 'line("{label}")' in text
     with known(tmp_path / "into") as found:
@@ -58,8 +58,8 @@ def test_data_files_come_along_and_other_names_of_validate_are_named(tmp_path, c
     written(tmp_path, "d.csv", "1 2 3")
     with known():
         assert main(["import-notebook", str(file), "--into", str(tmp_path / "into")]) == 0
-    told = capsys.readouterr().out
-    assert "absent.csv is not beside the notebook" in told and "calls validate v: calls under that name" in told
-    assert "no cell is tagged solution" in told
+    printed = capsys.readouterr().out
+    assert "absent.csv is not beside the notebook" in printed and "calls validate v: calls under that name" in printed
+    assert "no cell is tagged solution" in printed
     assert (tmp_path / "into" / "data" / "d.csv").read_text() == "1 2 3"
     assert 'data=("d.csv",),' in (tmp_path / "into" / "data" / "assignment.py").read_text()

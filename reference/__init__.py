@@ -1,4 +1,4 @@
-"""The physics of a torque-free rigid body, independent of grading.
+"""The physics of a torque-free rigid body and of the heavy symmetric top, independent of grading.
 
 Conventions of this package:
 
@@ -11,6 +11,7 @@ Conventions of this package:
 
 from reference.euler import attitude_rate, euler_rhs
 from reference.exact import Exact
+from reference.heavy_top import HeavyTop
 from reference.inertia import box_moments, box_tensor, check_moments, principal_moments
 from reference.motion import Motion, motion
 from reference.observables import (
@@ -26,6 +27,7 @@ from reference.stability import free_precession_rate, sensitivity, steady_spin_g
 
 __all__ = [
     "Exact",
+    "HeavyTop",
     "Motion",
     "angular_momentum",
     "attitude_rate",

@@ -1,10 +1,13 @@
 """A method as a chart needs it: a name, an order, settings from coarse to fine, and a function that runs a scene."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from reference.heavy_top import HeavyTop
 
 Array = NDArray[np.float64]
 
@@ -13,6 +16,8 @@ Array = NDArray[np.float64]
 class Scene:
     """A motion to compute: moments ``I`` (3,) kg m², ω(0) = ``w0`` (3,) rad/s, R(0) = 1, at ``intervals`` + 1
     even times up to ``t_end`` s.
+
+    With a torque ``mgl`` in N m it is a heavy top with I₁ = I₂, and R(0) is a turn by ``tilt`` rad about x.
     """
 
     name: str
@@ -20,11 +25,29 @@ class Scene:
     I: tuple[float, float, float]
     t_end: float
     intervals: int = 40
+    mgl: float = 0.0
+    tilt: float = 0.0
 
     @property
     def t(self) -> Array:
         """Return the times (n,) in s."""
         return np.linspace(0.0, self.t_end, self.intervals + 1)
+
+    @property
+    def R0(self) -> Array:
+        """Return R(0) (3, 3)."""
+        c, s = math.cos(self.tilt), math.sin(self.tilt)
+        return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+    @property
+    def euler_angles(self) -> tuple[float, ...]:
+        """Return θ, φ, ψ and their rates (6,) at the start of a heavy top."""
+        swing = self.w0[1] / math.sin(self.tilt)
+        return self.tilt, 0.0, 0.0, self.w0[0], swing, self.w0[2] - swing * math.cos(self.tilt)
+
+    def top(self) -> HeavyTop:
+        """Return the exact motion of a heavy top."""
+        return HeavyTop(self.euler_angles, self.I[0], self.I[2], self.mgl)
 
 
 @dataclass(frozen=True)

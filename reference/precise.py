@@ -53,7 +53,7 @@ class Integrals(NamedTuple):
 
 def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
     """Return K, Π and F of one body from one arithmetic-geometric mean, for k' = ``kc`` > 0, √(1 − n) =
-    ``root_n`` ≥ 1, cos²φ and sin²φ.
+    ``root_n`` > 0, cos²φ and sin²φ.
 
     Source: Bulirsch's cel and el1 (Numer. Math. 7, 1965 and 13, 1969), which use the same two sequences.
     """

@@ -6,7 +6,7 @@ s.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 
@@ -15,7 +15,7 @@ import numpy as np
 from reference.errors import errors, exact_run
 from reference.exact import Exact
 from reference.inertia import box_moments
-from reference.methods import METHODS, Run, Scene
+from reference.methods import HEAVY, METHODS, Run, Scene, heavy
 from reference.methods.adaptive import euler_angles
 from reference.observables import transverse_growth
 from reference.stability import steady_spin_growth_rate
@@ -25,6 +25,7 @@ W0, I = (1.0, 0.6, 0.8), (2.0, 3.0, 4.0)
 BOOK: tuple[float, float, float] = tuple(float(x) for x in box_moments(1.0, 2.0, 1.4, 0.4))  # type: ignore[assignment]
 H = 0.1
 BY_NAME = {m.name: m for m in METHODS}
+HEAVY_BY_NAME = {m.name: m for m in HEAVY}
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,32 @@ def gimbal_lock(tilts: tuple[float, ...] = (1.0, 1e-1, 1e-2, 1e-4, 1e-6)) -> lis
     for tilt in tilts:
         run = euler_angles(scene, 1e-11, tilt)
         found.append({**_errors(scene, run), "tilt": tilt, "calls": float(run.calls), "matrix calls": float(base)})
+    return found
+
+
+def heavy_gimbal_lock(tilts: tuple[float, ...] = (1.0, 1e-1, 1e-2, 1e-4, 1e-6)) -> list[Row]:
+    """Measure the same for a heavy top that passes the vertical at a distance ``tilt`` in every nutation."""
+    found: list[Row] = []
+    for tilt in tilts:
+        scene = Scene("heavy top", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=tilt)
+        run, matrix = heavy.euler_angles(scene, 1e-11), HEAVY_BY_NAME["DOP853"].run(scene, 1e-11)
+        found.append({**_errors(scene, run), "tilt": tilt, "calls": float(run.calls), "matrix calls": float(matrix.calls)})
+    return found
+
+
+def sleeping_top(ratios: tuple[float, ...] = (0.3, 0.6, 0.9, 0.98, 1.02, 1.1, 1.5), nudge: float = 1e-6) -> list[Row]:
+    """Measure the largest tilt over one nutation of a top that starts ``nudge`` rad from the vertical, for spins
+    ω₃ of ``ratios`` times the limit 2 (I₁ mgl)^½ / I₃.
+    """
+    I1, I3, mgl, found = 1.0, 0.6, 10.0, list[Row]()
+    for ratio in ratios:
+        w3 = ratio * 2 * np.sqrt(I1 * mgl) / I3
+        scene = Scene("sleeping", (nudge, 0.0, w3), (I1, I1, I3), 0.0, intervals=400, mgl=mgl, tilt=nudge)
+        scene = replace(scene, t_end=scene.top().period)
+        tilt = np.arccos(np.minimum(HEAVY_BY_NAME["DOP853"].run(scene, 1e-11).R[:, 2, 2], 1.0))
+        found.append(
+            {"method": "DOP853", "spin": ratio, "largest tilt": float(tilt.max()), "exact tilt": scene.top().turning_points[1]}
+        )
     return found
 
 
@@ -179,6 +206,26 @@ ATLAS = (
         "Euler angles need at least three times the calls of the matrix form, and more the nearer the start is to the vertical",
         gimbal_lock,
         lambda rows: rows[1]["calls"] > 2.5 * rows[1]["matrix calls"] and rows[-1]["calls"] > 8 * rows[-1]["matrix calls"],  # type: ignore[operator]
+    ),
+    Entry(
+        "gimbal lock of the heavy top",
+        "a heavy top that passes near the vertical costs Euler angles ever more calls, and R as many as any other motion",
+        heavy_gimbal_lock,
+        lambda rows: (
+            float(rows[-1]["calls"]) > 5 * float(rows[0]["calls"])
+            and max(_column(rows, "matrix calls")) < 1.5 * min(_column(rows, "matrix calls"))
+        ),
+    ),
+    Entry(
+        "the sleeping top wakes",
+        "below ω₃ = 2 (I₁ mgl)^½ / I₃ a nudge of 1e-6 rad becomes a tilt of 2 arccos(ω₃ / limit); above, it stays a nudge",
+        sleeping_top,
+        lambda rows: all(
+            abs(float(r["largest tilt"]) / (2 * np.arccos(float(r["spin"]))) - 1) < 1e-3
+            if float(r["spin"]) < 1
+            else float(r["largest tilt"]) < 1e-5
+            for r in rows
+        ),
     ),
     Entry(
         "rods cost",

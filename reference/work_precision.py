@@ -17,7 +17,7 @@ import numpy as np
 from reference.errors import errors, exact_run
 from reference.exact import Exact
 from reference.inertia import box_moments
-from reference.methods import METHODS, Method, Scene
+from reference.methods import HEAVY, METHODS, Method, Scene
 
 _BOOK: tuple[float, float, float] = tuple(float(x) for x in box_moments(1.0, 2.0, 1.4, 0.4))  # type: ignore[assignment]
 _NEAR = (1e-8 * 6, 6.0, 0.7e-8 * 6)
@@ -31,6 +31,8 @@ SCENES = (
     Scene("exercise 6", (0.2, 0.3, 3.0), (1.0, 1.0, 1.6), 8.0),
     Scene("separatrix, nudge 1e-8", _NEAR, _BOOK, 2.1 * Exact(_NEAR, _BOOK).period),
     Scene("rod, I₁ = 1e-4", (1 / _ROD, 0.3, 0.2), (_ROD, 1.0, 1.0 + _ROD / 2), 0.02),
+    Scene("heavy top", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=0.6),
+    Scene("heavy top, 1e-3 rad from the vertical", (0.0, 0.6, 14.0), (1.0, 1.0, 0.6), 4.0, mgl=10.0, tilt=1e-3),
 )
 YARDSTICK, YARDSTICK_RTOL = "DOP853", 1e-11
 REPEATS = 3
@@ -60,12 +62,12 @@ class Point:
     ratio: float
 
 
-def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] = METHODS, repeats: int = REPEATS) -> Iterator[Point]:
-    """Yield all points, scene by scene."""
-    yardstick = next(m for m in METHODS if m.name == YARDSTICK)
+def measure(scenes: Iterable[Scene] = SCENES, methods: Iterable[Method] | None = None, repeats: int = REPEATS) -> Iterator[Point]:
+    """Yield all points, scene by scene; without ``methods`` those of the scene's problem, torque-free body or heavy top."""
     for scene in scenes:
-        exact = exact_run(scene)
-        for method in methods:
+        exact, known = exact_run(scene), HEAVY if scene.mgl else METHODS
+        yardstick = next(m for m in known if m.name == YARDSTICK)
+        for method in known if methods is None else methods:
             for setting in method.settings:
                 with np.errstate(all="ignore"):
                     run = method.run(scene, setting)  # compiles what is not compiled yet

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from reference import Exact, kinetic_energy, momentum_norm, orthonormality_error
-from reference.methods import METHODS, Scene
+from reference.errors import exact_run
+from reference.methods import HEAVY, METHODS, Scene
 from reference.methods.splitting import KAHAN_LI_6, KAHAN_LI_8, SUZUKI4
 
 SCENE = Scene("test", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 8.0, intervals=8)
@@ -36,6 +37,21 @@ def test_observed_order(name):
     gain = error(method, coarse, scene, exact) / error(method, fine, scene, exact)
     observed = np.log(gain) / np.log(fine / coarse)
     assert abs(observed - method.order) <= 0.15
+
+
+@pytest.mark.parametrize("method", [m for m in HEAVY if m.order], ids=lambda m: m.name)
+def test_observed_order_on_the_heavy_top(method):
+    scene = Scene("test", (0.3, 0.6, 9.0), (1.0, 1.0, 0.6), 2.0, intervals=8, mgl=10.0, tilt=0.6)
+    coarse, fine = (32, 64) if method.order < 6 else (8, 16)
+    gain = error(method, coarse, scene, exact_run(scene)) / error(method, fine, scene, exact_run(scene))
+    assert abs(np.log2(gain) - method.order) <= 0.15
+
+
+@pytest.mark.parametrize("method", [m for m in HEAVY if m.line == "adaptive"], ids=lambda m: m.name)
+def test_adaptive_methods_follow_their_tolerance_on_the_heavy_top(method):
+    scene = Scene("test", (0.3, 0.6, 9.0), (1.0, 1.0, 0.6), 2.0, intervals=8, mgl=10.0, tilt=0.6)
+    errors = [error(method, rtol, scene, exact_run(scene)) for rtol in method.settings]
+    assert errors[-1] < 1e-9 and errors[-1] < errors[0] / 1e3
 
 
 @pytest.mark.parametrize("name", [m.name for m in METHODS if m.order is None and m.line != "closed form"])

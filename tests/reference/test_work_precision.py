@@ -23,6 +23,15 @@ def test_points_tell_error_over_the_whole_run_cost_and_invariants():
     assert rows(points)[0]["scene"] == "exercise 6"
 
 
+def test_a_heavy_top_has_methods_and_invariants_of_its_own():
+    scene = next(s for s in SCENES if s.name == "heavy top")
+    points = list(measure([replace(scene, t_end=0.4, intervals=4)], repeats=1))
+    assert {"DOP853", "Euler angles (DOP853)", "splitting 6", "exact"} <= {p.method for p in points}
+    splitting = [p for p in points if p.method == "splitting 4"]
+    assert splitting[-1].error_R < 1e-9 < splitting[0].error_R and splitting[0].orthonormality < 1e-14
+    assert all(p.momentum < 1e-13 for p in splitting) and splitting[-1].energy < 1e-9 < splitting[0].energy
+
+
 @pytest.mark.slow
 def test_a_blow_up_has_infinite_error_and_no_number():
     long = Scene("long", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 2000.0)

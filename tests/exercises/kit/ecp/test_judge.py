@@ -103,7 +103,7 @@ def test_below_positive_and_holds():
         assert judge.holds(truthy, "").verdict is Verdict.FAIL
 
 
-@pytest.mark.parametrize("value", ["1.0", 1 + 0j, None, [object()]])
-def test_only_real_numbers_are_compared(value):
+@pytest.mark.parametrize("value", ["1.0", None, [object()]])
+def test_only_numbers_are_compared(value):
     with pytest.raises(TypeError, match="real numbers"):
         judge.close(value, 1.0, 1.0, 1.0)

@@ -181,7 +181,7 @@ class Notebook:
             data=self.data,
             load_s=self.load_s,
             codes=self.codes,
-            sweep=self.sweep or next((question.sweep(question) for question in self.questions() if question.sweep), None),
+            sweep=self.sweep or self._chart(),
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, self.sections), self.sections)
             ),
@@ -193,6 +193,11 @@ class Notebook:
             questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.questions},
             **{name: function for name, function in given.items() if function is not None},
         )
+
+    def _chart(self) -> Sweep | None:
+        """Return the chart of speed against accuracy of the first question that has one, and of the others of its kind."""
+        charted = [question for question in self.questions() if question.sweep]
+        return charted[0].sweep([q for q in charted if q.kind == charted[0].kind]) if charted and charted[0].sweep else None
 
     def _cells(self, folder: Path) -> list[Cell]:
         """Return the cells of the author's notebook, none without one. Raises InvalidNotebook."""

@@ -64,8 +64,8 @@ class Question:
     "value". ``known`` are further exact numbers by name: constants, or functions called like ``truth``. ``data`` holds what the
     checks of the kind need, as JSON; ``errors`` yields errors of what belongs to the kind. ``variables`` names what the body of
     ``solution``, a cell, assigns: then the question asks for these variables instead of a function. ``parts`` are further public
-    scenes, played after the public one. ``sweep(question)`` is a chart of speed against accuracy. ``wrong`` are the errors of
-    arguments of a wrong type, by their names.
+    scenes, played after the public one. ``sweep(questions)`` is a chart of speed against accuracy of the assignment's questions of
+    this kind that have one, in order. ``wrong`` are the errors of arguments of a wrong type, by their names.
     """
 
     kind: str
@@ -81,7 +81,7 @@ class Question:
     mistakes: Sequence[Mistake] = ()
     parts: Mapping[str, Part] = field(default_factory=dict)
     errors: Callable[[], Iterator[str]] = lambda: iter(())
-    sweep: Callable[["Question"], Sweep] | None = None
+    sweep: Callable[[Sequence["Question"]], Sweep] | None = None
     rows: tuple[int, int] = (PUBLIC_ROWS, HIDDEN_ROWS)
     budget_s: float = 5.0
     uses: Sequence[Callable[..., Any]] = ()

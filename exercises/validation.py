@@ -5,13 +5,16 @@ import importlib
 import math
 import traceback
 from collections.abc import Iterable, Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
+from ecp.course import MODULES
 from ecp.exercise import Exercise
 from exercises.assignment import Assignment
 from exercises.validation_cells import ReportedLine
 
 HOST_ONLY = ("exercises", "reference", "service")  # packages that the guest and the students' kit do not have
+REPLACEABLE = ("draw",)  # modules of the kit that only notebooks use
 MOST_DATA = 5_000_000  # bytes of a data file
 
 
@@ -64,6 +67,9 @@ def _of_data(assignment: Assignment) -> Iterator[str]:
         path, file = PurePosixPath(name), assignment.folder / name
         if path.is_absolute() or not path.name or {".."} & set(path.parts) or str(path) != name or path.parts[0] == "samples":
             yield f"data file {name}: it must be a relative name such as pendulum.csv, without .. and not in samples/"
+        elif path.suffix == ".py" and path.parent.name == MODULES:
+            if not path.stem.isidentifier() or (path.stem not in REPLACEABLE and find_spec(f"ecp.{path.stem}")):
+                yield f"module {name}: it must have a Python name that no module of the kit has, except {' and '.join(REPLACEABLE)}"
         elif path.suffix in (".py", ".ipynb", ".toml"):
             yield f"data file {name}: students get data files, so a {path.suffix} file, which may hold solutions, cannot be one"
         elif not file.is_file():

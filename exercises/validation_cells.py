@@ -28,7 +28,7 @@ VALIDATION = re.compile(r"validation\b", re.IGNORECASE)
 LINE = "-line-"  # in the id of each line's check
 NOTEBOOK = "the notebook's own"
 TRUTH = Rule(
-    "numbers, or a function without parameters that computes them", lambda truth: callable(truth) or is_numeric(truth, "fiub")
+    "numbers, or a function without parameters that computes them", lambda truth: callable(truth) or is_numeric(truth, "fiuc")
 )
 SELF_REPORTED = "self-reported: the student's code computes both sides"
 
@@ -89,7 +89,7 @@ class ReportedLine(Check):
     def _judged(self, claim: Claim) -> Judgement:
         if self.declared.truth is None or claim.unfit or claim.left_out:
             return claim.judged()
-        truth = np.asarray(self.declared.truth() if callable(self.declared.truth) else self.declared.truth, dtype=float)
+        truth = np.asarray(self.declared.truth() if callable(self.declared.truth) else self.declared.truth)
         if not np.all(np.isfinite(truth)):
             raise ValueError(f"truth of the line {self.label!r} is not finite")
         return replace(claim, arrays={**claim.arrays, "expected": truth}).judged()

@@ -17,7 +17,7 @@ from service.sandbox.select import choose
 from service.store.database import migrate
 from service.store.postgres.server import EmbeddedPostgres
 from service.store.workers import LEASE_S
-from tests.support.database import new_database, sql
+from tests.support.database import connections_left, new_database, sql
 from tests.support.hub import Hub
 from tests.support.server import Server
 
@@ -103,9 +103,9 @@ def either_sandbox(request, sandbox):
     bare.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def new_server():
-    """Start servers on any data folder; all of them are stopped at the end."""
+    """Start servers on any data folder; all of them are stopped at the end of the file."""
     servers = []
 
     def start(data, path="/readyz", port=None, **environment):
@@ -118,7 +118,23 @@ def new_server():
 
 
 @pytest.fixture(scope="session")
-def postgres(tmp_path_factory):
+def left_connections():
+    """By the address of each running test database: the process ids of the connections that tests left open there."""
+    return {}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_connection_stays(left_connections):
+    """Fail at the end of a file whose tests leave connections open: its database allows only so many to the whole run."""
+    yield
+    for address, reported in left_connections.items():
+        left = connections_left(address, reported)
+        reported.update(left)
+        assert not left, f"connections that a fixture or a test of this file must close: {', '.join(left.values())}"
+
+
+@pytest.fixture(scope="session")
+def postgres(tmp_path_factory, left_connections):
     """A running embedded PostgreSQL with the tables of this version in a template, up for longer than a lease lasts."""
     running = EmbeddedPostgres(tmp_path_factory.mktemp("postgres") / "data")
     running.start()
@@ -128,7 +144,9 @@ def postgres(tmp_path_factory):
     sql(running.url, "SELECT pg_reload_conf()")
     migrate(running.url)
     time.sleep(max(0.0, up_for_a_lease - time.monotonic()))
+    left_connections[running.url] = set()
     yield running
+    left_connections.clear()
     running.stop()
 
 
@@ -151,12 +169,14 @@ def empty_url(postgres):
 
 
 @pytest.fixture(scope="session")
-def real_server(tmp_path_factory, new_server):
+def real_server(tmp_path_factory):
     """``polhode serve`` as its own process with workers and an embedded database; everybody is one local student."""
     data = tmp_path_factory.mktemp("data") / "polhode"
-    started = new_server(data, POLHODE_LOG_LEVEL="debug", POLHODE_WORKERS="1")
-    yield started
-    started.stop()  # before its folder goes: with the number of its database in there it could not end that
+    started = Server(data, POLHODE_LOG_LEVEL="debug", POLHODE_WORKERS="1")
+    try:
+        yield started.wait_ready()
+    finally:
+        started.stop()  # before its folder goes: with the number of its database in there it could not end that
     shutil.rmtree(data, ignore_errors=True)
 
 

@@ -130,8 +130,9 @@ def converged(
     return np.asarray(run.y)
 
 
-def _sweep(exact: Callable[[Mapping[str, Any]], Arrays], question: Question) -> Sweep:
-    """Return the chart of speed against accuracy for the question's first motion."""
+def _sweep(exact: Callable[[Mapping[str, Any]], Arrays], questions: Sequence[Question]) -> Sweep:
+    """Return the chart of speed against accuracy for the first motion of the first question."""
+    question = questions[0]
     data, name = question.data, f"motion of {question.function} to {question.data['time']} = {question.data['t_end']:g}"
 
     def read(seen: Arrays, truth: Arrays) -> SweepResult:

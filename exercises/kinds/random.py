@@ -59,11 +59,12 @@ def samples(
     """Return the question for a function that returns independent samples, an array or a single number.
 
     ``distribution`` is a name of scipy.stats, discrete or continuous, and ``parameters`` are its parameters: numbers, or functions
-    of the arguments ``ask``. An argument ``generator()`` or ``seed()`` is a new one for each call; without one the function uses a
-    generator of its own. Each row of arguments is asked ``repetitions`` times: about 1e5 samples detect a difference of the
-    cumulative distributions of 1 %. ``call`` is an expression to evaluate instead, such as ``"walk(100, rng)[-1]"``. ``label``
-    stands for the function's name in the labels of the checks.
+    of the arguments ``ask``. ``rv_discrete`` takes ``values=``, numbers and their probabilities (2, k). An argument ``generator()``
+    or ``seed()`` is a new one for each call; without one the function uses a generator of its own. Each row of arguments is asked
+    ``repetitions`` times: about 1e5 samples detect a difference of the cumulative distributions of 1 %. ``call`` is an expression
+    to evaluate instead, such as ``"walk(100, rng)[-1]"``. ``label`` stands for the function's name in the labels of the checks.
     """
+    parameters = parameters or {"loc": 0.0}  # a standard distribution
     data = {"distribution": distribution, "shape_parameters": list(parameters), "repetitions": repetitions}
     return _question(solution, ask, label, rows=rows, data=data, call=call, known=parameters)
 

@@ -5,11 +5,10 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from exercises.assignment import Assignment, NoAssignment
-from exercises.catalogue import find, load_catalogue, slug_of
-from exercises.catalogue import folders as assignment_folders
-from service.grading.submission import DEFAULT_SIZES
+if TYPE_CHECKING:
+    from exercises.assignment import Assignment
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
@@ -77,16 +76,19 @@ def _is_submission(file: Path) -> bool:
     return file.suffix.lower() in SUFFIXES and not file.is_symlink() and file.is_file()
 
 
-def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
+def resolve_assignment(slug: str | None, files: Sequence[Path]) -> "Assignment":
     """Return the assignment ``slug``.
 
     For None, return the assignment whose folder contains the files; else the only assignment; else, if no
     assignment is broken, the only one whose functions the files name. Raises NoAssignment if none or several
     match, InvalidAssignment for a broken one.
     """
+    from exercises.assignment import NoAssignment
+    from exercises.catalogue import find, folders, load_catalogue, slug_of
+
     if slug is not None:
         return find(slug)
-    homes = [f for f in assignment_folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
+    homes = [f for f in folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
     known, invalid = load_catalogue()
     if len(only := [slug_of(home) for home in homes] or [*known, *invalid]) == 1:
         return find(only[0])
@@ -100,6 +102,8 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> Assignment:
 
 def _named(functions: Iterable[str], files: Iterable[Path]) -> set[str]:
     """Return those of the functions that the files name."""
+    from service.grading.submission import DEFAULT_SIZES
+
     pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, functions))})\b")
     found: set[str] = set()
     for file in files:

@@ -2,6 +2,9 @@
 
 After a system fault it writes no results.json. Gradescope then reports that the autograder failed, which is no
 grade, and staff can run it again. Exit codes: 0 with results, 2 without.
+
+The process that grades is another one. This one imports no library before it has reported how that one ended:
+where memory is short, an import fails.
 """
 
 import argparse
@@ -13,7 +16,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from service.cli.files import NoSubmissionFound, find_files
-from service.cli.output_dir import write
 
 HOME = Path("/autograder")
 ANSWERS = (0, 1)  # exit codes of polhode grade
@@ -50,6 +52,7 @@ def _find_submissions(submission: Path) -> list[Path]:
 def _write_refusal(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
     """Write results with no points and the instruction to submit one file."""
     from exercises.catalogue import assignments
+    from service.cli.output_dir import write
     from service.formats import gradescope
     from service.grading.grade import select
     from service.grading.result import GradedFile

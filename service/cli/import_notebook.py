@@ -15,6 +15,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     command.add_argument(
         "--into", type=Path, metavar="FOLDER", help="where the assignments' folders go (default: the assignments')"
     )
+    command.add_argument(
+        "--modules", type=Path, metavar="FOLDER", help="the course's own modules, which its notebooks import from ecp"
+    )
     command.set_defaults(run=_import)
 
 
@@ -33,12 +36,12 @@ def _import(arguments: argparse.Namespace) -> int:
     failed = 0 if files else 1
     for file in files:
         try:
-            made = imported(file)
-            files_of = {catalogue.DECLARATION: made.text.encode(), file.name: file.read_bytes(), **made.data}
+            made = imported(file, arguments.modules)
+            files_of = {catalogue.DECLARATION: made.text.encode(), file.name: file.read_bytes(), **made.files}
             folder = created(made.slug, made.title, into, files_of)
             catalogue.register_folder(folder)
             catalogue.find(made.slug)
-        except (InvalidNotebook, InvalidAssignment, CannotScaffold, OSError) as error:
+        except (InvalidNotebook, InvalidAssignment, CannotScaffold, OSError, SyntaxError) as error:
             print(f"polhode: {file}: {error}", file=sys.stderr)
             failed += 1
             continue

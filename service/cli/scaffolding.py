@@ -38,6 +38,7 @@ def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Pa
         folder = Path(made) / name
         folder.mkdir()
         for file, content in files.items():
+            (folder / file).parent.mkdir(exist_ok=True)
             (folder / file).write_bytes(content)
         folder.rename(into / name)
     return into / name

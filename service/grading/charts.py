@@ -135,7 +135,8 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
         _draw_own((by_calls, by_time), own, whose if number == 0 else "", small=len(submissions) > 1)
     of = "ω relative or R" if points else "relative"
     by_calls.set(xlabel="evaluations of the right-hand side", ylabel=f"largest error over the run, {of}", title=scene)
-    by_time.set(xlabel="CPU time / that of DOP853 at rtol 1e-11", ylim=(3e-16, 1e2))
+    unit = "that of DOP853 at rtol 1e-11" if points or any(map(_unit_s, submissions)) else "s"
+    by_time.set(xlabel=f"CPU time / {unit}", ylim=(3e-16, 1e2))
     by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")
     for axes in (by_calls, by_time):
         axes.grid(alpha=0.3)
@@ -144,18 +145,31 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
 
 
 def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *, small: bool) -> None:
-    """Draw the points of a submission with open marks. CPU time is relative to its own run of the notebook's setting."""
+    """Draw the points of a submission with open marks.
+
+    CPU time is relative to its own run of the notebook's setting; steppers, which have no such run, have theirs in seconds.
+    """
     by_calls, by_time = axes
-    unit = next((p.seconds for p in yours if (p.method, p.rtol) == ("DOP853", 1e-11)), None)
+    unit = _unit_s(yours) or (1.0 if all(p.step for p in yours) else None)
     for number, method in enumerate(dict.fromkeys(p.method for p in yours)):
         points = [p for p in yours if p.method == method and p.error is not None]
         errors = [max(p.error or 0.0, LEAST) for p in points]
-        style: dict[str, Any] = {"color": YOURS, "marker": "osv"[number], "mfc": "none", "ls": STYLES[number]}
+        style: dict[str, Any] = {
+            "color": YOURS,
+            "marker": MARKS[number % len(MARKS)],
+            "mfc": "none",
+            "ls": STYLES[number % len(STYLES)],
+        }
         style |= {"ms": 5, "lw": 0.5, "alpha": 0.5} if small else {"ms": 9, "lw": 1.6}
         by_calls.loglog([p.calls for p in points], errors, **style)
         if unit:
             times = [max(p.seconds, LEAST_S) / max(unit, LEAST_S) for p in points]
             by_time.loglog(times, errors, label=f"{whose}, {method}" if whose else None, **style)
+
+
+def _unit_s(yours: Sequence[SweptPoint]) -> float | None:
+    """Return the CPU seconds of a submission's run of the notebook's setting, None if it has no such run."""
+    return next((p.seconds for p in yours if (p.method, p.rtol) == ("DOP853", 1e-11)), None)
 
 
 def _error(point: dict[str, Any]) -> float | None:

@@ -1,7 +1,7 @@
 """Reading claims of a notebook's own checks from untrusted bytes.
 
 The payload of a claim is header length (2 bytes), JSON header (cell, kind, label, detail, unfit, left_out, numbers, arrays: pairs
-of name and shape) and the arrays' raw little-endian numbers, one array after another.
+of name and shape, complex: names of complex arrays) and the arrays' raw little-endian numbers, one array after another.
 """
 
 import math
@@ -14,7 +14,7 @@ from ecp.claims import KINDS, MOST_DETAIL, MOST_LABEL, Claim, one_line
 from service.sandbox.guest.claims import MOST_AXES, MOST_NUMBERS
 
 MOST_BYTES = 8 * MOST_NUMBERS + (1 << 16)
-_FLOAT = np.dtype("<f8")
+_FLOAT, _COMPLEX = np.dtype("<f8"), np.dtype("<c16")
 
 
 def read(
@@ -29,7 +29,7 @@ def read(
     if not isinstance(numbers, dict) or set(numbers) != set(kind.numbers) or not all(type(n) is float for n in numbers.values()):
         raise ValueError("not the numbers of this kind of claim")
     expected = () if texts["unfit"] or texts["left_out"] else kind.arrays
-    arrays = _arrays(shapes, expected, raw)
+    arrays = _arrays(shapes, expected, header.get("complex") if header["kind"] == "close" else (), raw)
     claim = Claim(
         str(header["kind"]), texts["label"][:MOST_LABEL], arrays, numbers, texts["detail"], texts["unfit"], texts["left_out"]
     )
@@ -44,7 +44,7 @@ def _place(place: Any) -> tuple[int, int] | None:
     return place[0], place[1]
 
 
-def _arrays(shapes: Any, expected: Collection[str], raw: bytes) -> dict[str, Any]:
+def _arrays(shapes: Any, expected: Collection[str], of_complex: Any, raw: bytes) -> dict[str, Any]:
     if not isinstance(shapes, dict) or set(shapes) != set(expected):
         raise ValueError("not the arrays of this kind of claim")
     arrays, at = {}, 0
@@ -53,8 +53,9 @@ def _arrays(shapes: Any, expected: Collection[str], raw: bytes) -> dict[str, Any
             raise ValueError("not a shape")
         if math.prod(max(n, 1) for n in shape) > MOST_NUMBERS:
             raise ValueError("too large")
-        size = _FLOAT.itemsize * math.prod(shape)
-        arrays[name] = np.frombuffer(raw[at : at + size], _FLOAT).reshape(shape)
+        element = _COMPLEX if isinstance(of_complex, list) and name in of_complex else _FLOAT
+        size = element.itemsize * math.prod(shape)
+        arrays[name] = np.frombuffer(raw[at : at + size], element).reshape(shape)
         at += size
     if at != len(raw):
         raise ValueError("more bytes than the shapes need")

@@ -167,7 +167,7 @@ class Reader:
         except ValueError:
             raise ProtocolError("not a claim") from None
         self._claims[place is not None] += 1
-        self._numbers += sum(array.size for array in claim.arrays.values())
+        self._numbers += sum(array.nbytes // 8 for array in claim.arrays.values())
         if self._claims[False] > MOST_CLAIMS or self._claims[True] > MOST_REPORTED + MOST_CUT or self._numbers > 2 * MOST_IN_ALL:
             raise ProtocolError("too many claims")
         if place is None:

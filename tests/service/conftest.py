@@ -21,9 +21,9 @@ def polhode(warm_guest):
     return command_line.polhode
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def new_app():
-    """Start applications with these settings; all of them are stopped at the end."""
+    """Start applications with these settings; all of them are stopped at the end of the file."""
     apps = []
 
     def start(**settings):

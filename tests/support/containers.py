@@ -43,16 +43,19 @@ def _machine():
             args += ["--symlink", os.readlink(folder), str(folder)]
         elif folder.exists():
             args += ["--ro-bind", str(folder), str(folder)]
-    for parent in reversed(Path(sys.base_prefix).parents[:-1]):
-        args += ["--perms", "0755", "--dir", str(parent)]  # for the guest's user too
-    return [*args, "--ro-bind", sys.base_prefix, sys.base_prefix]
+    return [*args, *_open_folders(Path(sys.base_prefix).parents[:-1]), "--ro-bind", sys.base_prefix, sys.base_prefix]
 
 
 def _libraries(virtual):
     here = Path(sysconfig.get_path("purelib"))
-    there = f"{virtual}/lib/{here.parent.name}/{here.name}"
-    args = []
+    there = Path(virtual, "lib", here.parent.name, here.name)
+    args = _open_folders([there, *there.parents[:3]])
     for path in sorted(here.iterdir()):
         if not path.name.startswith(OURS + OF_PIP):
             args += ["--ro-bind", str(path), f"{there}/{path.name}"]
     return args
+
+
+def _open_folders(inside_out):
+    """Make the folders that bwrap would make itself, which are closed to the guest's user where root starts it."""
+    return [part for folder in reversed(inside_out) for part in ("--perms", "0755", "--dir", str(folder))]

@@ -1,6 +1,7 @@
 """For tests of what is stored: a new submission, an action on the database, a statement."""
 
 import asyncio
+import time
 import uuid
 from concurrent.futures import ThreadPoolExecutor
 
@@ -38,6 +39,24 @@ def sql(url, statement, *values):
     with psycopg.connect(url, autocommit=True) as connection:
         cursor = connection.execute(statement, values)
         return cursor.fetchall() if cursor.description else []
+
+
+def connections_left(url, reported=frozenset(), seconds=5.0):
+    """Descriptions, by process id, of the other connections to any database of the server that stay open for so long.
+
+    Without those ``reported`` before. A closed connection is listed until its process has ended.
+    """
+    columns, until = "pid, application_name, datname, state, query", time.monotonic() + seconds
+    query = f"SELECT {columns} FROM pg_stat_activity WHERE backend_type = 'client backend' AND pid <> pg_backend_pid()"
+    while True:
+        left = {
+            pid: f"{name or 'no name'} ({database}, {state}: {last:.60})"
+            for pid, name, database, state, last in sql(url, query)
+            if pid not in reported
+        }
+        if not left or time.monotonic() > until:
+            return left
+        time.sleep(0.02)
 
 
 def jump(url, hours):

@@ -23,7 +23,7 @@ SECTIONS = {
     "Sandbox, grading and formats": ("service/sandbox/", "service/grading/", "service/formats/"),
     "The students' kit": ("exercises/kit/",),
     "Assignments: declaration": ("exercises/",),
-    "Assignment rigid-body": ("exercises/rigid_body/",),
+    "Assignments of the course": tuple(f"exercises/{p.parent.name}/" for p in sorted(ROOT.glob("exercises/*/assignment.py"))),
     "Physics": ("reference/",),
 }
 HEAD = """# Every message

@@ -1,15 +1,21 @@
 """A published notebook is imported, and submissions of it are graded in the sandbox by the published cells."""
 
+import io
+import shutil
+import subprocess
+import sys
+import zipfile
 from dataclasses import replace
 
 import pytest
 
 from ecp.judge import Verdict
+from exercises import wheel
 from exercises.importing import imported
 from service.cli.__main__ import main
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from tests.support.assignments import known
+from tests.support.assignments import change, known
 from tests.support.course_notebook import FILE, LABELS
 from tests.support.course_shape import CHECKS, HIDDEN, SETUP, SOLUTIONS, bare, course_notebook, notebook, published, written
 
@@ -330,3 +336,78 @@ def test_a_line_of_an_imported_notebook_does_not_keep_a_chain_from_its_own_funct
 def test_verify_of_an_imported_notebook_names_no_line_as_untested(rings, capsys):
     assert main(["verify", "rings", "--seeds", "1", "--jobs", "1"]) == 0
     assert "warning" not in capsys.readouterr().out
+
+
+COURSE = {
+    "shapes.py": "import numpy as np\n\nfrom . import draw\nfrom .rounding import digits\n\n\n"
+    "def side(area):\n    return digits(np.sqrt(area)), draw.PEN\n",
+    "rounding.py": "def digits(x):\n    return round(float(x), 3)\n",
+    "draw.py": "PEN = 'blue'\n",
+    "unused.py": "1 / 0\n",
+}
+IMPORTS_OWN = "from ecp import draw, shapes, validate\n"
+OWN_LINE = 'validate.check(shapes.side(total) == (3.162, "blue") == (3.162, draw.PEN), "a side of 3.162")\n'
+KERNEL = """
+import sys
+sys.path.insert(0, "kit")
+import ecp
+ecp.connect(assignment="own-modules")
+from ecp import draw, shapes
+assert shapes.side(10) == (3.162, "blue") and draw.PEN == ecp.draw.PEN == "blue"
+import os
+assert os.listdir() == ["kit"], os.listdir()
+"""
+
+
+def test_a_notebook_imports_modules_of_its_course_in_the_sandbox_and_in_the_kit(tmp_path, sandbox, capsys):
+    for name, source in COURSE.items():
+        written(tmp_path / "course", name, source)
+    cells = [("code", "a", [], IMPORTS_OWN), ("code", "b", ["solution"], HIDDEN), ("code", "c", ["validation"], OWN_LINE)]
+    file = written(tmp_path, "own-modules.ipynb", notebook(*cells))
+    into = tmp_path / "into"
+    with known():
+        assert main(["import-notebook", str(file), "--into", str(into)]) == 0
+    assert "the kit has no ecp.shapes: name the folder of the course's modules with --modules" in capsys.readouterr().out
+    shutil.rmtree(into)
+    with known():
+        assert main(["import-notebook", str(file), "--into", str(into), "--modules", str(tmp_path / "course")]) == 0
+    assert "the kit has no" not in capsys.readouterr().out
+    modules = {path.name for path in (into / "own_modules" / "ecp").iterdir()}
+    assert modules == {"shapes.py", "rounding.py", "draw.py"}
+    with known(into) as found:
+        made = report(
+            found.valid["own-modules"], sandbox, notebook(cells[0], ("code", "b", ["solution"], "total = 10\n"), cells[2])
+        )
+        zipfile.ZipFile(io.BytesIO(wheel.wheel("own-modules"))).extractall(tmp_path / "there" / "kit")
+    assert marks(made) == "p", made.text()
+    done = subprocess.run([sys.executable, "-I", "-c", KERNEL], cwd=tmp_path / "there", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "error"), [("validate.py", "no module of the kit has, except draw"), ("my-own.py", "a Python name")]
+)
+def test_a_module_of_the_course_must_not_replace_one_that_judges(tmp_path, name, error):
+    home = imported_folder(tmp_path, "taken", published())
+    written(home / "ecp", name, "x = 1\n")
+    text = (home / "assignment.py").read_text().replace("    load_s=", f'    data=("ecp/{name}",),\n    load_s=')
+    (home / "assignment.py").write_text(text)
+    with known(home) as found:
+        assert error in str(found.invalid["taken"])
+
+
+def test_complex_numbers_are_compared(tmp_path, sandbox):
+    lines = (
+        'validate.close(state, [0.6, 0.8j], "the state")\n',
+        'validate.close(energy, 2, "the energy is real")\n',
+        'validate.conserved(norms, "the norm")\n',
+    )
+    home = imported_folder(tmp_path, "states", published(checks=lines))
+    change(home / "assignment.py", 'line("the state")', 'line("the state", truth=(0.6, 0.8j))')
+    right = ("state = [0.6 + 1e-12j, 0.8j]\n", "energy = np.array(2 + 0j, dtype=object)\n", "norms = np.array([1 + 0j, 1 + 0j])\n")
+    wrong = ("state = [0.6, -0.8j]\n", "energy = 2j\n", "norms = np.array([1j, 1j])\n")
+    with known(home) as found:
+        assignment = found.valid["states"]
+        assert marks(report(assignment, sandbox, published(right, checks=lines))) == "ppp"
+        made = report(assignment, sandbox, published(wrong, checks=lines))
+    assert marks(made) == "fff" and "series is complex128, not real numbers" in made.outcomes()[2].line

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ecp import judge
 from ecp.judge import Judgement, Verdict
 
-Array = NDArray[np.float64]
+Array = NDArray[np.float64] | NDArray[np.complex128]
 MOST_LABEL, MOST_DETAIL = 200, 500  # characters
 
 
@@ -28,8 +28,8 @@ class Kind(NamedTuple):
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of a notebook. ``unfit`` says why an argument is not an array of real numbers; ``arrays`` then
-    lacks it.
+    """A claim of a notebook. ``unfit`` says why an argument is not an array of numbers; ``arrays`` then
+    lacks it. Only those of kind "close" may be complex.
 
     ``left_out`` says why the arrays of a claim received from elsewhere are missing; the claim is then
     unmeasured. ``detail`` is the text of a claim of kind "check"; other kinds derive theirs from the numbers.
@@ -44,7 +44,7 @@ class Claim:
     left_out: str = ""
 
     def judged(self) -> Judgement:
-        """Return the judgement. An argument that is not an array of finite real numbers fails, and the detail
+        """Return the judgement. An argument that is not an array of finite numbers fails, and the detail
         names it.
         """
         kind = KINDS[self.kind]
@@ -91,7 +91,7 @@ def claim(kind: str, label: Any, given: Mapping[str, Any], numbers: Mapping[str,
     arrays, unfit = {}, ""
     for name, value in given.items():
         try:
-            arrays[name] = _truth(value) if kind == "check" else _numbers(name, value)
+            arrays[name] = _truth(value) if kind == "check" else _numbers(name, value, of_complex=kind == "close")
         except _Unfit as reason:
             unfit = unfit or str(reason)
     return Claim(kind, one_line(label, MOST_LABEL), arrays, numbers, one_line(detail, MOST_DETAIL), unfit)
@@ -106,21 +106,34 @@ def one_line(value: Any, most: int) -> str:
 
 
 class _Unfit(Exception):
-    """An argument is not an array of real numbers."""
+    """An argument is not an array of numbers that the kind of claim compares."""
 
 
-def _numbers(name: str, value: Any) -> Array:
+def _numbers(name: str, value: Any, *, of_complex: bool) -> Array:
+    """Return the values as real numbers, or as complex ones, ``of_complex``, if an imaginary part is not zero."""
     if isinstance(value, str):
         raise _Unfit(f"{name} is a string: pass the arrays first and the label last")
     if value is None:
         raise _Unfit(f"{name} is None: nothing was computed or returned")
     try:
         array = np.asarray(value)
-        if array.dtype.kind in "fiuO":
-            return array.astype(float)
+        if array.dtype.kind == "O":
+            array = _floats(array)
+        if array.dtype.kind == "c" and not np.any(array.imag):
+            array = array.real
+        if array.dtype.kind in "fiu" or (array.dtype.kind == "c" and of_complex):
+            return array.astype(complex if array.dtype.kind == "c" else float)
     except Exception as error:
         raise _Unfit(f"{name} is {type(value).__name__}, not an array of numbers ({one_line(error, 80)})") from None
     raise _Unfit(f"{name} is {array.dtype}, not real numbers")
+
+
+def _floats(array: NDArray[Any]) -> Array:
+    """Return objects, such as numbers of sympy, as real numbers, else as complex ones."""
+    try:
+        return array.astype(float)
+    except TypeError:
+        return array.astype(complex)
 
 
 def _truth(value: Any) -> Array:

@@ -3,6 +3,7 @@
 import importlib
 import json
 import os
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+import ecp
 from ecp import KIT
 from ecp.checks import Arrays
 from ecp.errors import NotebookError
@@ -21,6 +23,7 @@ from ecp.outcome import Diagnosis
 Diagnose = Callable[[str, Mapping[str, Any], Arrays, Arrays], list[Diagnosis]]
 """Called with a scene's name, its inputs, what it returned and the exact arrays; returns the likely causes."""
 FOLDER = Path(__file__).parent / "assignments"
+MODULES = "ecp"  # the folder of an assignment's data files with its own modules
 
 
 class UnknownCourse(NotebookError):
@@ -98,17 +101,31 @@ _connected: list[Course] = [Course()]
 def connect(server: str | None = None, assignment: str | None = None) -> None:
     """Set the server and assignment that ``check``, ``submit``, ``login`` and ``submissions`` use by default.
 
-    Copies the assignment's data files to the current folder and leaves those that are there already. Raises
-    UnknownCourse if ``server`` is not an http or https address.
+    Copies the assignment's data files to the current folder and leaves those that are there already; its own modules
+    can be imported from ``ecp``. Raises UnknownCourse if ``server`` is not an http or https address.
     """
     _connected[0] = Course(_address(server) if server else None, assignment)
     for slug in [assignment] if assignment else slugs():
-        _copy_data(FOLDER / slug.replace("-", "_") / "data")
+        data = FOLDER / slug.replace("-", "_") / "data"
+        _copy_data(data)
+        use_modules(data / MODULES)
+
+
+def use_modules(folder: Path) -> None:
+    """Let ``ecp`` have the modules in ``folder``, if it exists. They replace modules of the kit with the same names."""
+    if not folder.is_dir() or str(folder) in ecp.__path__:
+        return
+    ecp.__path__.insert(0, str(folder))
+    for name in [f"ecp.{path.stem}" for path in folder.glob("*.py")]:
+        if sys.modules.pop(name, None):
+            importlib.import_module(name)
 
 
 def _copy_data(home: Path) -> None:
     for source in sorted(path for path in home.rglob("*") if path.is_file()):
         name = source.relative_to(home)
+        if name.parts[0] == MODULES:
+            continue
         try:
             if not name.exists():
                 name.parent.mkdir(parents=True, exist_ok=True)

@@ -59,8 +59,10 @@ def line(verdict: Verdict, label: str, detail: str) -> str:
 
 
 def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judgement:
-    """Judge |got − expected| ≤ atol + rtol |expected| everywhere. Shapes must be equal; nothing is broadcast."""
-    seen, want = _real(got), _real(expected)
+    """Judge |got − expected| ≤ atol + rtol |expected| everywhere, of real or complex numbers. Shapes must be equal; nothing is
+    broadcast.
+    """
+    seen, want = _real_or_complex(got), _real_or_complex(expected)
     tolerance = f"(rtol={rtol:g}, atol={atol:g})"
     if seen.shape != want.shape:
         return _misshapen(f"shape {seen.shape} vs expected shape {want.shape} {tolerance}")
@@ -68,7 +70,7 @@ def close(got: ArrayLike, expected: ArrayLike, rtol: float, atol: float) -> Judg
         delta, allowed = np.abs(seen - want), atol + rtol * np.abs(want)
     where, margin = _worst(delta, allowed)
     verdict = _verdict(bool(np.all(np.isfinite(want)) and np.all(delta <= allowed)))
-    if want.ndim == 0:
+    if want.ndim == 0 and not np.iscomplexobj([seen, want]):
         detail = f"got {seen:.6g} vs expected {want:.6g} {tolerance}"
         return Judgement(verdict, detail, float(seen), float(want), margin)
     largest = float(delta.max()) if delta.size else 0.0
@@ -142,13 +144,18 @@ def _worst(delta: Array, allowed: Array) -> tuple[tuple[int, ...] | None, float 
     """Return index and margin of the value that uses most of its allowance. NaN is the worst."""
     if delta.size == 0:
         return None, None
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         used = np.where(delta == 0, 0.0, delta / allowed)
     used = np.where(np.isnan(used), np.inf, used)
     flat = int(np.argmax(used))
     where: Sequence[np.intp] = np.unravel_index(flat, delta.shape)
     most = float(used.flat[flat])
     return tuple(int(i) for i in where), (None if most == 0.0 else 1.0 / most)
+
+
+def _real_or_complex(x: ArrayLike) -> Array | NDArray[np.complex128]:
+    array = np.asarray(x)
+    return array.astype(complex) if array.dtype.kind == "c" else _real(array)
 
 
 def _real(x: ArrayLike) -> Array:

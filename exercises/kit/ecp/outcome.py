@@ -148,15 +148,16 @@ class Outcome:
 
 @dataclass(frozen=True)
 class SweptPoint:
-    """A solver at one tolerance: right-hand side calls, largest error over the run (None: it diverged), CPU
-    seconds.
+    """A solver at one tolerance ``rtol``, or a stepper at one ``step``: right-hand side calls, the error of the run (None: it
+    diverged), CPU seconds.
     """
 
     method: str
-    rtol: float
+    rtol: float | None
     calls: int
     error: float | None
     seconds: float
+    step: float | None = None
 
 
 @dataclass

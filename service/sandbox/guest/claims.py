@@ -82,7 +82,7 @@ class Recorder:
             kept, beyond = self._kept((self.cell, place[0], place[1]))
         if not kept:
             return
-        size = sum(array.size for array in claim.arrays.values())
+        size = sum(array.nbytes // 8 for array in claim.arrays.values())
         left_out = beyond or self._too_large(claim, size)
         arrays = {} if left_out or claim.unfit else claim.arrays
         self._numbers[self.places] += size if arrays else 0

@@ -8,6 +8,7 @@ import sys
 import types
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from time import monotonic, process_time
 from typing import Any
 
@@ -16,6 +17,7 @@ from matplotlib.animation import Animation
 
 from ecp import animate
 from ecp.author_errors import SOURCES, AuthorError, author_error, checked_arrays
+from ecp.course import MODULES, use_modules
 from ecp.return_value import describe_exception, is_written, missing
 
 from .calls import LOADED, Channel
@@ -183,7 +185,8 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
 
 
 def prepare(setup: str) -> Names:
-    """Return the namespace of a notebook after its setup cell."""
+    """Return the namespace of a notebook after its setup cell, with the assignment's own modules."""
+    use_modules(Path(MODULES).absolute())
     module = types.ModuleType("__main__")
     sys.modules |= stand_ins()
     install_stubs(module.__dict__)

@@ -98,9 +98,13 @@ class Writer:
         self._headed(b"A", {"scene": scene, "name": name, "shape": list(array.shape)}, array.tobytes())
 
     def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-        """Write a claim of the notebook's own checks: its header with the shapes of its arrays, then raw little-endian numbers."""
-        raw = b"".join(np.ascontiguousarray(array, dtype="<f8").tobytes() for array in arrays.values())
-        self._headed(b"C", header | {"arrays": {name: list(array.shape) for name, array in arrays.items()}}, raw)
+        """Write a claim of the notebook's own checks: its header with the shapes of its arrays and the names of complex ones, then
+        raw little-endian numbers.
+        """
+        types = {name: "<c16" if array.dtype.kind == "c" else "<f8" for name, array in arrays.items()}
+        raw = b"".join(np.ascontiguousarray(array, dtype=types[name]).tobytes() for name, array in arrays.items())
+        shapes = {name: list(array.shape) for name, array in arrays.items()}
+        self._headed(b"C", header | {"arrays": shapes, "complex": [name for name in types if types[name] == "<c16"]}, raw)
 
     def answer(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Write the named arrays that answer a question."""

@@ -9,7 +9,9 @@ import pytest
 from ecp.judge import Verdict
 from ecp.kinds import question_checks
 from ecp.kinds.random import ESTIMATES, SAMPLES
+from exercises.author import uniform
 from exercises.kinds.random import estimate, generator, samples, seed
+from exercises.question_errors import question_errors
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from tests.support.assignments import known
@@ -118,6 +120,25 @@ def test_two_rare_events_in_succession_are_no_correlation():
 )
 def test_samples_with_an_integer_seed(source, names):
     question = replace(NOISE, ask={"n": 5000, "seed": seed()}, rows=(1, 2), id="1")
+    assert failed(question, question.defined_by(source)) == names
+
+
+def test_a_standard_distribution_needs_no_parameters():
+    question = replace(samples(noise, {"n": 500, "seed": seed()}, "norm"), id="1")
+    assert not list(question_errors(question)) and failed(question, question.student) == []
+
+
+def die(n, p, seed):
+    return np.random.default_rng(seed).choice([1, 6], n, p=[1 - p, p])
+
+
+LOADED = samples(die, {"n": 500, "p": uniform(0.2, 0.8), "seed": seed()}, "rv_discrete", values=lambda p: [[1, 6], [1 - p, p]])
+
+
+@pytest.mark.parametrize(("two", "names"), [("1, 6", []), ("6, 1", ["distribution"]), ("1, 5", ["distribution"])])
+def test_samples_of_a_table_of_probabilities(two, names):
+    source = f"def die(n, p, seed):\n    return np.random.default_rng(seed).choice([{two}], n, p=[1 - p, p])"
+    question = replace(LOADED, id="1")
     assert failed(question, question.defined_by(source)) == names
 
 

@@ -116,6 +116,15 @@ def test_the_kit_prints_the_lines_of_the_server(toolbox, sandbox, tmp_path, wron
     assert [line for line in local if unseeded not in line] == [line for line in served if unseeded not in line]
 
 
+def test_a_function_argument_takes_its_arguments_by_name_and_no_others(toolbox):
+    question = question_of(toolbox, "heun_step")
+    by_name = "def heun_step(f, t, y, h):\n    k = f(y=y, t=t)\n    return y + h / 2 * (k + f(t + h, y=y + h * k))\n"
+    assert failed(judged(question, by_name)) == set()
+    for call in ("f(y)", "f(t, y, h)", "f(t, t=t)", "f(t, x=y)"):
+        with pytest.raises(TypeError, match=r"the function takes \(t, y\)"):
+            judged(question, f"def heun_step(f, t, y, h):\n    return {call}\n")
+
+
 def test_several_values_may_come_in_one_array(toolbox):
     right_answer = question_of(toolbox, "verlet").solution
     assert failed(judged(question_of(toolbox, "verlet"), lambda force, x, v, h: np.array(right_answer(force, x, v, h)))) == set()

@@ -25,7 +25,7 @@ WRONG = [
     (["assign", "rigid-body", "--due", "tomorrow"], {}, "a time such as"),
     (["assign", "rigid-body", "--due", "2026-12-01T12:00"], {}, "time zone"),
     (["export", "gradescope", "--out", "x.zip", "--assignment", "nope"], {}, "no assignment nope"),
-    (["export", "gradescope", "--out", "x.zip", "--exercise", "9"], {}, "no exercise 9"),
+    (["export", "gradescope", "--out", "x.zip", "--assignment", "rigid-body", "--exercise", "9"], {}, "no exercise 9"),
     (["roster", "--tokens", "t.csv"], {}, "apply to an import: give the file ROSTER.csv too"),
     (["roster", "--days", "9"], {}, "apply to an import: give the file ROSTER.csv too"),
     (["roster", "people.csv", "--days", "9"], {}, "give the file --tokens TOKENS.csv too"),

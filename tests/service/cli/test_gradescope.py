@@ -1,6 +1,8 @@
 """What run_autograder does with a submission, in a folder of ours; test_bundle.py has it in a container."""
 
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -64,3 +66,9 @@ def test_where_we_cannot_grade_there_are_no_results_and_the_reason_is_printed(ho
 def test_a_submission_that_gradescope_did_not_give_us_is_no_zero(home):
     (home / "submission").rmdir()
     assert gradescope.main(ASKED) == 2 and not (home / "results" / "results.json").exists()
+
+
+def test_the_program_that_reports_a_failed_grading_imports_none_of_its_libraries():
+    program = "import sys; from service.cli import gradescope; print(*sys.modules)"
+    imported = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    assert "service.cli.files" in imported and not {"numpy", "scipy", "pydantic", "exercises", "ecp"} & set(imported)

@@ -28,12 +28,12 @@ class Counted:
     def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
         self.function, self._name, self._most, self.calls = function, name, most, 0
 
-    def __call__(self, *values: Any) -> Any:
+    def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the function."""
         self.calls += 1
         if self.calls > self._most:
             raise WrongAnswer(None, f"it called {self._name} more than {self._most} times")
-        return self.function(*values)
+        return self.function(*values, **named)
 
 
 def each_row(rows: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
@@ -194,13 +194,16 @@ def _code(text: str) -> Any:
 def expression(text: str, over: tuple[str, ...], given: Mapping[str, Any]) -> Callable[..., Any]:
     """Return the function of the variables ``over`` that an expression is. It may use the values ``given`` and MATHEMATICS.
 
-    A list or tuple among its arguments is taken as an array.
+    A list or tuple among its arguments is taken as an array. As of any function, an argument can be given by its name.
     """
     code, scope = _code(text), {**MATHEMATICS, **given}
 
-    def function(*values: Any) -> Any:
-        arrays = [np.array(value) if isinstance(value, list | tuple) else value for value in values]
-        return eval(code, scope, dict(zip(over, arrays, strict=True)))  # noqa: S307
+    def function(*values: Any, **named: Any) -> Any:
+        taken = {**dict(zip(over, values, strict=False)), **named}
+        if len(values) + len(named) != len(over) or taken.keys() != set(over):
+            raise TypeError(f"the function takes ({', '.join(over)})")
+        arrays = {name: np.array(value) if isinstance(value, list | tuple) else value for name, value in taken.items()}
+        return eval(code, scope, arrays)  # noqa: S307
 
     return function
 

@@ -1,10 +1,13 @@
 """The kind "stepper": one step of a method at points, as in "values", its order of convergence and its stability limit.
 
 Part "order": each row's interval of FIRST steps, done with 1, 2, 4, … times as many. Part "stability": the
-largest step for which the test problem does not grow.
+largest step for which the test problem does not grow. Part "sweep": one motion by several methods in
+CHARTED numbers of steps, with calls and seconds.
 """
 
+import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +18,7 @@ from ecp import judge
 from ecp.checks import Arrays, Check, close
 from ecp.exercise import Figure
 from ecp.judge import Judgement
-from ecp.kinds.asking import arguments, call, flat, part_figure, restart, returned, split
+from ecp.kinds.asking import Counted, arguments, call, flat, part_figure, restart, returned, split
 from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 
@@ -24,12 +27,18 @@ FIRST, HALVINGS = 4, 6
 ROUNDING, CONVERGING = 1e-13, 0.1  # relative errors below are those of rounding and of the truth; above, of an unstable run
 SMALLEST, LARGEST, FACTOR = 0.05, 1000.0, 1.1  # the steps between which the stability limit is searched
 GROWTH = 1e-6  # of one step: a smaller one is rounding
+CHARTED = tuple(50 * 2**k for k in range(7))  # the numbers of steps of a chart of speed against accuracy
 
 
 def _step(question: Mapping[str, Any], student: Mapping[str, Any], given: dict[str, Any]) -> dict[str, Any]:
     """Return the arguments after one step."""
     restart(given)
-    answer = returned(question, call(question, student, given))
+    return _after(question, given, call(question, student, given))
+
+
+def _after(question: Mapping[str, Any], given: dict[str, Any], step: Any) -> dict[str, Any]:
+    """Return the arguments with the state that a ``step`` of the student returned."""
+    answer = returned(question, step)
     return given | {
         name: answer[value] if answer[value].ndim else float(answer[value]) for value, name in question["state"].items()
     }
@@ -75,6 +84,38 @@ def _limit(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
     return {"limit": np.array(stable)}
 
 
+def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the state at the ``end`` of each run of each of the question's ``methods``, the calls, and the seconds.
+
+    ``end_0`` (runs, d) is that of the first method; ``calls`` and ``seconds`` (methods, runs) are those of all. A run that fails
+    ends in NaN.
+    """
+    methods = question["methods"]
+    runs = [[_timed_run(method, student, steps) for steps in CHARTED] for method in methods]
+    ends = {f"end_{k}": np.array([end for end, _, _ in each]) for k, each in enumerate(runs)}
+    return ends | {name: np.array([[run[k] for run in each] for each in runs]) for k, name in ((1, "calls"), (2, "seconds"))}
+
+
+def _timed_run(method: Mapping[str, Any], student: Mapping[str, Any], steps: int) -> tuple[Array, float, float]:
+    """Return the last state (d,) of a run to ``chart``, the calls of the function argument, and the seconds in the student's
+    function.
+    """
+    given, names, calls, seconds = arguments(method, {}), list(method["state"].values()), 0, 0.0
+    start, h, end = given.get(method["time"], 0.0), method["chart"] / steps, np.full(flat(names, given).size, np.nan)
+    counted = next(value for value in given.values() if isinstance(value, Counted))
+    with suppress(Exception):  # a run that fails is not drawn; others may be
+        for k in range(steps):
+            given |= {method["step"]: h} | ({method["time"]: start + k * h} if method["time"] in given else {})
+            restart(given)
+            values, began = list(given.values()), time.perf_counter()
+            answer = student[method["function"]](*values)
+            seconds += time.perf_counter() - began
+            calls += counted.calls
+            given = _after(method, given, answer)
+        end = flat(names, given)
+    return end, float(calls), seconds
+
+
 def errors(ends: Array, exact: Array) -> Array:
     """Return the error of each run (runs,), relative to the size of the state: the root of the mean square over rows and times."""
     scale = np.abs(exact).max(axis=1, keepdims=True)
@@ -95,7 +136,7 @@ def observed_order(found: Array) -> float | None:
     return float(np.median(slopes)) if len(used) >= 3 else None
 
 
-PARTS = {"order": _ends, "stability": _limit}
+PARTS = {"order": _ends, "stability": _limit, "sweep": _sweep}
 
 
 def part_checks(question: Mapping[str, Any], scene: str) -> list[Check]:

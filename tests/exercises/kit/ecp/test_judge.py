@@ -71,6 +71,7 @@ def test_worst_value_and_margin_are_relative_to_what_is_allowed_there():
     judgement = judge.close([100.5, 0.3], [100.0, 0.0], 0.01, 0.1)
     assert judgement.where == (1,) and judgement.margin == pytest.approx(1 / 3)
     assert judge.close([1.0], [1.0], 0.0, 0.0).margin is None
+    assert judge.close([1e300], [0.0], 0.0, 1e-11).margin == 0.0, "a quotient that overflows is no warning"
 
 
 def test_within_holds_everywhere_by_the_scale_of_each_place():
@@ -102,7 +103,7 @@ def test_below_positive_and_holds():
         assert judge.holds(truthy, "").verdict is Verdict.FAIL
 
 
-@pytest.mark.parametrize("value", ["1.0", 1 + 0j, None, [object()]])
-def test_only_real_numbers_are_compared(value):
+@pytest.mark.parametrize("value", ["1.0", None, [object()]])
+def test_only_numbers_are_compared(value):
     with pytest.raises(TypeError, match="real numbers"):
         judge.close(value, 1.0, 1.0, 1.0)

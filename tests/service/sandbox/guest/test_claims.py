@@ -46,7 +46,7 @@ def test_a_claim_is_sent_with_its_numbers_as_they_were(capsys):
     (_, first, raw), (_, second, truth), (_, third, nothing) = frames
     assert first == {
         **{"kind": "close", "label": "a", "detail": "", "unfit": "", "cell": "cell 3", "left_out": ""},
-        **{"numbers": {"rtol": 1e-6, "atol": 1.0}, "arrays": {"got": [2], "expected": []}},
+        **{"numbers": {"rtol": 1e-6, "atol": 1.0}, "arrays": {"got": [2], "expected": []}, "complex": []},
     }
     assert np.frombuffer(raw).tolist() == [1.0, 2.0, 1.0]
     assert (second["kind"], second["detail"], np.frombuffer(truth).tolist()) == ("check", "detail", [1.0])

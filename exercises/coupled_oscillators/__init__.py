@@ -1,0 +1,1 @@
+"""Coupled oscillators: normal modes, beats, waves on a chain."""

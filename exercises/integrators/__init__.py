@@ -1,0 +1,1 @@
+"""Integrators: how fast and how accurate four steppers are, and where they fail."""

@@ -1,0 +1,126 @@
+"""Random walks: each truth against a second, independent source, and right and wrong submissions that no sample contains."""
+
+import itertools
+from fractions import Fraction
+from math import pi
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+import scipy.stats
+
+from exercises.random_walks import assignment as walks
+from exercises.random_walks.assignment import notebook
+
+QUESTIONS = {question.data.get("label", question.function): question for question in notebook.questions()}
+
+
+def exact(name, rows=4):
+    """Draw rows of a question; return them and the truth."""
+    question = QUESTIONS[name]
+    drawn = question.draw(np.random.default_rng(3), rows)
+    return drawn, question.exact(drawn)
+
+
+def master_equation(steps, start, p, wall=None):
+    """Return the probabilities (steps + 1 dicts by place) of a walk, and those to arrive at the wall at each step."""
+    there, arrived = {start: Fraction(1)}, []
+    for _ in range(steps):
+        after = {}
+        for place, chance in there.items():
+            for to, part in ((place + 1, p), (place - 1, 1 - p)):
+                after[to] = after.get(to, 0) + part * chance
+        arrived.append(after.pop(wall, Fraction(0)))
+        there = after
+    return there, arrived
+
+
+def test_the_end_points_are_those_of_the_master_equation():
+    rows, truth = exact("end points of walk")
+    assert np.array_equal(truth["p"], rows["p"]) and set(truth["n"]) == {20}
+    assert np.array_equal(exact("steps of walk")[1]["p"], exact("steps of walk")[0]["p"])
+    for n, p in zip(truth["n"], truth["p"], strict=True):
+        there, _ = master_equation(20, 0, Fraction(p))
+        want = [float(there[place]) for place in sorted(there)]
+        np.testing.assert_allclose(scipy.stats.binom(n=n, p=p).pmf(range(21)), want, rtol=1e-12)
+
+
+def test_the_first_passage_is_that_of_the_master_equation():
+    rows, truth = exact("first_passage")
+    for start, p, (number, chance) in zip(rows["start"], rows["p"], truth["values"], strict=True):
+        there, arrived = master_equation(30, int(start), Fraction(p), wall=0)
+        assert number.tolist() == list(range(1, 32))
+        np.testing.assert_allclose(chance, [float(c) for c in [*arrived, sum(there.values())]], rtol=1e-12, atol=1e-14)
+
+
+def test_the_squared_error_is_the_variance_of_all_resampled_means():
+    """It is (N − 1)/N of that of the mean of N walkers, drawn with replacement in all Nᴺ ways."""
+    r = np.random.default_rng(1).normal(size=(4, 3, 2))
+    square = ((r - r[:, :1]) ** 2).sum(axis=2)
+    means = np.array([square[list(drawn)].mean(axis=0) for drawn in itertools.product(range(4), repeat=4)])
+    msd, error = walks.by_moments(r)
+    np.testing.assert_allclose(msd, means.mean(axis=0), rtol=1e-13)
+    np.testing.assert_allclose(error**2, means.var(axis=0) * 4 / 3, rtol=1e-12)
+
+
+def test_the_propagator_of_the_declared_variance_solves_the_diffusion_equation():
+    D, t, x, y = map(mpmath.mpf, ("0.7", "1.3", "0.4", "-0.9"))
+
+    def density(t, x, y):
+        return mpmath.exp(-(x**2 + y**2) / (4 * D * t)) / (4 * mpmath.pi * D * t)  # variance 2Dt in each coordinate
+
+    with mpmath.workdps(40):
+        rate = mpmath.diff(density, (t, x, y), (1, 0, 0))
+        spread = mpmath.diff(density, (t, x, y), (0, 2, 0)) + mpmath.diff(density, (t, x, y), (0, 0, 2))
+        assert abs(rate - D * spread) < 1e-12
+    for u in (0.1, 1, 3):  # the fraction of it within r² = 4Dt u
+        inside = mpmath.quad(lambda r: 2 * mpmath.pi * r * density(t, r, 0), [0, mpmath.sqrt(4 * D * t * u)])
+        assert float(inside) == pytest.approx(scipy.stats.expon(scale=1).cdf(u), rel=1e-12)
+
+
+def test_the_fit_is_that_of_newton_steps_in_50_digits():
+    rows, truth = exact("fit_diffusion", 2)
+    with mpmath.workdps(50):
+        times, sigma = [mpmath.mpf(t) for t in walks.times], [mpmath.mpf(s) for s in 0.12 * walks.times]
+        for msd, p, covariance in zip(rows["msd"], truth["parameters"], truth["covariance"], strict=True):
+            K, alpha = mpmath.mpf(1), mpmath.mpf("0.8")
+            for _ in range(30):
+                model = [4 * K * t**alpha for t in times]
+                J = mpmath.matrix([[m / K / s, m * mpmath.log(t) / s] for m, t, s in zip(model, times, sigma, strict=True)])
+                away = mpmath.matrix([(y - m) / s for y, m, s in zip(msd, model, sigma, strict=True)])
+                found = (J.T * J) ** -1
+                step = found * (J.T * away)
+                K, alpha = K + step[0], alpha + step[1]
+            assert mpmath.norm(step) < 1e-30
+            deviations = np.sqrt(np.diag(covariance))
+            assert np.max(np.abs(p - [float(K), float(alpha)]) / deviations) < 1e-6
+            assert np.max(np.abs(covariance - np.array(found.tolist(), float)) / np.outer(deviations, deviations)) < 1e-6
+
+
+def test_the_integral_and_its_spread_are_those_of_a_product_rule():
+    rows, truth = exact("integrate")
+    node, weight = np.polynomial.legendre.leggauss(30)
+    for k, L, value, sd in zip(rows["k"], rows["L"], truth["value"], truth["sd"], strict=True):
+        x, y, z = np.meshgrid(*[(node + 1) * L / 2] * 3)
+        w = np.einsum("i,j,k", *[weight * L / 2] * 3)
+        f = np.exp(-k * (x**2 + y**2 + z**2))
+        mean = np.sum(w * f) / L**3
+        assert value == pytest.approx(L**3 * mean, rel=1e-12)
+        assert sd == pytest.approx(L**3 * np.sqrt(np.sum(w * (f - mean) ** 2) / L**3 / 400), rel=1e-11)
+
+
+def test_the_numbers_of_the_track_are_those_of_exact_integers():
+    lines = Path(walks.__file__).with_name("track.csv").read_text().split()[1:]
+    track = [[round(Fraction(number) * 10_000) for number in line.split(",")] for line in lines]  # in 1e-4 µm
+    _, truth = exact("drift")
+    n, variances = len(track) - 1, []
+    for k in (0, 1):
+        step = [b[k] - a[k] for a, b in itertools.pairwise(track)]
+        assert truth["drift"][0][k] == pytest.approx(sum(step) / 10_000 / (n * 0.5), rel=1e-12)
+        variances.append(Fraction(n * sum(one**2 for one in step) - sum(step) ** 2, n * (n - 1) * 10**8))
+    D = float(sum(variances) / 2)
+    assert truth["D"][0] == pytest.approx(D, rel=1e-12)
+    assert truth["D_error"][0] ** 2 == pytest.approx(D**2 / (n - 1), rel=1e-12)
+    assert truth["k_B"][0] == pytest.approx(D * 1e-12 * 6 * pi * 9.5e-4 * 0.5e-6 / 295.15, rel=1e-12)
+    assert abs(truth["k_B"][0] / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5  # within two standard errors of the defined constant

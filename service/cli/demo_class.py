@@ -3,7 +3,7 @@
 import asyncio
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -84,16 +84,16 @@ ENDS = {
 }
 
 
-def add_class(settings: Settings, slug: str) -> int:
-    """Add the class and its submissions to the running server's database unless it has them.
+def add_class(settings: Settings, slugs: Sequence[str]) -> int:
+    """Add the class and its submissions to these assignments to the running server's database unless it has them.
 
     Return the number of submissions added.
     """
     with database_url(settings) as url:
-        return asyncio.run(_add_class(url, assignments()[slug]))
+        return asyncio.run(_add_class(url, [assignments()[slug] for slug in slugs]))
 
 
-async def _add_class(url: str, assignment: Assignment) -> int:
+async def _add_class(url: str, chosen: Sequence[Assignment]) -> int:
     database, rng = Database(url, "polhode demo", connections=2), np.random.default_rng(26)
     try:
         await register(database, assignments().values())
@@ -103,10 +103,13 @@ async def _add_class(url: str, assignment: Assignment) -> int:
         async with database.begin() as connection:
             await people.enroll(connection, [("local", "instructor"), *roster])
         due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
-        await queue_overview.set_rules(database, assignment.slug, queue_overview.Rules(due, 3600.0, None), BY)
+        for week, assignment in enumerate(chosen):
+            rules = queue_overview.Rules(due + timedelta(weeks=week), 3600.0, None, weight=2.0 if week == 0 else 1.0)
+            await queue_overview.set_rules(database, assignment.slug, rules, BY)
         late = due + timedelta(days=3)
-        await deadlines.extend(database, assignment.slug, roster[4][0], late, reason="was ill for three days", by=BY)
-        submissions = [new for name, *_ in roster for new in _submissions(assignment, name, rng)]
+        await deadlines.extend(database, chosen[0].slug, roster[4][0], late, reason="was ill for three days", by=BY)
+        submissions = [new for name, *_ in roster for new in _submissions(chosen[0], name, rng)]
+        submissions += [new for one in chosen[1:] for name, *_ in roster[::3] for new in _made(one, name, rng)]
         for new in sorted(submissions, key=lambda new: new.arrived):
             await accept(database, new, kind="bulk")
         return len(submissions)
@@ -132,6 +135,15 @@ def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) ->
         submission = Submission.from_bytes(sample.file.read_bytes(), f"{name}{sample.file.suffix}")
         arrived = time.monotonic() - 86400.0 * ago
         yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, sample.ask, int(rng.integers(2**48)), arrived)
+
+
+def _made(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:
+    """Yield a wrong submission to an assignment whose samples follow from its declaration, and mostly a right one after it."""
+    right, *others = [sample for sample in assignment.made_samples() if not sample.is_notebook]
+    wrong, arrived = others[rng.integers(len(others))], time.monotonic() - 86400.0 * rng.uniform(0.1, 2.0)
+    for k, sample in enumerate([wrong, right] if rng.random() < 0.6 else [wrong]):
+        submission = Submission.from_bytes(sample.source.encode(), f"{name}.py")
+        yield NewSubmission(uuid.uuid4(), assignment.slug, name, submission, None, int(rng.integers(2**48)), arrived + 3600.0 * k)
 
 
 def _draw_names(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:

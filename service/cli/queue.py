@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from service.store.queue_overview import QueueSnapshot
 
 EVERY_S = 1.0
-NONE, RULES = "none", ("due_at", "grace_s", "submission_limit")
+NONE, RULES = "none", ("due_at", "grace_s", "submission_limit", "weight")
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -30,7 +30,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     regrade.set_defaults(run=_regrade)
     assign = commands.add_parser(
         "assign",
-        help="set or show deadline, grace period and submission limit; options not given stay unchanged",
+        help="set or show deadline, grace period, submission limit and weight; options not given stay unchanged",
         argument_default=argparse.SUPPRESS,  # distinguishes an option that is not given from one that removes a limit
     )
     assign.add_argument("slug", help="slug of the assignment")
@@ -47,6 +47,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     assign.add_argument(
         "--most", dest="submission_limit", type=_count, metavar="N", help="submissions per student; none: unlimited"
     )
+    assign.add_argument("--weight", type=_weight, metavar="WEIGHT", help="weight in the course, 0 to 1000; 1 unless set")
     assign.set_defaults(run=_assign)
 
 
@@ -114,7 +115,7 @@ def _assign(arguments: argparse.Namespace) -> int:
         return 2
     due = f"due {rules.due_at.astimezone(UTC).isoformat()}" if rules.due_at else "no deadline"
     limit = rules.submission_limit or "unlimited"
-    print(f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student")
+    print(f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student, weight {rules.weight:g}")
     return 0
 
 
@@ -136,6 +137,12 @@ def _seconds(text: str) -> float:
     if not 0 <= (seconds := float(text)) <= 1e7:
         raise argparse.ArgumentTypeError(f"expected 0 to 10000000 seconds, got {text}")
     return seconds
+
+
+def _weight(text: str) -> float:
+    if not 0 <= (weight := float(text)) <= 1000:
+        raise argparse.ArgumentTypeError(f"expected 0 to 1000, got {text}")
+    return weight
 
 
 def _count(text: str) -> int | None:

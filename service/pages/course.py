@@ -32,12 +32,14 @@ async def index(request: Request, person: CurrentUser) -> Response:
     """Show the assignments and the latest submissions: all of them to staff, their own to students."""
     database, staff = request.app.state.database, request.state.role in STAFF
     isolation, reason = await request.app.state.worker_status.current()
+    overview = [row for row in await gradebook.overview(database) if row.slug in assignments()]
     context = {
         "staff": staff,
         "rows": await recent(database, LATEST, None if staff else person.name),
         "assignments": assignments(),
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
-        "overview": await gradebook.overview(database),
+        "overview": overview,
+        "weights": sum(row.weight for row in overview),
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)

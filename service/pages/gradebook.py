@@ -21,7 +21,7 @@ from service.store.course import deadlines, gradebook
 from service.store.course.gradebook import StudentRow
 
 router = APIRouter()
-MOST_GRACE_MIN, MOST_ALLOWED = 60 * 24 * 366, 10_000
+MOST_GRACE_MIN, MOST_ALLOWED, MOST_WEIGHT = 60 * 24 * 366, 10_000, 1000
 YEARS = range(2000, 3000)  # other years are typing errors; date arithmetic overflows near the ends of the calendar
 
 
@@ -97,11 +97,14 @@ async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Fo
 
 @router.post("/assignments/{slug}/rules")
 async def set_rules(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
-    """Set deadline, grace period and submission limit. An empty field means no limit."""
+    """Set deadline, grace period, submission limit and weight. An empty field means no limit, and the weight 1."""
     find_assignment(slug)
     grace = _number(form, "grace", 0, MOST_GRACE_MIN) or 0.0
     most = _number(form, "most", 1, MOST_ALLOWED)
-    rules = queue_overview.Rules(_datetime(form, "due"), 60.0 * grace, None if most is None else int(most))
+    weight = _number(form, "weight", 0, MOST_WEIGHT)
+    rules = queue_overview.Rules(
+        _datetime(form, "due"), 60.0 * grace, None if most is None else int(most), 1.0 if weight is None else weight
+    )
     await queue_overview.set_rules(request.app.state.database, slug, rules, person.name)
     return RedirectResponse(f"/assignments/{slug}/class", 303)
 

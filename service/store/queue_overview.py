@@ -29,11 +29,12 @@ class QueueSnapshot:
 
 @dataclass(frozen=True)
 class Rules:
-    """Deadline, grace period in seconds and submission limit of an assignment; None: no limit."""
+    """Deadline, grace period in seconds, submission limit (None: no limit) and weight in the course of an assignment."""
 
     due_at: datetime | None
     grace_s: float
     submission_limit: int | None
+    weight: float = 1.0
 
 
 async def snapshot(database: Database) -> QueueSnapshot:

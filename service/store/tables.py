@@ -10,6 +10,7 @@ from sqlalchemy import (
     ARRAY,
     BigInteger,
     Boolean,
+    CheckConstraint,
     Column,
     DateTime,
     Float,
@@ -111,6 +112,7 @@ assignment = Table(
     _at("due_at"),
     Column("grace_s", Float, nullable=False, server_default="0"),
     Column("submission_limit", Integer, nullable=True),
+    Column("weight", Float, CheckConstraint("weight >= 0"), nullable=False, server_default="1"),
     UniqueConstraint("course_id", "slug"),
 )
 

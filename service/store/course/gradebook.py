@@ -99,7 +99,10 @@ async def students(database: Database, slug: str) -> list[StudentRow]:
 
 
 async def overview(database: Database) -> Sequence[Row[Any]]:
-    """Return a row per assignment: rules, numbers of students and submissions, and open work for the staff."""
+    """Return a row per assignment: rules, numbers of students and submissions, and open work for the staff.
+
+    The earliest deadline is first; assignments without one follow.
+    """
     return await database.rows(_OVERVIEW, {"course": COURSE})
 
 
@@ -134,7 +137,7 @@ WHERE v.grading_id = ANY(CAST(:gradings AS uuid[])) AND (v.state <> 'pass' AND v
 """
 
 _OVERVIEW = f"""
-SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, coalesce(class.students, 0) AS students,
+SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades
@@ -151,5 +154,5 @@ FROM assignment x JOIN course c ON c.id = x.course_id
                 WHERE a.submission_id = s.id AND NOT a.preview) state ON true
         GROUP BY s.assignment_id
     ) sent ON sent.assignment_id = x.id
-WHERE c.slug = :course ORDER BY x.slug
+WHERE c.slug = :course ORDER BY x.due_at, x.slug
 """

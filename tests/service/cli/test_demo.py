@@ -28,20 +28,23 @@ def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report
         return [right, replace(wrong, verdicts=right.verdicts)]
 
     monkeypatch.setattr(demo, "samples", some)
+    monkeypatch.setattr(demo, "SLUGS", ["rigid-body"])
     assert demo._grade_all(real_server.url) == ["wrong_zeros.py"]
     printed = capsys.readouterr().out
     assert (
         printed.count("rotational energy conserved (torque-free)   [") == 2
-        and f"[1/2] right_terms.py   {real_server.url}/" in printed
+        and f"[1/2] rigid-body: right_terms.py   {real_server.url}/" in printed
     )
 
 
 @pytest.mark.slow
 def test_its_class_is_entered_once(database_url):
     settings = Settings(database_url=database_url)
-    count = add_class(settings, demo.SLUG)
-    assert count > 40 and add_class(settings, demo.SLUG) == 0
+    count = add_class(settings, demo.SLUGS)
+    assert count > 40 and add_class(settings, demo.SLUGS) == 0
     assert sql(database_url, "SELECT count(*) FROM submission") == [(count,)]
+    sent = sql(database_url, "SELECT slug, count(*) > 14 FROM submission JOIN assignment a ON a.id = assignment_id GROUP BY 1")
+    assert sorted(sent) == [(slug, True) for slug in sorted(demo.SLUGS)]
 
 
 @pytest.mark.slow

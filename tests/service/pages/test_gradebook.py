@@ -153,10 +153,13 @@ def test_what_is_no_roster_enters_nobody(looks, url, content):
 
 
 def test_rules_and_extensions(looks, url):
-    set_ = {"due": "2099-01-01T12:00", "grace": "15", "most": "9"}
+    set_ = {"due": "2099-01-01T12:00", "grace": "15", "most": "9", "weight": "3"}
     assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, **set_)[0] == 200
     page = looks("ann", "/")[1]
     assert 'datetime="2099-01-01T12:00:00+00:00"' in page and "15 min grace" in page
+    ((others,),) = sql(url, "SELECT count(*) FROM assignment WHERE weight = 1 AND slug <> 'rigid-body'")
+    first, *_ = re.findall(r"<tr>\n<th scope=\"row\">(.*?)</tr>", page, re.DOTALL)
+    assert "Rigid-Body" in first and f"<td>{300 / (3 + others):.3g} %</td>" in first
     extend = "/assignments/rigid-body/extensions"
     assert "ill &lt;b&gt;" in looks("prof", extend, at=CLASS, name="zoe", due="2099-02-01T12:00", reason="ill <b>")[1]
     for fields in ({"name": "nobody", "due": "2099-02-01T12:00", "reason": "x"}, {"name": "zoe", "due": "soon", "reason": "x"},

@@ -1,0 +1,41 @@
+"""Every bundled assignment: its right solutions pass, its samples are as expected, and wrong versions of them fail."""
+
+import contextlib
+
+import pytest
+
+from exercises import catalogue
+from service.cli.__main__ import main
+from service.cli.mutants import grade_mutants
+from service.grading.grade import grade
+from service.grading.submission import Submission
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose, with_packages
+
+DECLARED = [catalogue.slug_of(folder) for folder in catalogue._here() if folder.name != "rigid_body"]
+
+
+@pytest.mark.parametrize("slug", DECLARED)
+def test_the_right_solutions_pass(slug, sandbox):
+    assignment = catalogue.find(slug)
+    right = next(sample for sample in assignment.made_samples() if sample.right)
+    with contextlib.ExitStack() as stack:
+        if assignment.packages:
+            sandbox = stack.enter_context(contextlib.closing(Sandbox(with_packages(choose("namespaces"), assignment.packages))))
+        report = grade(Submission(right.source, right.name), assignment, sandbox, seed=1).report
+    assert report.passed and report.score == assignment.max_points() > 0, report.text()
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("slug", DECLARED)
+def test_every_sample_is_as_expected_on_four_seeds(slug, capsys):
+    exit_code, printed = main(["verify", slug]), capsys.readouterr().out
+    assert exit_code == 0 and "warning" not in printed, printed
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("slug", DECLARED)
+def test_at_least_99_percent_of_the_wrong_versions_fail(slug):
+    wrong = [found for found in grade_mutants(catalogue.find(slug)) if found.wrong and found.measured]
+    accepted = [found.mutant.sentence for found in wrong if found.accepted]
+    assert len(accepted) <= 0.01 * len(wrong) and wrong, accepted

@@ -192,6 +192,17 @@ def euler_angle_rates(y: ArrayLike, I1: float, I3: float, mgl: float) -> Array:
     return np.array([nod, swing, spin, tilting, swinging, nod * swing * s - swinging * c])
 
 
+def euler_state(w: ArrayLike, R: ArrayLike) -> Array:
+    """Return y (6,) of ``w`` (3,) in rad/s, body axes, and ``R`` (3, 3), body → space, with θ strictly between 0 and π."""
+    w1, w2, w3 = np.asarray(w, dtype=float)
+    attitude = np.asarray(R, dtype=float)
+    x, y, z = attitude[2]
+    theta, phi, psi = np.arctan2(np.hypot(x, y), z), np.arctan2(attitude[0, 2], -attitude[1, 2]), np.arctan2(x, y)
+    c, s = np.cos(psi), np.sin(psi)
+    swing = (w1 * s + w2 * c) / np.sin(theta)
+    return np.array([theta, phi, psi, w1 * c - w2 * s, swing, w3 - swing * np.cos(theta)])
+
+
 def omega(y: ArrayLike) -> Array:
     """Return ω (3, n) in rad/s, body axes, of y (6, n)."""
     theta, _, psi, nod, swing, spin = np.asarray(y, dtype=float)

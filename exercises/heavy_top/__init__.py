@@ -1,0 +1,1 @@
+"""The heavy symmetric top, and two free tops."""

@@ -1,0 +1,181 @@
+"""The truths of the heavy top against a second source, and the notebook's Setup against the names that the truths use."""
+
+import json
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import reference
+from exercises.heavy_top import assignment as top
+from tests.support.checkout import ROOT
+from tests.support.toolbox import failed, judged
+
+
+def drawn(**ask):
+    """Return one draw of each argument from each of four seeds."""
+    generators = [np.random.default_rng(seed) for seed in range(4)]
+    return [{name: draw(rng) for name, draw in ask.items()} for rng in generators]
+
+
+def test_the_equations_are_the_slope_of_the_exact_motion():
+    for given in drawn(**top.OF_STATE):
+        y, moments = given.pop("y"), given.values()
+        h = 1e-3
+        moved = reference.HeavyTop(y, *moments).motion(h * np.array([-3, -2, -1, 1, 2, 3]))
+        slope = moved @ np.array([-1, 9, -45, 45, -9, 1]) / (60 * h)
+        np.testing.assert_allclose(top.top_eqs(0.0, y, *moments), slope, rtol=0, atol=1e-6 * np.abs(slope).max())
+
+
+def test_nutation_against_roots_and_integrals_of_sixty_digits():
+    with mp.workdps(60):
+        for given in drawn(**top.OF_STATE):
+            E, L_z, L_3 = (mp.mpf(float(x)) for x in top.by_vectors(**given))
+            I1, I3, mgl = (mp.mpf(given[name]) for name in ("I1", "I3", "mgl"))
+            free = E - L_3**2 / (2 * I3)
+            cubic = [2 * I1 * mgl, -2 * I1 * free - L_3**2, 2 * L_z * L_3 - 2 * I1 * mgl, 2 * I1 * free - L_z**2]
+            low, high, far = sorted(mp.re(root) for root in mp.polyroots(cubic, maxsteps=200))
+            time = mp.quad(lambda a, gap=high - low, width=far - low: 1 / mp.sqrt(width - gap * mp.sin(a) ** 2), [0, mp.pi / 2])
+            time *= 2 / mp.sqrt(mgl / (2 * I1))
+            wanted = [float(mp.acos(high)), float(mp.acos(low)), float(time)]
+            np.testing.assert_allclose(top.by_theory(**given), wanted, rtol=1e-12)
+
+
+def test_steady_rates_against_the_exact_motion_and_the_limit_against_eigenvalues_beside_it():
+    for given in drawn(theta=lambda rng: rng.uniform(0.3, 1.3), w3=lambda rng: rng.uniform(20, 40), **top.DRAWN):
+        rates, theta, w3 = top.by_search(**given), given.pop("theta"), given.pop("w3")
+        for rate in rates:
+            exact = reference.HeavyTop((theta, 0, 0, 0, rate, w3 - rate * np.cos(theta)), *given.values())
+            np.testing.assert_allclose(exact.turning_points, theta, rtol=1e-10)
+        limit, _ = top.by_eigenvalues(w3, **given)
+        (_, above), (_, below) = (top.by_eigenvalues(limit * factor, **given) for factor in (1 + 1e-6, 1 - 1e-6))
+        assert above < 1e-6 and below > 1e-4
+
+
+def test_the_tilt_at_the_end_against_an_integration():
+    y, s = top.start(0.01)
+    run = solve_ivp(top.matrix_eqs, (0, 2), s, args=top.TOP, method="DOP853", rtol=1e-13, atol=1e-15)
+    (end,) = reference.HeavyTop(y, *top.TOP).motion([2.0])[0]
+    assert abs(np.arccos(run.y[11, -1]) - end) < 1e-10
+
+
+def test_periods_of_free_tops_are_times_between_zeros_of_the_exact_motion():
+    for given in drawn(w=lambda rng: rng.uniform(-5, 5, 3), I=top.book):
+        motion, period = reference.Exact(given["w"], given["I"]), top.flip_period(**given)
+        t = np.linspace(0, 2.5 * period, 200)
+        (at,) = np.nonzero(np.diff(np.sign(motion.omega(t)[1])))
+        zeros = [brentq(lambda x, motion=motion: motion.omega([x])[1, 0], t[k], t[k + 1], xtol=1e-14) for k in at]
+        np.testing.assert_allclose(np.diff(zeros), period, rtol=1e-11)
+    w = reference.Exact((0.1, 0.2, 3.0), (1.5, 1.5, 1.1)).omega([0.0, top.wobble_period(3.0, 1.5, 1.1)])
+    np.testing.assert_allclose(w[:, 1], w[:, 0], rtol=1e-13)
+
+
+def test_the_setup_of_the_notebook_defines_what_the_truths_use():
+    cells = json.loads((ROOT / "exercises/heavy_top/notebook.ipynb").read_text())["cells"]
+    (setup,) = ("".join(cell["source"]) for cell in cells if "def start(" in "".join(cell["source"]))
+    names: dict = {}
+    exec(setup, names)
+    assert names["TOP"] == top.TOP and names["SOLVER"] == top.SOLVER
+    np.testing.assert_array_equal(names["TILTS"], top.TILTS)
+    for own, published in zip(top.start(0.1), names["start"](0.1), strict=True):
+        np.testing.assert_array_equal(own, published)
+
+
+QUESTIONS = {question.function: question for question in top.notebook.questions()}
+
+
+def masses(t, y, I1, I3, mgl):
+    """The mass matrix of the Lagrangian, solved; parts by products."""
+    (s, c), (a, b, d) = (np.sin(y[0]), np.cos(y[0])), y[3:]
+    spin = I3 * (d + b * c)
+    M = [[I1, 0, 0], [0, I1 * s * s + I3 * c * c, I3 * c], [0, I3 * c, I3]]
+    forces = [
+        I1 * b * b * s * c - spin * b * s + mgl * s,
+        -2 * I1 * a * b * s * c + spin * a * s + I3 * a * b * s * c,
+        I3 * a * b * s,
+    ]
+    return [*y[3:], *np.linalg.solve(M, forces)]
+
+
+def by_bisection(y, I1, I3, mgl):
+    """Roots of the cubic between samples, and the period as an integral."""
+    E, L_z, L_3 = top.invariants(y, I1, I3, mgl)
+
+    def f(u):
+        return (1 - u * u) * 2 * I1 * (E - L_3**2 / 2 / I3 - mgl * u) - (L_z - L_3 * u) ** 2
+
+    now = np.cos(y[0])
+    low, high = brentq(f, -1, now, xtol=1e-15), brentq(f, now, 1, xtol=1e-15)
+
+    def slow(a):
+        middle, half = (low + high) / 2, (high - low) / 2
+        u = middle + half * np.sin(a)
+        return half * np.cos(a) * I1 / np.sqrt(f(u)) if abs(np.cos(a)) > 1e-9 else 0.0
+
+    a = (np.arange(400) + 0.5) / 400 * np.pi - np.pi / 2  # the midpoint rule, exact to rounding for a periodic function
+    return [np.arccos(high), np.arccos(low), 2 * np.mean([slow(x) for x in a]) * np.pi]
+
+
+def by_quadratic(theta, w3, I1, I3, mgl):
+    return np.sort(np.roots([I1 * np.cos(theta), -I3 * w3, mgl]))
+
+
+def by_branches(w3, I1, I3, mgl):
+    limit = (4 * I1 * mgl / I3**2) ** 0.5
+    return (limit, 0) if w3 >= limit else (limit, I3 / (2 * I1) * np.sqrt(limit**2 - w3**2))
+
+
+def by_inertia(t, s, I1, I3, mgl):
+    w, R = np.array(s[:3]), np.array(s[3:]).reshape((3, 3))
+    inertia = np.diag([I1, I1, I3])
+    torque = np.cross([0, 0, 1], R.T @ [0, 0, -mgl])
+    return [*np.linalg.solve(inertia, torque - np.cross(w, inertia @ w)), *np.cross(R, w).ravel()]
+
+
+def by_rate(w3, I1, I3):
+    return abs(2 * np.pi / ((I3 / I1 - 1) * w3))
+
+
+def by_integration(w, I):
+    def rates(t, w):
+        return [(I[1] - I[2]) * w[1] * w[2] / I[0], (I[2] - I[0]) * w[2] * w[0] / I[1], (I[0] - I[1]) * w[0] * w[1] / I[2]]
+
+    def reversal(t, w):
+        return w[1]
+
+    run = solve_ivp(rates, (0, 30), w, method="DOP853", rtol=1e-12, atol=1e-14, events=reversal)
+    return run.t_events[0][1] - run.t_events[0][0]
+
+
+OTHER_WAYS = {
+    "top_eqs": masses,
+    "invariants": lambda y, I1, I3, mgl: list(top.by_vectors(y, I1, I3, mgl)),
+    "nutation": by_bisection,
+    "steady_precession": by_quadratic,
+    "sleeping_top": by_branches,
+    "matrix_eqs": by_inertia,
+    "wobble_period": by_rate,
+    "flip_period": by_integration,
+}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "flip_period" else n for n in OTHER_WAYS])
+def test_other_right_ways_pass(name):
+    outcomes = judged(QUESTIONS[name], OTHER_WAYS[name])
+    assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
+
+
+FAKES = {
+    "top_eqs": lambda t, y, I1, I3, mgl: [*y[3:], 0, 0, 0],
+    "invariants": lambda y, I1, I3, mgl: (0.0, 0.0, 0.0),
+    "nutation": lambda y, I1, I3, mgl: (y[0], y[0], 1.0),
+    "sleeping_top": lambda w3, I1, I3, mgl: (2 * np.sqrt(I1 * mgl) / I3, 0.0),
+    "matrix_eqs": lambda t, s, I1, I3, mgl: np.zeros(12),
+}
+
+
+@pytest.mark.parametrize("name", FAKES)
+def test_fakes_that_conserve_everything_fail(name):
+    assert len(failed(judged(QUESTIONS[name], FAKES[name]))) >= 2

@@ -120,7 +120,7 @@ def _grade(
         scene_ends=[*result.cells.values(), *(e for e in result.scene_ends.values() if e.scene in reported)],
         stdout=result.stdout,
         notebook_checks=_notebook_checks(result),
-        provenance=Provenance(seed, versions(), sandbox.isolation.name, motions=crossed.how, chains=chains.used),
+        provenance=Provenance(seed, versions(assignment.packages), sandbox.isolation.name, motions=crossed.how, chains=chains.used),
         not_attempted=missed,
     )
     report.total = assignment.max_points([e.number for e in asked], result.defined)
@@ -185,9 +185,9 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scen
 
 
 @functools.cache
-def versions() -> dict[str, str]:
-    """Return the versions of Python and of the packages that results depend on."""
-    return {"python": platform.python_version()} | {name: metadata.version(name) for name in VERSIONS_OF}
+def versions(more: tuple[str, ...] = ()) -> dict[str, str]:
+    """Return the versions of Python and of the packages that results depend on, ``more`` of an assignment among them."""
+    return {"python": platform.python_version()} | {name: metadata.version(name) for name in (*VERSIONS_OF, *more)}
 
 
 @functools.cache

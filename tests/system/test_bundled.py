@@ -24,6 +24,7 @@ def test_the_right_solutions_pass(slug, sandbox):
             sandbox = stack.enter_context(contextlib.closing(Sandbox(with_packages(choose("namespaces"), assignment.packages))))
         report = grade(Submission(right.source, right.name), assignment, sandbox, seed=1).report
     assert report.passed and report.score == assignment.max_points() > 0, report.text()
+    assert report.provenance.versions.keys() >= {"python", "numpy", *assignment.packages}
 
 
 @pytest.mark.exhaustive

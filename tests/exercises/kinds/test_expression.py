@@ -4,6 +4,7 @@ import json
 import sys
 
 import pytest
+import sympy
 
 from ecp.judge import Verdict
 from service.grading.grade import grade
@@ -36,6 +37,7 @@ def report(symbolic, sandbox, source, seed=1):
 def test_the_right_solutions_pass_in_the_sandbox_and_in_the_kit(symbolic, sympy_sandbox, tmp_path):
     found = report(symbolic, sympy_sandbox, right(symbolic))
     assert found.passed, found.text()
+    assert found.provenance.versions["sympy"] == sympy.__version__
     served = [outcome.line for outcome in found.outcomes() if not outcome.hidden]
     assert json.loads(check_locally("symbolic", right(symbolic), tmp_path)) == served
 

@@ -13,7 +13,8 @@ from fastapi.templating import Jinja2Templates
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 from markupsafe import Markup
 
-BIDI_CONTROLS = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"  # they reorder the surrounding text
+from service.sandbox.untrusted_text import BIDI_CONTROLS
+
 _BIDI, _REPLACED = re.compile(f"[{BIDI_CONTROLS}]"), dict.fromkeys(map(ord, BIDI_CONTROLS), "\ufffd")
 
 

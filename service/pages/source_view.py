@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ecp.outcome import SceneEnd
 from service.grading.submission import BREAK, SourceLocation, Submission, source_locations
-from service.sandbox.wire import text
+from service.sandbox.untrusted_text import text
 
 MOST_LINES = 2000
 MOST_WORK = 2e7  # upper bound of comparison steps, a few seconds

@@ -22,7 +22,8 @@ from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault
 from service.sandbox.time_budget import ProcessorWait, TimeBudget
-from service.sandbox.wire import ProtocolError, Reader, text
+from service.sandbox.untrusted_text import text
+from service.sandbox.wire import ProtocolError, Reader
 
 GRACE_S = 1.5  # beyond a scene's budget, before the host ends a guest whose own alarm has not
 LOAD_FACTOR = 2  # the host waits this many times as long as the guest has for loading

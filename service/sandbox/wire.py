@@ -24,9 +24,9 @@ from service.sandbox.guest.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOS
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
 from service.sandbox.result import GUEST_CODES, PlayResult
+from service.sandbox.untrusted_text import text
 
 MOST_JSON = 64 * 1024
-MOST_TEXT = 8 * 1024
 MOST_CELL_ENDS = 20
 DTYPES: Mapping[str, np.dtype[Any]] = {"float64": np.dtype("<f8"), "uint8": np.dtype("u1")}
 HEAD = struct.Struct("<cI")
@@ -210,15 +210,6 @@ def _count(value: Any) -> int:
     if type(value) is not int or not 0 <= value < 1 << 53:
         raise ProtocolError("not a count")
     return value
-
-
-def text(value: Any, most: int = MOST_TEXT) -> str:
-    """Return untrusted text made safe to display: bounded, without bidi controls and control characters (but newline, tab)."""
-    bounded = str(value)[:most]
-    return "".join(c if c in "\n\t" or (c.isprintable() and c not in _BIDI) else "\ufffd" for c in bounded)
-
-
-_BIDI = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
 def _scene_end(name: str, event: Mapping[str, Any]) -> SceneEnd:

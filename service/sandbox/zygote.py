@@ -20,7 +20,8 @@ from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
 from service.sandbox.session import ChildExit, Pipes, PlaySession
 from service.sandbox.time_budget import ProcessorWait, TimeBudget
-from service.sandbox.wire import Reader, text
+from service.sandbox.untrusted_text import text
+from service.sandbox.wire import Reader
 
 START_S = 30.0
 ANSWER_S = 4.0  # a zygote that does not start or reap a child within this time is frozen

@@ -22,7 +22,7 @@ from service.grading.grader import SweepFailed
 from service.sandbox.result import Cancelled, SystemFault
 from service.sandbox.select import IsolationUnavailable, choose
 from service.sandbox.time_budget import TimeLimits
-from service.sandbox.wire import text
+from service.sandbox.untrusted_text import text
 from service.settings import Settings
 from service.store import runs, sweeps, workers
 from service.store.database import Database, WrongSchema, check_schema, is_outage, patiently

@@ -1,6 +1,6 @@
 """Texts that would like to be more than text, in every field that takes one, and whether a page in a browser shows them as text."""
 
-from service.http.templating import BIDI_CONTROLS
+from service.sandbox.untrusted_text import BIDI_CONTROLS
 
 RUNS = "window.pwned=1"
 TAGS = f'"><img src=x onerror={RUNS}><svg onload={RUNS}>'

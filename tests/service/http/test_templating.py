@@ -5,7 +5,8 @@ import re
 import pytest
 from markupsafe import Markup
 
-from service.http.templating import BIDI_CONTROLS, ENVIRONMENT
+from service.http.templating import ENVIRONMENT
+from service.sandbox.untrusted_text import BIDI_CONTROLS
 
 
 def shown(template, **values):

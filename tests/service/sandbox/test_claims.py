@@ -8,7 +8,7 @@ import pytest
 from ecp.judge import Verdict
 from service.sandbox.claims import read
 from service.sandbox.guest.claims import MOST_NUMBERS
-from service.sandbox.wire import text
+from service.sandbox.untrusted_text import text
 
 CLOSE = {
     **{"kind": "close", "label": "a", "detail": "", "unfit": "", "cell": "cell 1", "left_out": ""},

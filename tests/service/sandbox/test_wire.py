@@ -13,7 +13,8 @@ from service.sandbox.guest.claims import MOST_CLAIMS
 from service.sandbox.guest.wire import pack, unpack
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.result import PlayResult
-from service.sandbox.wire import ProtocolError, Reader, text
+from service.sandbox.untrusted_text import text
+from service.sandbox.wire import ProtocolError, Reader
 
 SCENE = SceneRequest(
     "s", "play", "f", {}, {"w": ArraySpec((3, 2)), "film": ArraySpec((4, 2, 2, 3), "uint8", up_to=True)}, 1.0, None

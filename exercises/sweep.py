@@ -61,7 +61,7 @@ def result_of_steppers(
         points += own
         enough = min((p for p in own if p.error is not None and p.error <= ENOUGH_OF_STEPPERS), key=lambda p: p.calls, default=None)
         if enough:
-            parts.append(f"{name} {enough.calls} calls and {enough.seconds * 1e3:.2g} ms")
+            parts.append(f"{name} {enough.calls} calls and {enough.seconds * 1e3:.3g} ms")
         else:
             parts.append(f"{name} more than {max(p.calls for p in own)} calls" if own else f"{name} was not measured")
     return SweepResult(scene=scene, points=points, line=f"for an error of {ENOUGH_OF_STEPPERS:g}: " + ", ".join(parts))

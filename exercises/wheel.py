@@ -63,6 +63,7 @@ def wheel(slug: str | None = None, server: str | None = None) -> bytes:
         made = {"build": build(one.slug)} | ({"server": server} if server else {})
         files[f"{_home(one)}/made.json"] = json.dumps(made).encode()
     metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
+    metadata += "".join(f"Requires-Dist: {name}\n" for name in sorted({name for one in _held(slug) for name in one.packages}))
     files |= {f"{info}/METADATA": metadata.encode(), f"{info}/WHEEL": WHEEL.encode()}
     return zipfiles.wheel(info, files)
 

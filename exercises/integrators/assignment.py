@@ -13,7 +13,7 @@ from exercises.kinds.stepper import euler, rk4, stepper
 from exercises.kinds.values import values
 
 notebook = Notebook("Integrators", notebook="notebook.ipynb")
-ROUNDING = Tolerance(limit=1e-13, reason="a hundred times what two forms of a step differ by")
+ROUNDING = Tolerance(limit=1e-12, reason="a hundred times what two forms of a step differ by")
 SEARCHED = Tolerance(rtol=1e-3, atol=0, reason="the search takes a growth of a millionth in one step as rounding")
 ORDER = Tolerance(atol=0.2, reason="four times what the slope bends at the largest steps")
 SWAPPED = "n and 2n are exchanged"
@@ -196,7 +196,7 @@ notebook.exercise("5", "Where a method fails", grows, limits)
 # On x'' = -x from x = 1, v = 0 the number z = x + iv is exp(-it); a step of SCHEME multiplies it by 1 - ih - c h²/2.
 SCHEME = "(x + h * v, v + h * acc(x)) if c == 0 else (x + h * (v + h / 2 * acc(x)), v + h * acc(x + h / 2 * v))"
 STEP = family(SCHEME, "acc", "x", "v", "h", c=choice(0, 1))
-ERROR = Tolerance(limit=1e-11, reason="a hundred times the rounding errors of 400 steps")
+ERROR = Tolerance(limit=1e-10, reason="a hundred times the rounding errors of 400 steps")
 RATIO = Tolerance(atol=1e-7, reason="the rounding errors of 400 steps, relative to an error of 1e-5")
 EXACT = Tolerance(atol=0, reason="integers are exact")
 

@@ -45,7 +45,19 @@ wrong = [
 right = {"n": lambda steps: steps, "p": lambda p: p}
 ends = "(np.array(walk(walkers, steps, p, rng))[:, -1] + steps) / 2"
 end_points = samples(walk, ask, "binom", **right, call=ends, label="end points of walk", mistakes=wrong)
-notebook.exercise("1", "A walk with a bias", each_step, end_points)
+
+
+def scatter(walkers, steps, p):
+    """Return the standard deviation of the mean place of independent walkers."""
+    return sqrt(4 * steps * p * (1 - p) / walkers)
+
+
+ask = {**ask, "walkers": 10, "steps": 5}
+dealt = "rng.permutation((np.arange(walkers * steps) + 0.5) / (walkers * steps)).reshape(walkers, steps)"
+wrong = [mistake("rng.random((walkers, steps))", dealt)]  # as many steps to the right as expected, in random order
+means = {"call": "np.mean(np.array(walk(walkers, steps, p, rng))[:, -1])", "label": "mean place of walk", "repetitions": 1600}
+mean_place = estimate(walk, ask, lambda steps, p: steps * (2 * p - 1), sd=scatter, **means, mistakes=wrong)
+notebook.exercise("1", "A walk with a bias", each_step, end_points, mean_place)
 
 
 def mean_square(r):
@@ -84,8 +96,8 @@ def brownian(walkers, t, D, rng):
 
 
 def uneven(rng):
-    """Draw six times at uneven intervals, from 0."""
-    return np.append(0, np.cumsum(rng.uniform(0.2, 2, 5)))
+    """Draw six times at very uneven intervals, from 0."""
+    return np.append(0, np.cumsum(np.exp(rng.uniform(np.log(0.02), np.log(2), 5))))
 
 
 ask = {"walkers": 200, "t": uneven, "D": uniform(0.2, 2), "rng": generator()}

@@ -133,8 +133,10 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
         by_time.loglog([p["ratio"] for p in drawn], errors, **style)
     for number, own in enumerate(submissions):
         _draw_own((by_calls, by_time), own, whose if number == 0 else "", small=len(submissions) > 1)
-    of = "ω relative or R" if points else "relative"
-    by_calls.set(xlabel="evaluations of the right-hand side", ylabel=f"largest error over the run, {of}", title=scene)
+    error = f"largest error over the run, {'ω relative or R' if points else 'relative'}"
+    if any(p.step for own in submissions for p in own):
+        error = "error at the end of the run, relative"
+    by_calls.set(xlabel="evaluations of the right-hand side", ylabel=error, title=scene)
     unit = "that of DOP853 at rtol 1e-11" if points or any(map(_unit_s, submissions)) else "s"
     by_time.set(xlabel=f"CPU time / {unit}", ylim=(3e-16, 1e2))
     by_time.legend(fontsize=7, bbox_to_anchor=(1.01, 1.0), loc="upper left")

@@ -214,7 +214,9 @@ def test_the_chart_shows_seconds_and_errors_of_the_student_s_steppers(monkeypatc
     assert "rk4_step 800 calls and" in swept.line and "euler_step more than 400 calls" in swept.line
     assert all(point.rtol is None and point.seconds > 0 for point in swept.points)
     chart = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()
-    assert "yours, rk4_step" in chart and "CPU time / s" in chart and "DOP853" not in chart
+    assert (
+        "yours, rk4_step" in chart and "CPU time / s" in chart and "error at the end of the run" in chart and "DOP853" not in chart
+    )
 
 
 def test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails(monkeypatch):

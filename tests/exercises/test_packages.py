@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from exercises import packages, validation
+from exercises.catalogue import assignments
+from tests.support.checkout import ROOT
 
 
 def test_every_sandbox_has_numpy_scipy_and_matplotlib():
@@ -25,3 +27,10 @@ def test_what_is_installed_is_listed_and_what_is_not_is_missing():
 def test_an_assignment_declares_names(rigid_body, declared):
     (error,) = validation.errors(replace(rigid_body, packages=declared))
     assert error == f"packages is {declared!r}, not a tuple of names"
+
+
+def test_an_installation_of_polhode_has_the_packages_of_the_courses_assignments():
+    lock = (ROOT / "requirements.lock").read_text()
+    declared = {name for one in assignments().values() if one.folder.parent == ROOT / "exercises" for name in one.packages}
+    assert "sympy" in declared
+    assert not [name for name in declared if not re.search(rf"^{name}==", lock, re.MULTILINE)], "see make lock"

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 import scipy.stats
 
+from ecp.judge import Verdict
+from ecp.kinds import question_checks
 from exercises.random_walks import assignment as walks
 from exercises.random_walks.assignment import notebook
 
@@ -124,3 +126,51 @@ def test_the_numbers_of_the_track_are_those_of_exact_integers():
     assert truth["D_error"][0] ** 2 == pytest.approx(D**2 / (n - 1), rel=1e-12)
     assert truth["k_B"][0] == pytest.approx(D * 1e-12 * 6 * pi * 9.5e-4 * 0.5e-6 / 295.15, rel=1e-12)
     assert abs(truth["k_B"][0] / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5  # within two standard errors of the defined constant
+
+
+def test_the_mean_place_scatters_as_the_master_equation_says():
+    rows, truth = exact("mean place of walk")
+    for p, value, sd in zip(rows["p"], truth["value"], truth["sd"], strict=True):
+        there, _ = master_equation(5, 0, Fraction(p))
+        mean = sum(place * chance for place, chance in there.items())
+        assert value == pytest.approx(float(mean), rel=1e-12, abs=1e-14)
+        assert sd**2 == pytest.approx(float(sum((place - mean) ** 2 * chance for place, chance in there.items()) / 10), rel=1e-12)
+
+
+BACKWARDS = """
+def walk(walkers, steps, p, rng):
+    x = np.zeros((walkers, steps + 1))
+    x[:, steps] = 2 * rng.binomial(steps, p, walkers) - steps
+    for k in range(steps, 1, -1):
+        x[:, k - 1] = x[:, k] - np.where(rng.random(walkers) < (x[:, k] + k) / 2 / k, 1, -1)
+    return x.tolist()
+"""
+POLAR = """
+def brownian(walkers, t, D, rng):
+    r = np.sqrt(rng.exponential(4 * D * np.diff(t), size=(walkers, len(t) - 1)))
+    angle = rng.uniform(0, 2 * np.pi, size=r.shape)
+    return np.insert(np.cumsum(np.stack([r * np.cos(angle), r * np.sin(angle)], axis=-1), axis=1), 0, 0, axis=1)
+"""
+MIRRORED = """
+def walk(walkers, steps, p, rng):
+    u = rng.random((walkers // 2, steps))
+    return np.insert(np.cumsum(np.where(np.vstack([u, 1 - u]) < p, 1, -1), axis=1), 0, 0, axis=1)
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "wrong"),
+    [
+        ("end points of walk", BACKWARDS, []),
+        ("steps of walk", BACKWARDS, []),
+        ("steps of brownian", POLAR, []),
+        ("squared displacement of brownian", POLAR, []),
+        ("mean place of walk", MIRRORED, ["spread"]),
+    ],
+)
+def test_walks_made_in_another_way(name, source, wrong):
+    question = QUESTIONS[name]
+    rows, truth = exact(name, 1)
+    seen = {**question.play(question.defined_by(source), rows), **{n: a for n, a in truth.items() if n.startswith("at_")}}
+    outcomes = [check.judge([seen], [truth]) for check in question_checks(question.asked, "scene", False)]
+    assert [outcome.id.rpartition("-")[2] for outcome in outcomes if outcome.verdict is not Verdict.PASS] == wrong

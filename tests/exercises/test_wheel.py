@@ -5,7 +5,7 @@ import json
 import zipfile
 
 from exercises.wheel import wheel
-from tests.support.assignments import copied, known
+from tests.support.assignments import TEMPLATE, copied, known
 
 
 def test_a_kit_holds_one_assignment_and_the_kit_without_a_slug_all(tmp_path):
@@ -22,6 +22,20 @@ def test_a_kit_holds_one_assignment_and_the_kit_without_a_slug_all(tmp_path):
 def _folders(content):
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         return {name.split("/")[2] for name in archive.namelist() if name.startswith("ecp/assignments/") and name.count("/") > 2}
+
+
+def test_the_kit_requires_the_packages_of_its_assignment():
+    with known(TEMPLATE.parent / "symbolic"):
+        required = {slug: _required(wheel(slug)) for slug in ("rigid-body", "symbolic", None)}
+    common = ["numpy", "scipy", "matplotlib"]
+    assert required == {"rigid-body": common, "symbolic": [*common, "sympy"], None: [*common, "sympy"]}
+
+
+def _required(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        (metadata,) = (name for name in archive.namelist() if name.endswith("/METADATA"))
+        lines = archive.read(metadata).decode().splitlines()
+    return [line.removeprefix("Requires-Dist: ") for line in lines if line.startswith("Requires-Dist: ")]
 
 
 def test_of_an_assignment_only_its_public_side_is_in_the_kit(rigid_body):

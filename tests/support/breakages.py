@@ -472,6 +472,20 @@ SANDBOX = [
         ("tests/exercises/rigid_body/test_sweep.py",),
     ),
     Breakage(
+        "a stepper that is not written has points in the chart",
+        "exercises/sweep.py",
+        "            if calls\n",
+        "",
+        ("tests/exercises/test_integrators.py::test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails",),
+    ),
+    Breakage(
+        "a function argument takes unknown names",
+        "exercises/kit/ecp/kinds/asking.py",
+        "if len(values) + len(named) != len(over) or taken.keys() != set(over):",
+        "if len(values) + len(named) != len(over):",
+        ("tests/exercises/kinds/test_values.py::test_a_function_argument_takes_its_arguments_by_name_and_no_others",),
+    ),
+    Breakage(
         "a right-hand side may be called without end",
         "exercises/kit/ecp/kinds/ode.py",
         "if calls[0] > most:",

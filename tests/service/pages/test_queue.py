@@ -42,9 +42,11 @@ def worker(url):
     command = [sys.executable, "-m", "service.cli", "worker", "--with-parent", str(os.getpid())]
     environment = os.environ | {"POLHODE_DATABASE_URL": url, "POLHODE_WORKERS": "1"}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL) as started:
-        wait_for(lambda: sql(url, "SELECT 1 FROM worker WHERE isolation IS NOT NULL"), 60)
-        yield
-        started.terminate()
+        try:
+            wait_for(lambda: sql(url, "SELECT 1 FROM worker WHERE isolation IS NOT NULL"), 60)
+            yield
+        finally:  # also where it was not ready in time: the end of the block waits for the process
+            started.terminate()
 
 
 @pytest.fixture(scope="module")

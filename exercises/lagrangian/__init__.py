@@ -1,0 +1,1 @@
+"""Lagrangian mechanics with sympy: equations of motion, conserved quantities, integration."""

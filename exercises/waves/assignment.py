@@ -1,0 +1,251 @@
+"""Waves: the dispersion of water waves by a root finder, and a string on a grid with its stability limit and its spectrum.
+
+Each truth is another method than its solution; ``tests/exercises/test_waves.py`` compares the truths with a third source: 60-digit
+roots, powers of matrices, and d'Alembert's solution.
+"""
+
+from math import pi, sin, sinh, sqrt, tanh
+
+import numpy as np
+from scipy.fft import dst
+
+from exercises.author import Notebook, Tolerance, family, integers, mistake, uniform
+from exercises.kinds.values import values
+
+notebook = Notebook("Waves", notebook="notebook.ipynb")
+ROUNDING = Tolerance(limit=1e-12, reason="a thousand times the rounding errors of a sum over the grid")
+G = 9.81
+
+
+def find_root(f, a, b, tol):
+    """Return x with f(x) = 0 to tol, between a and b; f rises, and f(a) < 0 < f(b)."""
+    fa, fb = f(a), f(b)
+    while True:
+        x = b - fb * (b - a) / (fb - fa)
+        if abs(x - b) <= tol:
+            return x
+        fx = f(x)
+        if fx * fb < 0:
+            a, fa = b, fb
+        else:
+            fa /= 2
+        b, fb = x, fx
+
+
+def by_iteration(w, d):
+    """Solve y tanh y = w² d / g for y = k d by Newton's method, from above."""
+    c = w**2 * d / G
+    y = c + sqrt(c)
+    for _ in range(60):
+        y -= (y * tanh(y) - c) / (tanh(y) + y * (1 - tanh(y) ** 2))
+    return y / d
+
+
+wrong = [
+    mistake("abs(x - b) <= tol", "abs(x - b) <= 1e-3", "precision-loss", "the search stops at 1e-3 whatever tol is"),
+    mistake("        x = b - fb * (b - a) / (fb - fa)", "        x = (a + b) / 2\n        f((a + b) / 2)"),
+    mistake("            fa /= 2\n", "            pass\n"),
+    mistake("fx * fb < 0", "fx * fb > 0", "wrong-comparison", "the search keeps the end with the same sign"),
+]
+f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=lambda rng: 10 ** rng.uniform(-1, 1))
+ask = {"f": f, "a": 0.0, "b": 20.0, "tol": 1e-10}
+twice = Tolerance(atol=2e-10, reason="tol, twice")
+budget = Tolerance(limit=30, reason="bisection needs 38, methods that converge faster than linearly at most 24")
+notebook.exercise("1", "A root finder", values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong))
+
+
+def wave_number(w, d):
+    """Return k > 0 in 1/m of water waves of the angular frequency w in 1/s on water of the depth d in m."""
+    return find_root(lambda k: 9.81 * k * np.tanh(k * d) - w**2, 0.0, w**2 / 9.81 + w / np.sqrt(9.81 * d), 1e-12)
+
+
+def group_velocity(k, d):
+    """Return dω/dk in m/s of water waves of the wave number k in 1/m on water of the depth d in m."""
+    w = np.sqrt(9.81 * k * np.tanh(k * d))
+    return 9.81 * (np.tanh(k * d) + k * d / np.cosh(k * d) ** 2) / (2 * w)
+
+
+def by_phase_velocity(k, d):
+    return sqrt(G * tanh(k * d) / k) / 2 * (1 + 2 * k * d / sinh(2 * k * d))
+
+
+TO_8, TO_6 = (Tolerance(rtol=2 * precision, atol=0, reason="twice the precision that is asked for") for precision in (1e-8, 1e-6))
+ask = {"w": uniform(0.5, 6), "d": lambda rng: 10 ** rng.uniform(-1.3, 1.5)}
+wrong = [
+    mistake(" * np.tanh(k * d)", "", "missing-term", "the waves do not feel the bottom"),
+    mistake("np.tanh(k * d)", "k * d", "missing-term", "the water is taken as shallow"),
+    mistake("- w**2,", "- (2 * np.pi * w) ** 2,", "units", "w is taken as a frequency in Hz"),
+]
+number = values(wave_number, ask, TO_8, truth=by_iteration, uses=[find_root], mistakes=wrong)
+wrong = [
+    mistake("(2 * w)", "w", "constant-factor", "the factor 1/2 is missing"),
+    mistake(" + k * d / np.cosh(k * d) ** 2", "", "missing-term", "the derivative of tanh kd is missing"),
+    mistake(
+        "9.81 * (np.tanh(k * d) + k * d / np.cosh(k * d) ** 2) / (2 * w)", "w / k", "wrong-quantity", "this is the phase velocity"
+    ),
+]
+ask = {"k": uniform(0.02, 4), "d": lambda rng: 10 ** rng.uniform(-1.3, 1.5)}
+notebook.exercise("2", "Waves on water", number, values(group_velocity, ask, TO_6, truth=by_phase_velocity, mistakes=wrong))
+
+
+def string(rng, N=20):
+    """Return displacements (N + 1,) that are 0 at both ends."""
+    return np.pad(rng.normal(size=N - 1), 1)
+
+
+def amplitudes(u):
+    """Return the amplitudes (N - 1,) of the modes sin(mπj/N), by the discrete sine transform."""
+    return dst(u[1:-1], type=1) / (len(u) - 1)
+
+
+def shape(b, N):
+    """Return the displacements (…, N + 1) with the amplitudes b (…, N - 1)."""
+    return np.array(b) @ np.sin(pi / N * np.outer(np.arange(1, N), np.arange(N + 1)))
+
+
+def half_angles(r, N):
+    """Return half of the phase (N - 1,) by which each mode advances in a step."""
+    return np.arcsin(r * np.sin(pi / 2 / N * np.arange(1, N)))
+
+
+def string_step(u, before, r):
+    """Return the displacements (N + 1,) a step after u, from those before u; r = c Δt/Δx. Both ends stay at 0."""
+    new = np.zeros(len(u))
+    new[1:-1] = 2 * u[1:-1] - before[1:-1] + r**2 * (u[2:] - 2 * u[1:-1] + u[:-2])
+    return new
+
+
+def by_modes(u, before, r):
+    N = len(u) - 1
+    return shape((2 - 4 * np.sin(half_angles(r, N)) ** 2) * amplitudes(u) - amplitudes(before), N)
+
+
+wrong = [
+    mistake("r**2", "r", "wrong-power", "r stands in place of r²"),
+    mistake("- before[1:-1] ", "", "missing-term", "the displacement before u is missing"),
+    mistake("np.zeros(len(u))", "u + 0 * before\n    new[0] = new[-1] = u[1]", "wrong-constant", "the ends move"),
+]
+ask = {"u": string, "before": string, "r": uniform(0.3, 1)}
+notebook.exercise("3", "A step of the string", values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong))
+
+
+def vibrate(u, r, n):
+    """Return the displacements (n + 1, N + 1) of a string that is released at rest with the displacements u, in n steps."""
+    rows = [u, u + (string_step(u, u, r) - u) / 2]
+    for _ in range(n - 1):
+        rows.append(string_step(rows[-1], rows[-2], r))
+    return np.array(rows)
+
+
+def by_cosines(u, r, n):
+    N = len(u) - 1
+    return shape(amplitudes(u) * np.cos(2 * np.outer(np.arange(n + 1), half_angles(r, N))), N)
+
+
+wrong = [
+    mistake("(string_step(u, u, r) - u) / 2", "(string_step(u, u, r) - u)", "constant-factor", "the first step is twice as large"),
+    mistake("u + (string_step(u, u, r) - u) / 2", "u", "wrong-start", "the first two rows are equal"),
+    mistake("rows[-1], rows[-2]", "rows[-2], rows[-1]", "swapped-arguments", "the two last rows are exchanged"),
+]
+ask = {"u": string, "r": uniform(0.3, 1), "n": 60}
+LONG = Tolerance(limit=1e-11, reason="a thousand times the rounding errors of 60 steps")
+notebook.exercise("4", "A plucked string", values(vibrate, ask, LONG, truth=by_cosines, uses=[string_step], mistakes=wrong))
+
+
+def stability_limit(step, N):
+    """Return the largest r between 0.1 and 4 with which no mode of a string of N intervals grows, to 1e-6."""
+
+    def grows(r):
+        pairs = np.eye(2 * N - 2).reshape(-1, 2, N - 1)
+        columns = [np.concatenate([step(np.pad(u, 1), np.pad(before, 1), r)[1:-1], u]) for u, before in pairs]
+        return np.abs(np.linalg.eigvals(np.array(columns))).max() > 1 + 1e-7
+
+    stable, unstable = 0.1, 4.0
+    while unstable - stable > 1e-7:
+        r = (stable + unstable) / 2
+        stable, unstable = (stable, r) if grows(r) else (r, unstable)
+    return stable
+
+
+def by_fastest_mode(N, q):
+    """Return 2 over the root of the largest eigenvalue of minus the scheme's second difference."""
+    s = 4 * sin((N - 1) * pi / 2 / N) ** 2
+    return 2 / sqrt(s * (1 - q * s))
+
+
+scheme = "2 * u - before + r**2 * np.pad(np.diff(u + q * np.pad(np.diff(u, 2), 1), 2), 1)"
+ask = {"step": family(scheme, "u", "before", "r", q=uniform(-0.2, 0.1)), "N": integers(4, 12)}
+wrong = [
+    mistake("> 1 + 1e-7", "> 1.1", "wrong-constant", "a growth of a tenth in each step counts as stable"),
+    mistake("[1:-1], u]", "[1:-1], before]", "wrong-variable", "the second half of a column is before, not u"),
+    mistake("    return stable", "    return 1.0", "wrong-constant", "this is the limit of string_step on a fine grid"),
+]
+near = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
+limit = values(stability_limit, ask, near, truth=by_fastest_mode, rows=(3, 8), mistakes=wrong)
+notebook.exercise("5", "The limit of Courant, Friedrichs and Lewy", limit)
+
+
+def modes(u):
+    """Return the amplitudes (N - 1,) of the modes 1 to N - 1 of the displacements u (N + 1,), whose ends are 0."""
+    odd = np.concatenate([u, -u[-2:0:-1]])
+    return -np.fft.rfft(odd).imag[1:-1] / (len(u) - 1)
+
+
+def by_solving(u):
+    N = len(u) - 1
+    return np.linalg.solve(shape(np.eye(N - 1), N)[:, 1:-1].T, u[1:-1])
+
+
+def spectrum(x, dt):
+    """Return the frequencies (n/2 + 1,) in Hz and amplitudes (n/2 + 1,) of n samples x at intervals dt in s; n is even."""
+    found = np.abs(np.fft.rfft(x)) / len(x)
+    found[1:-1] *= 2
+    return np.fft.rfftfreq(len(x), dt), found
+
+
+def by_sums(x, dt):
+    n = len(x)
+    k = np.arange(n // 2 + 1)
+    angles = 2 * pi / n * np.outer(k, np.arange(n))
+    factor = np.where((k == 0) | (k == n // 2), 1, 2) / n
+    return k / (n * dt), factor * np.hypot(np.cos(angles) @ x, np.sin(angles) @ x)
+
+
+def frequency_ratio(m, N, r):
+    """Return the frequency of mode m of string_step with N intervals, over the exact one."""
+    return 2 * np.arcsin(r * np.sin(m * np.pi / (2 * N))) / (r * m * np.pi / N)
+
+
+def by_eigenvalue(m, N, r):
+    """Take the phase of an eigenvalue of the step of one mode."""
+    step = np.array([[2 - 4 * r**2 * sin(m * pi / 2 / N) ** 2, -1], [1, 0]], dtype=complex)
+    return np.angle(np.linalg.eigvals(step)).max() / (r * m * pi / N)
+
+
+wrong = [
+    mistake(" / (len(u) - 1)", " / len(u)", "off-by-one", "the sum is divided by N + 1"),
+    mistake("-np.fft", "np.fft", "sign-flipped", "the amplitudes have the opposite sign"),
+]
+sines = values(modes, {"u": string}, ROUNDING, truth=by_solving, mistakes=wrong)
+wrong = [
+    mistake("found[1:-1] *= 2", "found *= 2", "constant-factor", "the ends of the spectrum are doubled too"),
+    mistake("    found[1:-1] *= 2\n", "", "missing-term", "the amplitudes of the negative frequencies are missing"),
+    mistake("np.fft.rfftfreq(len(x), dt)", "2 * np.pi * np.fft.rfftfreq(len(x), dt)", "units", "these are angular frequencies"),
+]
+fourier = {"frequencies": ROUNDING, "amplitudes": ROUNDING}
+fourier = values(
+    spectrum, {"x": lambda rng: rng.normal(size=48), "dt": uniform(0.001, 0.1)}, fourier, truth=by_sums, mistakes=wrong
+)
+wrong = [
+    mistake(
+        "2 * np.arcsin(r * np.sin(m * np.pi / (2 * N)))",
+        "2 * r * np.sin(m * np.pi / (2 * N))",
+        "wrong-function",
+        "arcsin is missing",
+    ),
+    mistake("r * np.sin", "np.sin", "missing-term", "the time step is missing: the ratio is always 1"),
+]
+EIGEN = Tolerance(rtol=1e-7, atol=0, reason="the root of the rounding errors, where two eigenvalues meet")
+ask = {"m": integers(1, 9), "N": integers(10, 40), "r": uniform(0.1, 1)}
+ratio = values(frequency_ratio, ask, EIGEN, truth=by_eigenvalue, mistakes=wrong)
+notebook.exercise("6", "Spectrum and modes", sines, fourier, ratio)

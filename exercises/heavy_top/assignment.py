@@ -198,10 +198,10 @@ def start(tilt):
 
 def gimbal_lock():
     calls_euler, calls_matrix, tilt_end = np.zeros((3, len(TILTS)))
-    for k, (y, s) in enumerate(map(start, TILTS)):
+    for at, (y, s) in enumerate(map(start, TILTS)):
         euler = solve_ivp(top_eqs, (0, 2), y, args=TOP, **SOLVER)
         matrix = solve_ivp(matrix_eqs, (0, 2), s, args=TOP, **SOLVER)
-        calls_euler[k], calls_matrix[k], tilt_end[k] = euler.nfev, matrix.nfev, np.arccos(matrix.y[11, -1])
+        calls_euler[at], calls_matrix[at], tilt_end[at] = euler.nfev, matrix.nfev, np.arccos(matrix.y[11, -1])
     return calls_euler, calls_matrix, tilt_end
 
 

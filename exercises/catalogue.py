@@ -16,7 +16,7 @@ from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.author import Notebook
 from exercises.validation import format_error, syntax_errors
 
-SETTING = "POLHODE_ASSIGNMENTS"
+SETTING, COURSE = "POLHODE_ASSIGNMENTS", "POLHODE_COURSE"
 DECLARATION = "assignment.py"
 
 
@@ -145,11 +145,16 @@ def find(slug: str) -> Assignment:
 
 @functools.cache
 def load_catalogue() -> Catalogue:
-    """Load each package in this folder and each that POLHODE_ASSIGNMENTS names. An invalid one does not
-    affect the others.
+    """Load each package in this folder and each that POLHODE_ASSIGNMENTS names, or of these the slugs in POLHODE_COURSE, in
+    their order. An invalid one does not affect the others.
     """
-    valid, invalid = {}, {}
-    for folder in folders():
+    found, chosen = folders(), os.environ.get(COURSE, "").split()
+    if chosen:
+        found = sorted([folder for folder in found if slug_of(folder) in chosen], key=lambda folder: chosen.index(slug_of(folder)))
+    absent = set(chosen) - set(map(slug_of, found))
+    valid: dict[str, Assignment] = {}
+    invalid = {slug: InvalidAssignment(slug, [f"{COURSE} names it, but it does not exist"]) for slug in absent}
+    for folder in found:
         slug = slug_of(folder)
         try:
             assignment = _load(slug, folder)

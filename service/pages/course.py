@@ -32,7 +32,9 @@ async def index(request: Request, person: CurrentUser) -> Response:
     """Show the assignments and the latest submissions: all of them to staff, their own to students."""
     database, staff = request.app.state.database, request.state.role in STAFF
     isolation, reason = await request.app.state.worker_status.current()
-    overview = [row for row in await gradebook.overview(database) if row.slug in assignments()]
+    order = list(assignments())
+    overview = [row for row in await gradebook.overview(database) if row.slug in order]
+    overview.sort(key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug)))
     context = {
         "staff": staff,
         "rows": await recent(database, LATEST, None if staff else person.name),

@@ -85,6 +85,7 @@ class SubmissionRow:
     max_score: int | None
     points: int | None = None
     total: int | None = None
+    assignment: str = ""
 
 
 def points(given: str, grading: str, score: str) -> str:
@@ -133,8 +134,8 @@ WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS}
-FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS}, x.slug
+FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
 WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
 """
 
@@ -158,7 +159,7 @@ async def read(database: Database, id: UUID) -> SubmissionRecord | None:
 async def recent(database: Database, most: int, person: str | None = None) -> Sequence[SubmissionRow]:
     """Return the latest ``most`` submissions, of everyone or of one person, newest first."""
     return [
-        SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total)
+        SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total, r.slug)
         for r in await database.rows(_LIST, {"most": most, "person": person})
     ]
 

@@ -24,6 +24,13 @@ def test_an_assignment_named_alone_brings_no_neighbour(tmp_path):
         assert two in folders() and "neighbour" in assignments()
 
 
+def test_a_course_names_its_assignments_in_order(tmp_path, monkeypatch):
+    monkeypatch.setenv("POLHODE_COURSE", "neighbour  absent damped-oscillator")
+    with known(copied(tmp_path), copied(tmp_path, "neighbour")) as found:
+        assert list(found.valid) == ["neighbour", "damped-oscillator"]
+        assert str(found.invalid["absent"]).endswith("POLHODE_COURSE names it, but it does not exist")
+
+
 def spoiled(folder):
     change(folder / "scenes.py", '"rates"', '"ratse"')
     change(folder / "public" / "__init__.py", '"1-motion"', '"1-energy"')

@@ -30,6 +30,10 @@ def relativistic(q, v, a, m, k):
     return m * a / np.sqrt(1 - v**2) ** 3 + k * q
 
 
+def quartic(q, v, a, m, c, k, b):
+    return (3 * m * v**2 + c * q**2) * a + c * q * v**2 + k * q
+
+
 def equation(text, v, truth, label, *wrong, **drawn):
     ask = {"L": family(text, "q", "v", **drawn), "q": symbol(-2, 2), "v": symbol(-v, v), "a": symbol(-3, 3)}
     label = f"equation_of_motion is right for {label}"
@@ -42,11 +46,12 @@ first = mistake("sp.diff(momentum, v) * a", "a", "missing-term", "∂²L/∂v² 
 mass = "m * (1 + c * q**2) * v**2 / 2 - k * q**4 / 4 + b * q * v"
 drawn = {name: uniform(0.5, 2) for name in "mckb"}
 varying = equation(mass, 2, of_varying_mass, "a mass that depends on q", last, mixed, first, **drawn)
+text = "m * v**4 / 4 + c * q**2 * v**2 / 2 - k * q**2 / 2 + b * q**2 * v"
+unnamed = equation(text, 2, quartic, "a Lagrangian that the text does not name", last, mixed, first, **drawn)
 drawn = {name: uniform(0.5, 2) for name in "mk"}
 text = "-m * (1 - v**2) ** 0.5 - k * q**2 / 2"
-notebook.exercise(
-    "1", "The equation of motion", varying, equation(text, 0.8, relativistic, "a fast particle", last, first, **drawn)
-)
+fast = equation(text, 0.8, relativistic, "a fast particle", last, first, **drawn)
+notebook.exercise("1", "The equation of motion", varying, fast, unnamed)
 
 
 # 2. Truth: the kinetic energy of two perpendicular velocities, and the force in the rotating frame.
@@ -139,7 +144,7 @@ wrong = [
         "p = (M + m) * v + m * l * w * sp.cos(theta)", "p = (M + m) * v", "missing-term", "the bob also moves relative to the cart"
     ),
     mistake("2 * l * v * w", "l * v * w", "constant-factor", "the product of the two velocities is counted once, not twice"),
-    mistake("- m * g * l", "+ m * g * l", "sign-flipped", "the potential energy is lowest when the pendulum hangs"),
+    mistake("- m * g * l", "+ m * g * l", "sign-flipped", "T − V, which is L: V is lowest when the pendulum hangs, and E = T + V"),
 ]
 asked = {"v": symbol(-3, 3), **angle, **masses}
 of_cart = expression(cart_conserved, asked, by_velocities, agree={"p": ROUNDING, "E": ROUNDING}, mistakes=wrong)
@@ -164,9 +169,10 @@ wrong = [
     mistake("Omega**2", "Omega", "wrong-power", "Ω is not squared"),
 ]
 slow = {"R": uniform(0.5, 1.5), "g": uniform(8, 12), "Omega": uniform(0.5, 2)}
+states = lambda rng: rng.uniform([-3, -12], [3, 12])  # noqa: E731
 turning = ode(
     hoop_rates,
-    {"t": 0.0, "y": uniform(-2, 2, 2), "R": uniform(0.5, 1.5), "g": uniform(5, 15), "Omega": uniform(1, 5)},
+    {"t": uniform(0, 20), "y": states, "R": uniform(0.3, 2.5), "g": uniform(5, 15), "Omega": uniform(1, 11)},
     Tolerance(limit=1e-12, reason="a thousand rounding errors"),
     truth=by_complex_step,
     t_end=5.0,
@@ -193,14 +199,19 @@ def by_polynomials(t, y0, R, g, Omega):
 
 
 NUMERIC = "a solver at rtol = 1e-10 is a hundred times better"
+DEFAULT = "the default tolerances of solve_ivp give three digits"
 wrong = [
     mistake("run.y[0]", "run.y[1]", "wrong-index", "the angular velocities are returned"),
-    mistake(", rtol=1e-10, atol=1e-10", "", "precision-loss", "the default tolerances of solve_ivp give three digits"),
+    mistake('"DOP853", t, args=(R, g, Omega), rtol=1e-10, atol=1e-10', "t_eval=t, args=(R, g, Omega)", "precision-loss", DEFAULT),
+    mistake("(0, t[-1])", "(t[0], t[-1])", "wrong-times", "y0 is the state at the time 0, not at t[0]"),
 ]
-ask = {"t": np.linspace(0.1, 5, 9), "y0": uniform(-1.5, 1.5, 2), **slow}
 agree = Tolerance(limit=1e-6, reason=f"of the largest angle; {NUMERIC}")
-moved = values(hoop_motion, ask, agree, truth=by_polynomials, uses=[hoop_rates], mistakes=wrong)
-notebook.exercise("6", "The motion of the bead", moved)
+ask = {"t": np.linspace(0.1, 5, 9), "y0": uniform(-1.5, 1.5, 2), **slow}
+shared = {"truth": by_polynomials, "uses": [hoop_rates], "mistakes": wrong}
+back = values(hoop_motion, ask, agree, label="hoop_motion is right back and forth", **shared)
+ask = ask | {"y0": lambda rng: [rng.uniform(-1.5, 1.5), rng.choice([-1, 1]) * rng.uniform(11, 14)]}
+over = values(hoop_motion, ask, agree, label="hoop_motion is right over the top", **shared)
+notebook.exercise("6", "The motion of the bead", back, over)
 
 
 # 7. Truth: the conserved integral gives the time as an integral over θ, which is smooth in another variable.
@@ -224,27 +235,28 @@ def by_quadrature(theta0, R, g, Omega):
     return np.pi * np.sqrt(2) * np.mean(((1 - sine**2) * rest) ** -0.5)
 
 
-def beside_equilibrium(rng):
-    return rng.choice([rng.uniform(0.3, 0.9), rng.uniform(1.7, 2)])
+def either(low, high):
+    return lambda rng: rng.choice([rng.uniform(*low), rng.uniform(*high)])
 
 
 wrong = [
-    mistake("-np.sign(", "np.sign("),
+    mistake("-np.sign(", "np.sign(", "returns-zero", "this is the rest at the start: the next one is asked"),
     mistake("return run.t_events[0][0]", "return 2 * run.t_events[0][0]", "constant-factor", "this is the whole period"),
-    mistake(", rtol=1e-10, atol=1e-10", "", "precision-loss", "the default tolerances of solve_ivp give three digits"),
+    mistake(
+        '"DOP853", events=at_rest, args=(R, g, Omega), rtol=1e-10, atol=1e-10',
+        "events=at_rest, args=(R, g, Omega)",
+        "precision-loss",
+        DEFAULT,
+    ),
 ]
 fast = {"R": uniform(0.8, 1.2), "g": uniform(5, 12), "Omega": uniform(8, 11)}
+medium = {"R": uniform(0.9, 1.1), "g": uniform(9, 10.5), "Omega": uniform(4, 5)}  # both far from the limit between the cases
 agree = Tolerance(rtol=1e-6, reason=NUMERIC)
-questions = [
-    values(
-        rest_time,
-        {"theta0": angles, **hoops},
-        agree,
-        truth=by_quadrature,
-        label=f"rest_time is right on a {name} hoop",
-        uses=[hoop_rates],
-        mistakes=wrong,
-    )
-    for name, angles, hoops in (("slow", uniform(0.3, 2), slow), ("fast", beside_equilibrium, fast))
-]
+each = {
+    "slow": {"theta0": uniform(0.3, 2), **slow},
+    "medium": {"theta0": either((0.3, 0.5), (2.2, 2.8)), **medium},
+    "fast": {"theta0": either((0.3, 0.9), (1.7, 2)), **fast},
+}
+shared = {"truth": by_quadrature, "uses": [hoop_rates], "mistakes": wrong}
+questions = [values(rest_time, ask, agree, label=f"rest_time is right on a {name} hoop", **shared) for name, ask in each.items()]
 notebook.exercise("7", "The time between two rests", *questions)

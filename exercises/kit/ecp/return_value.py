@@ -4,6 +4,7 @@ error sentence.
 
 import dis
 import inspect
+import re
 import traceback
 import types
 from collections.abc import Callable, Mapping
@@ -96,7 +97,7 @@ def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool 
     except ValueError:
         raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, wanted, "a ragged list")) from None
     if array.dtype.kind not in "fiu":
-        had = f"dtype {array.dtype}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
+        had = f"dtype {array.dtype}" if isinstance(value, np.ndarray) else article(type(value).__name__)
         raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, "real numbers" if shape else "a real number", had))
     if array.shape != shape:
         had = f"shape {array.shape}" if is_returned else f"an array of shape {array.shape}"
@@ -111,6 +112,15 @@ def wrong_value(name: str, is_returned: bool, wanted: str, had: str) -> str:
     'speed must return a number; it returned shape (3,)'
     """
     return f"{name} must return {wanted}; it returned {had}" if is_returned else f"{name} must be {wanted}; it is {had}"
+
+
+def article(noun: str) -> str:
+    """Return ``noun`` after its indefinite article.
+
+    >>> article("Equality"), article("str"), article("uint8")
+    ('an Equality', 'a str', 'a uint8')
+    """
+    return f"{'an' if re.match('[aeio]|u(?!fu|int|ni)', noun, re.IGNORECASE) else 'a'} {noun}"
 
 
 def describe_exception(error: BaseException, own: Callable[[str], bool]) -> dict[str, str | None]:

@@ -89,7 +89,7 @@ def test_an_equivalent_form_is_right(symbolic, velocity):
     [
         ("None", "flow returned None: is a return statement missing?"),
         ("'U*z', z", "flow must be a sympy expression; it is a str"),
-        ("sp.Eq(z, U), z", "flow must be a sympy expression; it is a Equality"),
+        ("sp.Eq(z, U), z", "flow must be a sympy expression; it is an Equality"),
         ("z, x", "flow contains x; it may contain only z, U"),
         ("z, sp.Function('f')(z)", "flow has no value at z = 0.7+1.1j, U = 1.1: f(z)"),
         ("z, sp.zoo * z", "flow has no value at"),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.exercise import Figure
-from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array, wrong_value
+from ecp.return_value import WrongAnswer, article, check_signature, exchanged, real_array, wrong_value
 
 MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
 LONGEST_CALL = 60  # characters of an author's expression in a sentence for students
@@ -112,7 +112,7 @@ def parts(question: Mapping[str, Any], answer: Any) -> list[Any]:
     if is_several and (set(names) <= set(answer) if keys else len(answer) == len(names)):
         return [answer[name] for name in names] if keys else list(answer)
     if not is_several:
-        had = f"a {type(answer).__name__}"
+        had = article(type(answer).__name__)
     else:
         had = f"the keys {', '.join(map(str, answer))}" if keys else f"{len(answer)} values"
     wanted = f"a dict with the keys {', '.join(names)}" if keys else f"{len(names)} values ({', '.join(names)})"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ecp.kinds.asking import arguments, call, each, parts, returned
 from ecp.kinds.values import checks  # noqa: F401
-from ecp.return_value import WrongAnswer
+from ecp.return_value import WrongAnswer, article
 
 DIGITS = 30  # of the evaluation, so that cancellation in an equivalent form costs nothing
 
@@ -42,9 +42,9 @@ def _number(part: Any, point: Mapping[str, complex], name: str) -> complex:
     try:
         expression = sympy.sympify(part, strict=True)
     except sympy.SympifyError:
-        raise WrongAnswer(None, f"{name} must be a sympy expression; it is a {type(part).__name__}") from None
+        raise WrongAnswer(None, f"{name} must be a sympy expression; it is {article(type(part).__name__)}") from None
     if not isinstance(expression, sympy.Expr):
-        raise WrongAnswer(None, f"{name} must be a sympy expression; it is a {type(part).__name__}")
+        raise WrongAnswer(None, f"{name} must be a sympy expression; it is {article(type(part).__name__)}")
     if unknown := sorted({symbol.name for symbol in expression.free_symbols} - set(point)):
         raise WrongAnswer(None, f"{name} contains {', '.join(unknown)}; it may contain only {', '.join(point)}")
     symbols = {symbol: _exactly(point[symbol.name]) for symbol in expression.free_symbols}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecp.kinds.asking import describe, returned
-from ecp.return_value import WrongAnswer
+from ecp.return_value import WrongAnswer, article
 
 
 def test_a_large_argument_is_shown_by_its_corners():
@@ -24,3 +24,13 @@ def test_a_long_expression_of_the_author_is_not_quoted(call, named):
     with pytest.raises(WrongAnswer, match="it is a complex128") as raised:
         returned(question, np.complex128(1j))
     assert str(raised.value).startswith(f"{named} must be a real number")
+
+
+def test_an_article_before_a_vowel_is_an():
+    nouns = ("Equality", "int", "OrderedDict", "Undefined", "str", "dict", "uint8", "ufunc", "Union")
+    assert [article(noun).split()[0] for noun in nouns] == ["an"] * 4 + ["a"] * 5
+    question = {"function": "modes", "returns": [{"name": "omega", "shape": []}, {"name": "X", "shape": []}]}
+    with pytest.raises(WrongAnswer, match=r"it returned an int$"):
+        returned(question, 3)
+    with pytest.raises(WrongAnswer, match=r"it returned an Exception$"):
+        returned({**question, "returns": question["returns"][:1]}, Exception())

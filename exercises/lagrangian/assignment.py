@@ -208,9 +208,9 @@ wrong = [
 agree = Tolerance(limit=1e-6, reason=f"of the largest angle; {NUMERIC}")
 ask = {"t": np.linspace(0.1, 5, 9), "y0": uniform(-1.5, 1.5, 2), **slow}
 shared = {"truth": by_polynomials, "uses": [hoop_rates], "mistakes": wrong}
-back = values(hoop_motion, ask, agree, label="hoop_motion is right back and forth", **shared)
+back = values(hoop_motion, ask, agree, label="hoop_motion is right for a bead that swings", **shared)
 ask = ask | {"y0": lambda rng: [rng.uniform(-1.5, 1.5), rng.choice([-1, 1]) * rng.uniform(11, 14)]}
-over = values(hoop_motion, ask, agree, label="hoop_motion is right over the top", **shared)
+over = values(hoop_motion, ask, agree, label="hoop_motion is right for a bead that goes over the top", **shared)
 notebook.exercise("6", "The motion of the bead", back, over)
 
 

@@ -82,27 +82,11 @@ def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> 
 
 
 def _checks(cells: Sequence[Cell], sections: Sequence[Section]) -> Iterator[tuple[str, int]]:
-    """Yield the number of each exercise without a check cell, and the index of the last cell that belongs to it."""
-    starts = {section.number: _start(cells, section) for section in sections}
+    """Yield the number of each exercise without a check cell, and the index of its last solution."""
     for section in sections:
         is_checked = any(section.number in arguments for cell in cells for arguments in _calls(cell, "check"))
-        if is_checked or not (section.questions or section.own):
-            continue
-        start = starts[section.number]
-        level = min((level for level, _ in cells[start].headings), default=6)
-        begin = {at for at in starts.values() if at > start}
-        begin |= {at for at, cell in enumerate(cells) if at > start and any(other <= level for other, _ in cell.headings)}
-        last = max((at for at, cell in enumerate(cells) if cell.bound() & set(section.names)), default=0)
-        yield section.number, max(min(begin, default=len(cells)) - 1, last)
-
-
-def _start(cells: Sequence[Cell], section: Section) -> int:
-    """Return the index of the exercise's heading, else of the first cell that defines its solution."""
-    numbered = re.compile(rf"\bexercise\s+{re.escape(section.number)}(?![\w.]*\w)", re.IGNORECASE)
-    for at, cell in enumerate(cells):
-        if any(numbered.search(text) or section.title.casefold() in text.casefold() for _, text in cell.headings):
-            return at
-    return next((at for at, cell in enumerate(cells) if cell.bound() & set(section.names)), len(cells) - 1)
+        if not is_checked and (solutions := [at for at, cell in enumerate(cells) if cell.bound() & set(section.names)]):
+            yield section.number, solutions[-1]
 
 
 def _emptied_cell(cell: Cell, names: Collection[str], read: Collection[str]) -> str:

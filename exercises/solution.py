@@ -47,7 +47,7 @@ class Solution:
 
     def change(self, code: str, what: str, node: Any, new: str, *, at: Any = None, last: Any = None) -> Variant:
         """Return the change of ``node``, or of ``node`` to ``last``; its sentence adds the place ``at`` to ``what``."""
-        inner, place = f" in {self.quote(at or node)}", self.place(at or node)
+        inner, place = f" in {self.named(at or node)}", self.place(at or node)
         sentence = what.replace(inner, place) if place and inner in what else what + place
         whole = last is None and isinstance(node, ast.expr)
         return self.replaced(code, sentence, self.span(node, last), f"({new})" if whole else new)
@@ -76,8 +76,13 @@ class Solution:
     def forms(self, name: str, node: Any) -> dict[str, str]:
         """Return the source of a node in brackets as ``name``, as it is (``name_r``), quoted (``_q``), and as a term (``_t``)."""
         added = is_operation(self.parents[node], *SUM) or isinstance(self.parents[node], ast.AugAssign)
-        term = ("the term " if added else "") + self.quote(node).replace("`-", "`")
-        return {name: f"({self.text(node)})", f"{name}_r": self.text(node), f"{name}_q": self.quote(node), f"{name}_t": term}
+        quoted = self.named(node)
+        term = ("the term " if added else "") + quoted.replace("`-", "`")
+        return {name: f"({self.text(node)})", f"{name}_r": self.text(node), f"{name}_q": quoted, f"{name}_t": term}
+
+    def named(self, node: Any) -> str:
+        """Return the quoted source of a node, or "the returned value", so that no sentence contains a whole solution."""
+        return "the returned value" if isinstance(self.parents.get(node), ast.Return) else self.quote(node)
 
     def place(self, node: Any) -> str:
         """Return " in `…`": the smallest expression around ``node`` that occurs once in the source, "" if ``node`` does."""
@@ -86,7 +91,7 @@ class Solution:
             node = self.outer(self.parents[node], ast.expr, ast.stmt)
             if isinstance(node, COMPOUND):
                 return ""
-        return "" if node is inner else f" in {self.quote(node)}"
+        return "" if node is inner else f" in {self.named(node)}"
 
     def outer(self, node: Any, *kinds: type) -> Any:
         """Return the innermost node of the ``kinds`` around ``node``, or the module."""

@@ -76,7 +76,14 @@ def returned(variant):
 @pytest.mark.parametrize(("right", "code", "sentence", "wrong"), [(r, *c) for r, changes in CHANGES.items() for c in changes])
 def test_a_change_and_its_sentence(right, code, sentence, wrong):
     wrong = ast.dump(ast.parse(wrong))
-    assert (code, sentence, wrong) in [(v.code, v.sentence, returned(v)) for v in made(right)]
+    named = [(v.code, v.sentence.replace("the returned value", f"`{right}`"), returned(v)) for v in made(right)]
+    assert (code, sentence, wrong) in named
+
+
+def test_no_sentence_about_a_factor_sign_or_term_contains_the_whole_solution():
+    sentences = [v.sentence for v in made("x * w / (2 + v)")]
+    assert "the factor `w` in the returned value is missing" in sentences and "the returned value is halved" in sentences
+    assert not [s for s in sentences if "`x * w / (2 + v)`" in s and "in place of" not in s]
 
 
 EQUAL = [

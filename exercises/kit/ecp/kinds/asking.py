@@ -13,6 +13,7 @@ from ecp.exercise import Figure
 from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array, wrong_value
 
 MOST_CALLS = 20_000  # of a function argument, unless the question allows fewer: then ten times as many as it allows
+LONGEST_CALL = 60  # characters of an author's expression in a sentence for students
 NAMES = """
     abs arccos arcsin arctan arctan2 arcsinh arctanh array cos cosh cross dot exp expm1 heaviside hypot log log10 log1p maximum
     minimum pi sign sin sinc sinh sqrt stack tan tanh where
@@ -138,7 +139,9 @@ def returned(question: Mapping[str, Any], answer: Any, *, finite: bool = True) -
 def _named(question: Mapping[str, Any]) -> tuple[str, bool]:
     """Return what a sentence calls the answer, and whether a function of the student returned it."""
     call = question.get("call")
-    return (f"`{call}`", False) if call else (question["function"], not question.get("variables"))
+    if call and len(call) <= LONGEST_CALL:
+        return f"`{call}`", False
+    return question["function"], not (call or question.get("variables"))
 
 
 def stacked(answers: Sequence[Mapping[str, Any]]) -> dict[str, NDArray[np.float64]]:
@@ -221,4 +224,4 @@ def _plain(value: Any) -> Any:
 def _short(value: Any) -> str:
     if np.ndim(value) == 0:
         return value if isinstance(value, str) else f"{value:.6g}"
-    return " ".join(np.array2string(value, precision=4, threshold=12, separator=", ").split())
+    return " ".join(np.array2string(value, precision=4, threshold=12, edgeitems=3 if value.ndim < 2 else 1, separator=", ").split())

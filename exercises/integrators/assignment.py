@@ -8,6 +8,7 @@ from math import log2, sqrt
 
 import numpy as np
 
+from ecp.kinds import asking
 from exercises.author import Notebook, Tolerance, choice, family, integers, mistake, uniform
 from exercises.kinds.stepper import euler, rk4, stepper
 from exercises.kinds.values import values
@@ -38,6 +39,20 @@ def step_question(solution, truth, order, limit, calls, mistakes):
     )
 
 
+def any_force(solution, truth, mistakes):
+    """Return the question for steps up to 1.5 with two forces in turn, at the same place and at the place of the step before."""
+    name = solution.__name__
+    call = f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
+
+    def exact(acc, other, x, v, h):
+        return asking.evaluate(call, {"acc": acc, "other": other, "x": x, "v": v, "h": h, name: truth})
+
+    ask = {"acc": family("-sin(k * x)", "x", k=uniform(1, 3)), "other": family("cos(x) - x", "x")}
+    ask |= {"x": uniform(-1, 1, 2), "v": uniform(-1, 1, 2), "h": uniform(0.1, 1.5)}
+    label = f"{name} is right for large steps and other forces"
+    return values(solution, ask, ROUNDING, truth=exact, call=call, label=label, mistakes=mistakes)
+
+
 def by_tableau(method):
     """Return the step of a Runge–Kutta method for y = (x, v)."""
     return lambda acc, x, v, h: tuple(method(lambda t, y: np.array([y[1], acc(y[0])]), 0.0, np.array([x, v]), h))
@@ -65,15 +80,14 @@ wrong = [
     mistake("acc(x)", "acc(x + h * v)", "wrong-variable", "acc is that of the new place"),
     mistake("h * acc(x)", "acc(x)", "missing-term", "the step h is missing in the new velocity"),
 ]
-first = step_question(euler_step, by_tableau(euler), 1, NEVER, 1, wrong)
+first = step_question(euler_step, by_tableau(euler), 1, NEVER, 1, wrong), any_force(euler_step, by_tableau(euler), wrong)
 wrong = [
     mistake("    v = v + h * acc(x)\n    return x + h * v, v", "    return x + h * v, v + h * acc(x)", "wrong-variable", OLD_V),
     mistake("x + h * v, v", "x + h * (v - h / 2 * acc(x)), v", "constant-factor", "the position moves with the mean velocity"),
     mistake("    v = v", "    x = x + h * v\n    v = v", "component-order", "the position moves before the velocity, and twice"),
 ]
-notebook.exercise(
-    "1", "Euler's step, and a small change", first, step_question(symplectic_step, by_places, 1, (2, SEARCHED), 1, wrong)
-)
+second = step_question(symplectic_step, by_places, 1, (2, SEARCHED), 1, wrong), any_force(symplectic_step, by_places, wrong)
+notebook.exercise("1", "Euler's step, and a small change", *first, *second)
 
 
 def verlet_step(acc, x, v, h):
@@ -96,7 +110,8 @@ wrong = [
         "    x = x + h * half\n    return x,", "    return x + h * half,", "wrong-variable", "both accelerations are the old one"
     ),
 ]
-notebook.exercise("2", "Velocity Verlet", step_question(verlet_step, by_mean_acceleration, 2, (2, SEARCHED), 2, wrong))
+first = step_question(verlet_step, by_mean_acceleration, 2, (2, SEARCHED), 2, wrong)
+notebook.exercise("2", "Velocity Verlet", first, any_force(verlet_step, by_mean_acceleration, wrong))
 
 
 def rk4_step(acc, x, v, h):
@@ -114,10 +129,11 @@ wrong = [
     mistake("h * a3, acc(x + h * v3)", "h / 2 * a3, acc(x + h / 2 * v3)", "constant-factor", "the last slopes are those of h/2"),
     mistake("+ 2 * v2 + 2 * v3", "+ v2 + v3", "missing-term", "the weights 2 of the middle slopes of x are missing"),
 ]
-notebook.exercise("3", "Runge and Kutta", step_question(rk4_step, by_tableau(rk4), 4, (sqrt(8), SEARCHED), 4, wrong))
+first = step_question(rk4_step, by_tableau(rk4), 4, (sqrt(8), SEARCHED), 4, wrong)
+notebook.exercise("3", "Runge and Kutta", first, any_force(rk4_step, by_tableau(rk4), wrong))
 
-# Of these steps b = 0 is Euler's and b = 1 the symplectic one.
-BLEND = "(x + h * (v + b * h * acc(x)), v + h * acc(x))"
+# b = 0 is Euler's step and b = 1 a symplectic one, of the oscillator x'' = -k² x with h in place of kh; e = 1 exchanges x and v.
+BLEND = "(x + k * h * (v + (1 - e) * b * k * h * acc(x)), v + k * h * acc(x + e * b * k * h * v))"
 
 
 def energy_error(step, h, n):
@@ -136,14 +152,15 @@ def by_eigenvalues(h, n, b):
     return np.abs(np.sum(found[:, :, 0].real ** 2, axis=1) - 1).max()
 
 
-ask = {"step": family(BLEND, "acc", "x", "v", "h", b=choice(0.0, 0.5, 1.0, 1.2)), "h": uniform(0.05, 0.3), "n": integers(50, 300)}
+blend = family(BLEND, "acc", "x", "v", "h", b=choice(0.0, 0.5, 1.0, 1.2), k=1.0, e=0)
+ask = {"step": blend, "h": uniform(0.05, 0.3), "n": integers(1, 300)}
 wrong = [
     mistake("max(worst, abs(x**2 + v**2 - 1))", "abs(x**2 + v**2 - 1)", "missing-term", "the error is that of the last step"),
     mistake("abs(x**2 + v**2 - 1)", "x**2 + v**2 - 1", "wrong-function", "a loss of energy does not count"),
     mistake("abs(x**2 + v**2 - 1)", "abs(x**2 + v**2 - 1) / 2", "constant-factor", "the error is not relative to E(0) = 1/2"),
 ]
 RELATIVE = Tolerance(rtol=1e-10, atol=1e-11, reason="a hundred times the rounding errors of 300 steps")
-notebook.exercise("4", "Energy", values(energy_error, ask, RELATIVE, truth=by_eigenvalues, mistakes=wrong))
+notebook.exercise("4", "Energy", values(energy_error, ask, RELATIVE, truth=by_eigenvalues, rows=(5, 16), mistakes=wrong))
 
 
 def growth(step, h):
@@ -152,14 +169,20 @@ def growth(step, h):
     return np.abs(np.linalg.eigvals(np.array(columns).T)).max()
 
 
-def by_trace(h, b):
-    half, determinant = 1 - b * h**2 / 2, 1 + (1 - b) * h**2
+def by_trace(h, b, k):
+    half, determinant = 1 - b * (k * h) ** 2 / 2, 1 + (1 - b) * (k * h) ** 2
     return sqrt(determinant) if half**2 < determinant else abs(half) + sqrt(half**2 - determinant)
 
 
-def by_crossing(b):
-    """Return where an eigenvalue is -1."""
-    return 2 / sqrt(2 * b - 1) if b >= 1 else 0.0
+def by_crossing(b, k):
+    """Return where an eigenvalue is -1, or 0 if that is below 0.1 or the determinant is above 1."""
+    limit = 2 / sqrt(2 * b - 1) / k if b >= 1 else 0.0
+    return limit if limit > 0.1 else 0.0
+
+
+def frequency(rng):
+    """Return k: in a quarter of all cases each the limit is below 0.1, below 0.6, in between, and up to 3.84 for b = 1."""
+    return 1 / rng.choice([rng.uniform(0.02, 0.045), rng.uniform(0.11, 0.3), rng.uniform(0.3, 1.6), rng.uniform(1.6, 1.92)])
 
 
 def stability_limit(step):
@@ -173,9 +196,11 @@ def stability_limit(step):
     return stable
 
 
-ask = {"step": family(BLEND, "acc", "x", "v", "h", b=uniform(0, 2.5)), "h": uniform(0.3, 3)}
+REAL_PARTS = ("wrong-function", "the real parts of the eigenvalues stand for their absolute values")
+ask = {"step": family(BLEND, "acc", "x", "v", "h", b=uniform(0, 2.5), k=uniform(0.5, 2), e=choice(0, 1)), "h": uniform(0.3, 3)}
 wrong = [
     mistake("(1.0, 0.0), (0.0, 1.0)", "(1.0, 0.0), (1.0, 1.0)", "wrong-start", "the second column is the step from (1, 1)"),
+    mistake("np.abs(np.linalg.eigvals(np.array(columns).T))", "np.linalg.eigvals(np.array(columns).T).real", *REAL_PARTS),
     mistake(".max()", ".min()", "wrong-function", "the smallest eigenvalue stands for the largest"),
     mistake(
         "np.abs(np.linalg.eigvals(np.array(columns).T)).max()", "np.linalg.norm(columns, 2)", "wrong-quantity", "this is the norm"
@@ -183,10 +208,12 @@ wrong = [
 ]
 NEAR = Tolerance(atol=1e-7, reason="the root of the rounding errors, where two eigenvalues meet")
 grows = values(growth, ask, NEAR, truth=by_trace, rows=(6, 16), mistakes=wrong)
-ask = {"step": family(BLEND, "acc", "x", "v", "h", b=lambda rng: rng.choice([0.0, 1.0, *rng.uniform(1.05, 2.5, 4)]))}
+growing = {"b": lambda rng: rng.choice([0.0, 0.5, 1.0, 1.0, 1.0, *rng.uniform(1.05, 2.5, 3)]), "k": frequency, "e": choice(0, 1)}
+ask = {"step": family(BLEND, "acc", "x", "v", "h", **growing)}
 wrong = [
     mistake("> 1 + 1e-9 else", "> 1.01 else", "wrong-constant", "a growth of a hundredth in each step counts as stable"),
     mistake("return 0.0", "return stable", "missing-term", "a method that always grows has no limit of 0.1"),
+    mistake("    if growth(step, stable) > 1 + 1e-9:\n        return 0.0\n", ""),
     mistake("> 1 + 1e-9", "> 1", "wrong-constant", "rounding errors count as growth"),
 ]
 LIMIT = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
@@ -209,9 +236,11 @@ def final_error(step, acc, n):
     return np.hypot(x - np.cos(5), v + np.sin(5))
 
 
-def by_complex_powers(n, c):
-    h = 5 / n
-    return abs((1 - 1j * h - c * h**2 / 2) ** n - np.exp(-5j))
+def by_complex_powers(n, c, k=1.0):
+    """Take the powers of the factor of x + iv/w, where acc(x) = -k x and w² = k."""
+    w = sqrt(k)
+    z = (1 - 1j * w * 5 / n - c * k * (5 / n) ** 2 / 2) ** n
+    return abs(z.real + 1j * w * z.imag - np.exp(-5j))
 
 
 def observed_order(step, n):
@@ -234,14 +263,16 @@ def calls_needed(step, tol):
 
 
 def by_formula(tol, c):
-    return (1 + c) * next(8 * 2**k for k in range(30) if by_complex_powers(8 * 2**k, c) <= tol)
+    """Count two calls for each step, and a third where x < 0."""
+    n = next(8 * 2**k for k in range(30) if by_complex_powers(8 * 2**k, c) <= tol)
+    return 2 * n + int(np.sum(((1 - 5j / n - c * (5 / n) ** 2 / 2) ** np.arange(n)).real < 0))
 
 
 wrong = [
     mistake("v + np.sin(5)", "v - np.sin(5)", "sign-flipped", "the exact velocity is -sin t"),
     mistake("np.hypot(x - np.cos(5), v + np.sin(5))", "abs(x - np.cos(5))", "missing-term", "the error of v is missing"),
 ]
-ask = {"step": STEP, "acc": family("-x", "x"), "n": integers(50, 400)}
+ask = {"step": STEP, "acc": family("-k * x", "x", k=uniform(0.5, 2)), "n": lambda rng: rng.choice([1, *rng.integers(2, 401, 4)])}
 errors = values(final_error, ask, ERROR, truth=by_complex_powers, mistakes=wrong)
 wrong = [
     mistake("np.log2", "np.log", "wrong-function", "the natural logarithm stands for that of base 2"),
@@ -257,9 +288,11 @@ orders = values(
     mistakes=wrong,
 )
 wrong = [
+    mistake("n, calls = 8", "n, calls = 16"),
     mistake("calls.clear()", "pass", "missing-term", "the calls of the coarser runs count too"),
     mistake("len(calls)", "n", "wrong-variable", "the number of steps is returned, not that of the calls"),
 ]
-ask = {"step": STEP, "tol": uniform(5e-3, 5e-2)}
-cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], mistakes=wrong)
+COSTLY = "(x + h * (v + c * h / 2 * acc(x)), v + h * acc(x + c * h / 2 * v) + (0 * acc(x) if x < 0 else 0))"
+ask = {"step": family(COSTLY, "acc", "x", "v", "h", c=uniform(0.8, 1.2)), "tol": lambda rng: 10 ** rng.uniform(-3.2, 0.3)}
+cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], rows=(5, 14), mistakes=wrong)
 notebook.exercise("6", "Speed against accuracy", errors, orders, cost)

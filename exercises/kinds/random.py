@@ -77,6 +77,7 @@ def estimate(
     *,
     sd: Named | Positive,
     error: Limit | None = None,
+    mean_error: Limit | None = None,
     bias: Close | None = None,
     call: Expression | None = None,
     repetitions: Several = 400,
@@ -88,10 +89,12 @@ def estimate(
     ``truth`` is the expected value of the estimate and ``sd`` its standard deviation, computed or measured: numbers, or functions
     of the arguments ``ask``. The mean and the spread of the ``repetitions`` are tested against both. A systematic error up to
     ``bias``, ``atol`` and ``rtol``, is allowed. With ``error`` the function returns an estimate and its error: the root mean square
-    of error/sd − 1 is at most the ``limit`` of that tolerance, for N samples in an estimate at least 5/√N. ``call`` and ``label``
-    are those of ``samples``.
+    of error/sd − 1 is at most the ``limit`` of that tolerance, for N samples in an estimate at least 5/√N. With ``mean_error``
+    the mean of all returned errors differs from sd by at most the fraction ``limit``: it can be much smaller. ``call`` and
+    ``label`` are those of ``samples``.
     """
-    allowed = {name: tolerance_data(given) for name, given in (("error", error), ("bias", bias)) if given}
+    given = {"error": error, "mean_error": mean_error, "bias": bias}
+    allowed = {name: tolerance_data(tolerance) for name, tolerance in given.items() if tolerance}
     data = {"repetitions": repetitions, **allowed}
     return _question(solution, ask, label, rows=rows, data=data, call=call, known={"value": truth, "sd": sd})
 
@@ -110,5 +113,5 @@ def _question(
         "rate": RATE / RESERVE / (2 * sum(rows)),
         "tolerance": {**bias, "reason": "; ".join(filter(None, (bias.get("reason"), rate)))},
     }
-    values = {"value": value} | ({"error": value} if "error" in data else {})
+    values = {"value": value} | ({"error": value} if data.keys() & {"error", "mean_error"} else {})
     return Question(kind="random", solution=solution, ask=ask, values=values, data={**common, **data}, **given)

@@ -11,7 +11,7 @@ from statistics import variance
 import numpy as np
 from scipy.optimize import curve_fit
 
-from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
+from exercises.author import Notebook, Tolerance, Value, choice, family, integers, mistake, uniform
 from exercises.kinds.fit import fit
 from exercises.kinds.random import estimate, generator, samples
 from exercises.kinds.values import values
@@ -21,6 +21,12 @@ notebook = Notebook("Random walks and Monte Carlo", notebook="notebook.ipynb", d
 TRACK = np.loadtxt(Path(__file__).with_name("track.csv"), delimiter=",", skiprows=1)
 ROUNDING = Tolerance(limit=1e-12, reason="a thousand rounding errors")
 OTHER_GENERATOR = mistake("rng.", "np.random.default_rng().")
+TWICE = "np.dot(2 - np.arange(walkers) % 2, {})"  # a sum over walkers that reveals each that repeats or mirrors another
+
+
+def weights(walkers):
+    """Return the weights (walkers,) of the sum that counts every other walker twice."""
+    return 2 - np.arange(walkers) % 2
 
 
 def walk(walkers, steps, p, rng):
@@ -29,35 +35,52 @@ def walk(walkers, steps, p, rng):
     return np.hstack([np.zeros((walkers, 1)), np.cumsum(step, axis=1)])
 
 
-ask = {"walkers": 200, "steps": 20, "p": uniform(0.25, 0.75), "rng": generator()}
+ask = {"walkers": 25, "steps": 20, "p": uniform(0.05, 0.95), "rng": generator()}
+counted = mistake("1, -1)", "1, 0)", "wrong-quantity", "the steps to the right are counted: a step to the left is 0 instead of −1")
 wrong = [
+    counted,
     mistake("< p", "> p", "wrong-comparison", "p is the probability of a step to the left"),
     mistake("< p", "< 0.5", "missing-term", "both directions are equally likely, whatever p is"),
     mistake("(rng.random((walkers, steps))", "(rng.random((walkers, 1)) * np.ones(steps)"),
     OTHER_GENERATOR,
 ]
 each = "(np.diff(walk(walkers, steps, p, rng)) + 1) / 2"
-each_step = samples(walk, ask, "bernoulli", p=lambda p: p, call=each, label="steps of walk", mistakes=wrong)
+each_step = samples(walk, ask, "bernoulli", p=lambda p: p, call=each, repetitions=160, label="steps of walk", mistakes=wrong)
+zeros = "steps)) < p, 1, -1)\n    return np.hstack([np.zeros((walkers, 1)), np.cumsum(step, axis=1)])"
+late = "steps + 1)) < p, 1, -1)\n    return np.cumsum(step, axis=1)"
 wrong = [
+    counted,
+    mistake(zeros, late, "off-by-one", "the first column is the place after the first step, ±1, instead of 0"),
     mistake("rng.random((walkers, steps))", "rng.random(steps) * np.ones((walkers, 1))"),
     mistake("np.cumsum", "1 + np.cumsum", "extra-term", "each walker is one place too far to the right"),
 ]
-right = {"n": lambda steps: steps, "p": lambda p: p}
+ask = {**ask, "steps": integers(6, 20)}
+right = {"n": lambda steps: steps, "p": lambda p: p, "label": "end points of walk", "repetitions": 160}
 ends = "(np.array(walk(walkers, steps, p, rng))[:, -1] + steps) / 2"
-end_points = samples(walk, ask, "binom", **right, call=ends, label="end points of walk", mistakes=wrong)
+end_points = samples(walk, ask, "binom", **right, call=ends, mistakes=wrong)
+
+
+def place(walkers, steps, p):
+    """Return the expected weighted sum of the last places."""
+    return weights(walkers).sum() * steps * (2 * p - 1)
 
 
 def scatter(walkers, steps, p):
-    """Return the standard deviation of the mean place of independent walkers."""
-    return sqrt(4 * steps * p * (1 - p) / walkers)
+    """Return its standard deviation if the walkers are independent."""
+    return sqrt((weights(walkers) ** 2).sum() * 4 * steps * p * (1 - p))
 
 
-ask = {**ask, "walkers": 10, "steps": 5}
+ask = {"walkers": integers(20, 30), "steps": integers(2, 3), "p": uniform(0.1, 0.9), "rng": generator()}
 dealt = "rng.permutation((np.arange(walkers * steps) + 0.5) / (walkers * steps)).reshape(walkers, steps)"
-wrong = [mistake("rng.random((walkers, steps))", dealt)]  # as many steps to the right as expected, in random order
-means = {"call": "np.mean(np.array(walk(walkers, steps, p, rng))[:, -1])", "label": "mean place of walk", "repetitions": 1600}
-mean_place = estimate(walk, ask, lambda steps, p: steps * (2 * p - 1), sd=scatter, **means, mistakes=wrong)
-notebook.exercise("1", "A walk with a bias", each_step, end_points, mean_place)
+halves = "np.resize(rng.random((walkers // 2, steps)), (walkers, steps))"
+wrong = [
+    counted,
+    mistake("rng.random((walkers, steps))", dealt),  # as many steps to the right as expected, in random order
+    mistake("rng.random((walkers, steps))", halves),  # the second half repeats the first
+]
+sums = {"call": TWICE.format("np.array(walk(walkers, steps, p, rng))[:, -1]"), "label": "weighted sum of walk", "repetitions": 1000}
+place_sum = estimate(walk, ask, place, sd=scatter, **sums, mistakes=wrong)
+notebook.exercise("1", "A walk with a bias", each_step, end_points, place_sum)
 
 
 def mean_square(r):
@@ -100,7 +123,7 @@ def uneven(rng):
     return np.append(0, np.cumsum(np.exp(rng.uniform(np.log(0.02), np.log(2), 5))))
 
 
-ask = {"walkers": 200, "t": uneven, "D": uniform(0.2, 2), "rng": generator()}
+ask = {"walkers": 25, "t": uneven, "D": uniform(0.2, 2), "rng": generator()}
 wrong = [
     mistake("2 * D", "4 * D", "constant-factor", "4Dt is the variance of x and y together, 2Dt that of one"),
     mistake("np.diff(t)", "t[1:]", "wrong-variable", "each step has the variance of the whole time"),
@@ -109,19 +132,31 @@ wrong = [
     OTHER_GENERATOR,
 ]
 scaled = "np.diff(np.swapaxes(brownian(walkers, t, D, rng), 1, 2)) / np.sqrt(2 * D * np.diff(t))"
-each_step = samples(brownian, ask, "norm", call=scaled, label="steps of brownian", mistakes=wrong)
+each_step = samples(brownian, ask, "norm", call=scaled, repetitions=160, label="steps of brownian", mistakes=wrong)
 wrong = [
     mistake("1, 2)) *", "1, 1)) * np.ones(2) *", "wrong-index", "x and y take the same steps"),
-    mistake("rng.normal(size=(walkers, len(t) - 1, 2))", "np.repeat(rng.normal(size=(walkers // 2, len(t) - 1, 2)), 2, axis=0)"),
+    mistake(
+        "rng.normal(size=(walkers, len(t) - 1, 2))",
+        "np.repeat(rng.normal(size=(walkers // 2 + 1, len(t) - 1, 2)), 2, axis=0)[:walkers]",
+    ),
 ]
 scaled = "np.sum(np.array(brownian(walkers, t, D, rng))[:, -1] ** 2, axis=-1) / (4 * D * t[-1])"
-end_points = samples(brownian, ask, "expon", call=scaled, label="squared displacement of brownian", mistakes=wrong)
+squares = {"label": "squared displacement of brownian", "repetitions": 160}
+end_points = samples(brownian, ask, "expon", call=scaled, **squares, mistakes=wrong)
+ask = {**ask, "walkers": integers(20, 30), "t": lambda rng: uneven(rng)[:3]}
+total = TWICE.format("np.sum(np.array(brownian(walkers, t, D, rng))[:, -1], axis=-1)")
+wrong = [
+    mistake("(step, axis=1)", "(step - step[::-1], axis=1) / np.sqrt(2)"),  # mirror images
+    mistake("(step, axis=1)", "(np.resize(step[: walkers // 2], step.shape), axis=1)"),
+]
+widths = {"sd": lambda walkers, t, D: sqrt((weights(walkers) ** 2).sum() * 4 * D * t[-1]), "label": "weighted sum of brownian"}
+place_sum = estimate(brownian, ask, 0, **widths, call=total, mistakes=wrong)
 ask = {"t": uneven, "D": uniform(0.2, 2), "seed": integers(0, 999)}
 started = "np.array(brownian(3, t, D, np.random.default_rng(seed)))[:, 0]"
 agree = Value(Tolerance(atol=0, reason="the start is given"), label="brownian: all particles start at the origin")
 wrong = [mistake("np.cumsum(step, axis=1)], axis=1)", "np.cumsum(step, axis=1)], axis=1) + 0.1")]
 start = values(brownian, ask, agree, truth=lambda: np.zeros((3, 2)), call=started, mistakes=wrong)
-notebook.exercise("3", "Brownian motion", each_step, end_points, start)
+notebook.exercise("3", "Brownian motion", each_step, end_points, place_sum, start)
 
 
 def fit_diffusion(t, msd, sigma):
@@ -139,6 +174,7 @@ wrong = [
     mistake(", sigma, True", "", "missing-term", "the errors of the data are not used"),
     mistake("True", "False", "wrong-option", "the covariance is scaled by χ²/(n − 2)"),
     mistake("4 * K * t**alpha", "K * t**alpha", "constant-factor", "the factor 4 of the model is missing"),
+    mistake("t, K, alpha:", "t, alpha, K:", "component-order", "the order is α, K instead of K, α"),
     mistake("4 * K * t**alpha, t, msd, (1, 1), sigma", line),
 ]
 times, drawn = np.geomspace(0.1, 10, 15), {"K": uniform(0.6, 2), "alpha": uniform(0.5, 1.1)}
@@ -169,12 +205,14 @@ wrong = [
     mistake("L**3 * ", "", "missing-term", "the volume L³ is missing"),
     mistake(" / np.sqrt(n)", "", "missing-division", "the error is the spread of one point, not of the mean"),
     mistake("found.std(ddof=1)", "1.5 * found.std(ddof=1)"),
+    mistake("found.std(ddof=1)", "0.85 * found.std(ddof=1)"),
     mistake("uniform(0, L, (3, n))", "uniform(0, L, n) * np.ones((3, 1))", "wrong-index", "x, y and z are the same number"),
     mistake("found.mean()", "np.median(found)", "wrong-function", "the median stands for the mean"),
     OTHER_GENERATOR,
 ]
 error = Tolerance(limit=0.25, reason="five times the spread of the error of 400 points")
-integral = estimate(integrate, ask, cloud, sd=spread, error=error, mistakes=wrong)
+mean = Tolerance(limit=0.08, reason="errors from 20 batches of 20 points are 1.3 % too small, their mean of 400 scatters by 0.8 %")
+integral = estimate(integrate, ask, cloud, sd=spread, error=error, mean_error=mean, mistakes=wrong)
 notebook.exercise("5", "Monte Carlo integration", integral)
 
 
@@ -192,17 +230,39 @@ def ballot(steps, start, p):
     return [range(1, steps + 2), [chance.get(k, 0) for k in range(1, steps + 2)]]
 
 
-ask = {"walkers": 200, "steps": 30, "start": integers(2, 6), "p": uniform(0.3, 0.6), "rng": generator()}
+def moment(walkers, steps, start, p):
+    """Return the expected weighted sum of the numbers."""
+    return weights(walkers).sum() * np.dot(*ballot(steps, start, p))
+
+
+def deviation(walkers, steps, start, p):
+    """Return the standard deviation of the weighted sum."""
+    number, chance = np.array(ballot(steps, start, p))
+    return sqrt((weights(walkers) ** 2).sum() * (np.dot(number**2, chance) - np.dot(number, chance) ** 2))
+
+
+ask = {"walkers": 25, "steps": 30, "start": integers(1, 5), "p": uniform(0.05, 0.7), "rng": generator()}
+reverse = "p is the probability of a step to the left"
 wrong = [
     mistake("there.argmax(axis=1)", "there.argmax(axis=1) - 1", "off-by-one", "the first step has the number 0"),
     mistake("steps + 1)", "steps)", "off-by-one", "walkers that do not arrive get the number steps"),
     mistake("start + walk", "walk", "missing-term", "the walkers start at 0"),
     mistake("there.argmax", "steps - there[:, ::-1].argmax", "wrong-function", "the last passage stands for the first"),
-    mistake("walk(walkers, steps, p, rng)", "np.repeat(walk(walkers // 2, steps, p, rng), 2, axis=0)"),
+    mistake("start + walk", "start - walk", "wrong-comparison", reverse),
+    mistake("p, rng) ==", "1 - p, rng) ==", "wrong-comparison", reverse),
     mistake("p, rng) ==", "p, np.random.default_rng()) =="),
 ]
-passage = samples(first_passage, ask, "rv_discrete", values=ballot, uses=[walk], mistakes=wrong)
-notebook.exercise("6", "First passage", passage)
+repeat = mistake("walk(walkers, steps, p, rng)", "np.repeat(walk(walkers // 2 + 1, steps, p, rng), 2, axis=0)[:walkers]")
+asked = {"repetitions": 160, "uses": [walk], "mistakes": [*wrong, repeat]}
+passage = samples(first_passage, ask, "rv_discrete", values=ballot, **asked)
+ask = {"walkers": integers(20, 30), "steps": choice(2, 4), "start": 2, "p": uniform(0.1, 0.5), "rng": generator()}
+wrong += [
+    mistake(" == 0\n", " == 0\n    there[:, -1] = False\n", "off-by-one", "walkers that arrive at the last step get steps + 1"),
+    mistake("walk(walkers, steps, p, rng)", "np.resize(walk(walkers // 2, steps, p, rng), (walkers, steps + 1))"),
+]
+asked = {"call": TWICE.format("first_passage(walkers, steps, start, p, rng)"), "label": "weighted sum of first_passage"}
+short = estimate(first_passage, ask, moment, sd=deviation, **asked, repetitions=600, uses=[walk], mistakes=wrong)
+notebook.exercise("6", "First passage", passage, short)
 
 
 def boltzmann():
@@ -233,6 +293,9 @@ wrong = [
     mistake(", ddof=1", "", "missing-argument", "the variance divides by the number of steps, not by one less"),
     mistake("len(step) - 1", "2 * len(step)", "constant-factor", "the error divides by the root of 2N, not of N − 1"),
     mistake(" * 1e-12", "", "units", "D is in µm²/s, not in m²/s"),
+    mistake("295.15", "22", "units", "the temperature is in degrees Celsius, not in K"),
+    mistake("0.5e-6", "0.5", "units", "the radius is in µm, not in m"),
+    mistake("0.5e-6", "1e-6", "constant-factor", "the diameter stands for the radius"),
 ]
 digits = Tolerance(rtol=1e-9, atol=0, reason="rounding errors of a thousand steps, a thousand times")
 cell = variables(boltzmann, exact, agree=dict.fromkeys(exact, digits), mistakes=wrong)

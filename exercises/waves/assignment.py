@@ -4,17 +4,23 @@ Each truth is another method than its solution; ``tests/exercises/test_waves.py`
 roots, powers of matrices, and d'Alembert's solution.
 """
 
-from math import pi, sin, sinh, sqrt, tanh
+from math import exp, inf, log, pi, sin, sinh, sqrt, tanh
 
 import numpy as np
 from scipy.fft import dst
 
-from exercises.author import Notebook, Tolerance, family, integers, mistake, uniform
+from ecp.kinds import asking
+from exercises.author import Notebook, Tolerance, family, integers, mistake, normal, uniform
 from exercises.kinds.values import values
 
 notebook = Notebook("Waves", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-12, reason="a thousand times the rounding errors of a sum over the grid")
 G = 9.81
+
+
+def ended(low, high, scale=lambda x: x):
+    """Return a draw between low and high; each end is drawn in a fifth of all cases."""
+    return lambda rng: scale(float(np.clip(rng.uniform(1.33 * low - 0.33 * high, 1.33 * high - 0.33 * low), low, high)))
 
 
 def find_root(f, a, b, tol):
@@ -47,11 +53,20 @@ wrong = [
     mistake("            fa /= 2\n", "            pass\n"),
     mistake("fx * fb < 0", "fx * fb > 0", "wrong-comparison", "the search keeps the end with the same sign"),
 ]
-f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=lambda rng: 10 ** rng.uniform(-1, 1))
+f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=ended(-1, 1, lambda x: 10**x))
 ask = {"f": f, "a": 0.0, "b": 20.0, "tol": 1e-10}
 twice = Tolerance(atol=2e-10, reason="tol, twice")
 budget = Tolerance(limit=30, reason="bisection needs 38, methods that converge faster than linearly at most 24")
-notebook.exercise("1", "A root finder", values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong))
+waves = values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong)
+text = "arctan(s * (x - a - p * l) / l) if 0 <= x - a <= 1.000001 * l else np.nan"
+steep = family(text, "x", "a", "l", "p", s=uniform(20, 100))
+ask = {"steep": steep, "a": uniform(-200, 200), "l": uniform(5, 100), "p": uniform(0.1, 0.9)}
+call, label = (
+    "find_root(lambda x: steep(x, a, l, p), a, a + l, 1e-10)",
+    "find_root is right for steep functions and other intervals",
+)
+steep = values(find_root, ask, twice, truth=lambda a, l, p: a + p * l, calls=budget, call=call, label=label)
+notebook.exercise("1", "A root finder", waves, steep)
 
 
 def wave_number(w, d):
@@ -70,7 +85,8 @@ def by_phase_velocity(k, d):
 
 
 TO_8, TO_6 = (Tolerance(rtol=2 * precision, atol=0, reason="twice the precision that is asked for") for precision in (1e-8, 1e-6))
-ask = {"w": uniform(0.5, 6), "d": lambda rng: 10 ** rng.uniform(-1.3, 1.5)}
+depth = ended(log(0.05), log(32), exp)
+ask = {"w": ended(0.5, 6), "d": depth}
 wrong = [
     mistake(" * np.tanh(k * d)", "", "missing-term", "the waves do not feel the bottom"),
     mistake("np.tanh(k * d)", "k * d", "missing-term", "the water is taken as shallow"),
@@ -84,13 +100,18 @@ wrong = [
         "9.81 * (np.tanh(k * d) + k * d / np.cosh(k * d) ** 2) / (2 * w)", "w / k", "wrong-quantity", "this is the phase velocity"
     ),
 ]
-ask = {"k": uniform(0.02, 4), "d": lambda rng: 10 ** rng.uniform(-1.3, 1.5)}
+ask = {"k": ended(-2, 1, lambda x: 10**x), "d": depth}
 notebook.exercise("2", "Waves on water", number, values(group_velocity, ask, TO_6, truth=by_phase_velocity, mistakes=wrong))
 
 
 def string(rng, N=20):
     """Return displacements (N + 1,) that are 0 at both ends."""
     return np.pad(rng.normal(size=N - 1), 1)
+
+
+def courant(rng):
+    """Return r: 1 in a quarter of all cases, else from 0.1 to 1.5."""
+    return rng.choice([1.0, *rng.uniform(0.1, 1.5, 3)])
 
 
 def amplitudes(u):
@@ -103,9 +124,22 @@ def shape(b, N):
     return np.array(b) @ np.sin(pi / N * np.outer(np.arange(1, N), np.arange(N + 1)))
 
 
-def half_angles(r, N):
-    """Return half of the phase (N - 1,) by which each mode advances in a step."""
-    return np.arcsin(r * np.sin(pi / 2 / N * np.arange(1, N)))
+def sines(N):
+    """Return sin(mπ/2N) (N - 1,) of the modes: the sine of half the phase of a step is r times that."""
+    return np.sin(pi / 2 / N * np.arange(1, N))
+
+
+def other_sizes(solution, truth, text, agree, mistakes, uses=()):
+    """Return the question for strings of n = 2, N and 43 - N intervals: the numbers of ``text`` with the solution and the truth."""
+    name, call = solution.__name__, f"np.concatenate([np.ravel({text}) for n in (2, N, 43 - N)])"
+
+    def exact(u, before, r, N):
+        return asking.evaluate(call, {"u": u, "before": before, "r": r, "N": N, name: truth})
+
+    ask = {"u": normal(40), "before": normal(40), "r": courant, "N": integers(3, 40)}
+    return values(
+        solution, ask, agree, truth=exact, call=call, label=f"{name} is right for other sizes", uses=uses, mistakes=mistakes
+    )
 
 
 def string_step(u, before, r):
@@ -117,16 +151,25 @@ def string_step(u, before, r):
 
 def by_modes(u, before, r):
     N = len(u) - 1
-    return shape((2 - 4 * np.sin(half_angles(r, N)) ** 2) * amplitudes(u) - amplitudes(before), N)
+    return shape((2 - 4 * r**2 * sines(N) ** 2) * amplitudes(u) - amplitudes(before), N)
 
 
 wrong = [
     mistake("r**2", "r", "wrong-power", "r stands in place of r²"),
     mistake("- before[1:-1] ", "", "missing-term", "the displacement before u is missing"),
     mistake("np.zeros(len(u))", "u + 0 * before\n    new[0] = new[-1] = u[1]", "wrong-constant", "the ends move"),
+    mistake(
+        "np.zeros(len(u))\n    new[1:-1] = 2 * u[1:-1] - before[1:-1] + r**2 * (u[2:] - 2 * u[1:-1] + u[:-2])",
+        "2 * u - before + r**2 * (np.roll(u, 1) - 2 * u + np.roll(u, -1))",
+        "wrong-index",
+        "the ends move, each as the neighbour of the other: np.roll closes the string to a ring",
+    ),
 ]
-ask = {"u": string, "before": string, "r": uniform(0.3, 1)}
-notebook.exercise("3", "A step of the string", values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong))
+ask = {"u": string, "before": string, "r": courant}
+step = values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong)
+text = "string_step(np.pad(u[1:n], 1), np.pad(before[1:n], 1), r)"
+other = other_sizes(string_step, by_modes, text, ROUNDING, wrong)
+notebook.exercise("3", "A step of the string", step, other)
 
 
 def vibrate(u, r, n):
@@ -139,7 +182,7 @@ def vibrate(u, r, n):
 
 def by_cosines(u, r, n):
     N = len(u) - 1
-    return shape(amplitudes(u) * np.cos(2 * np.outer(np.arange(n + 1), half_angles(r, N))), N)
+    return shape(amplitudes(u) * np.cos(2 * np.outer(np.arange(n + 1), np.arcsin(r * sines(N) + 0j))).real, N)
 
 
 wrong = [
@@ -149,7 +192,10 @@ wrong = [
 ]
 ask = {"u": string, "r": uniform(0.3, 1), "n": 60}
 LONG = Tolerance(limit=1e-11, reason="a thousand times the rounding errors of 60 steps")
-notebook.exercise("4", "A plucked string", values(vibrate, ask, LONG, truth=by_cosines, uses=[string_step], mistakes=wrong))
+run = values(vibrate, ask, LONG, truth=by_cosines, uses=[string_step], mistakes=wrong)
+text = "np.append(vibrate(np.pad(u[1:n], 1), r, 3), vibrate(np.pad(u[1:7], 1), min(r, 1), n - 1))"
+other = other_sizes(vibrate, by_cosines, text, LONG, wrong, [string_step])
+notebook.exercise("4", "A plucked string", run, other)
 
 
 def stability_limit(step, N):
@@ -167,21 +213,33 @@ def stability_limit(step, N):
     return stable
 
 
-def by_fastest_mode(N, q):
-    """Return 2 over the root of the largest eigenvalue of minus the scheme's second difference."""
-    s = 4 * sin((N - 1) * pi / 2 / N) ** 2
-    return 2 / sqrt(s * (1 - q * s))
+def by_traces(N, p):
+    """Take 2 - r² z + g (r²/L² - 1) and -1 - g (r²/L² - 1), the trace and minus the determinant of a mode's step.
+
+    They make |λ| > 1 for r > L if g = 1, and where r² z > 4 + 2g (r²/L² - 1).
+    """
+    q, c, g, L = p
+    z = 4 * sines(N) ** 2
+    return min([L if g else inf, *(sqrt((4 - 2 * g) / x) for x in c**2 * z * (1 - q * z) - 2 * g / L**2 if x > 0)])
 
 
-scheme = "2 * u - before + r**2 * np.pad(np.diff(u + q * np.pad(np.diff(u, 2), 1), 2), 1)"
-ask = {"step": family(scheme, "u", "before", "r", q=uniform(-0.2, 0.1)), "N": integers(4, 12)}
+def scheme(rng):
+    """Return q, c, g, L of a step with a limit from 0.1 to 4. For q > 1/8 the zigzag is not the first to grow; g = 1: complex λ."""
+    q = rng.choice([rng.uniform(-0.2, 0.1), rng.uniform(0.18, 0.24)])
+    return np.array([q, sqrt(2 / (1 - 2 * q)) / rng.uniform(0.25, 3.9), rng.integers(2), exp(rng.uniform(log(0.11), log(3.9)))])
+
+
+text = "2 * u - before + (r * p[1]) ** 2 * np.pad(np.diff(u + p[0] * np.pad(np.diff(u, 2), 1), 2), 1)"
+text += " + p[2] * ((r / p[3]) ** 2 - 1) * (u - before)"
+ask = {"step": family(text, "u", "before", "r", p=scheme), "N": lambda rng: rng.choice([2, *rng.integers(3, 11, 4)])}
 wrong = [
     mistake("> 1 + 1e-7", "> 1.1", "wrong-constant", "a growth of a tenth in each step counts as stable"),
-    mistake("[1:-1], u]", "[1:-1], before]", "wrong-variable", "the second half of a column is before, not u"),
+    mistake("1), r)", "1), r**2)", "wrong-power", "step is called with r² in place of r"),
+    mistake("[1:-1], u]", "[1:-1], before]"),
     mistake("    return stable", "    return 1.0", "wrong-constant", "this is the limit of string_step on a fine grid"),
 ]
 near = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
-limit = values(stability_limit, ask, near, truth=by_fastest_mode, rows=(3, 8), mistakes=wrong)
+limit = values(stability_limit, ask, near, truth=by_traces, rows=(3, 10), mistakes=wrong)
 notebook.exercise("5", "The limit of Courant, Friedrichs and Lewy", limit)
 
 
@@ -226,16 +284,20 @@ wrong = [
     mistake(" / (len(u) - 1)", " / len(u)", "off-by-one", "the sum is divided by N + 1"),
     mistake("-np.fft", "np.fft", "sign-flipped", "the amplitudes have the opposite sign"),
 ]
-sines = values(modes, {"u": string}, ROUNDING, truth=by_solving, mistakes=wrong)
+amplitude = values(modes, {"u": string}, ROUNDING, truth=by_solving, mistakes=wrong)
+others = other_sizes(modes, by_solving, "modes(np.pad(u[1:n], 1))", ROUNDING, wrong)
 wrong = [
     mistake("found[1:-1] *= 2", "found *= 2", "constant-factor", "the ends of the spectrum are doubled too"),
     mistake("    found[1:-1] *= 2\n", "", "missing-term", "the amplitudes of the negative frequencies are missing"),
+    mistake("found[1:-1] *= 2", "found[1:] *= 2", "off-by-one", "the amplitude of the last frequency is doubled"),
+    mistake("    found[1:-1] *= 2\n", "    found[1:-1] *= 2\n    found = found**2\n", "wrong-power", "the amplitudes are squared"),
+    mistake("dt), found", "dt)[:-1], found[:-1]"),
     mistake("np.fft.rfftfreq(len(x), dt)", "2 * np.pi * np.fft.rfftfreq(len(x), dt)", "units", "these are angular frequencies"),
 ]
 fourier = {"frequencies": ROUNDING, "amplitudes": ROUNDING}
-fourier = values(
-    spectrum, {"x": lambda rng: rng.normal(size=48), "dt": uniform(0.001, 0.1)}, fourier, truth=by_sums, mistakes=wrong
-)
+ask = {"x": normal(48), "dt": uniform(0.001, 0.1)}
+whole = values(spectrum, ask, fourier, truth=by_sums, mistakes=wrong)
+samples = other_sizes(spectrum, by_sums, "np.append(*spectrum(u[: n // 2 * 2], r))", ROUNDING, wrong)
 wrong = [
     mistake(
         "2 * np.arcsin(r * np.sin(m * np.pi / (2 * N)))",
@@ -246,6 +308,8 @@ wrong = [
     mistake("r * np.sin", "np.sin", "missing-term", "the time step is missing: the ratio is always 1"),
 ]
 EIGEN = Tolerance(rtol=1e-7, atol=0, reason="the root of the rounding errors, where two eigenvalues meet")
-ask = {"m": integers(1, 9), "N": integers(10, 40), "r": uniform(0.1, 1)}
+ask = {"m": integers(1, 9), "N": integers(10, 200), "r": ended(0.02, 1)}
 ratio = values(frequency_ratio, ask, EIGEN, truth=by_eigenvalue, mistakes=wrong)
-notebook.exercise("6", "Spectrum and modes", sines, fourier, ratio)
+text = "[frequency_ratio(m, N, min(r, 1)) for m, N in ((1, n), (n // 2, n), (n - 1, n), (4 * n - 1, 4 * n))]"
+ends = other_sizes(frequency_ratio, by_eigenvalue, text, EIGEN, wrong)
+notebook.exercise("6", "Spectrum and modes", amplitude, others, whole, samples, ratio, ends)

@@ -9,6 +9,7 @@ import pytest
 
 from ecp.kinds import play
 from ecp.kinds import stepper as kit
+from ecp.kinds.asking import expression
 from exercises.catalogue import find
 from exercises.integrators import assignment as author
 from service.grading import charts
@@ -16,7 +17,8 @@ from service.grading.grader import sweep
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged
 
-QUESTIONS = {question.function: question for question in author.notebook.questions()}
+ALL = list(author.notebook.questions())
+QUESTIONS = {question.function: question for question in reversed(ALL)}  # the first question of each function
 STEPPERS = ("euler_step", "symplectic_step", "verlet_step", "rk4_step")
 RIGHT = "import numpy as np\n\n" + "\n\n".join(QUESTIONS[name].source for name in STEPPERS)
 
@@ -87,25 +89,53 @@ def test_the_energy_is_that_of_sixty_digits():
             assert author.by_eigenvalues(row["h"], row["n"], row["b"]) == pytest.approx(float(worst), rel=1e-12, abs=1e-13)
 
 
+def matrix(row, h):
+    """The matrix by which a step that is asked multiplies (x, v), by calling it."""
+    family = QUESTIONS["growth"].ask["step"]
+    step = expression(family.text, family.over, {name: row[name] for name in family.given})
+    return np.array([step(lambda x: -x, *start, h) for start in ((1.0, 0.0), (0.0, 1.0))]).T
+
+
 def test_growth_and_limit_are_those_of_matrices():
     for row in rows("growth"):
-        matrix = np.array([[1 - row["b"] * row["h"] ** 2, row["h"]], [-row["h"], 1]])
-        assert author.by_trace(**row) == pytest.approx(np.abs(np.linalg.eigvals(matrix)).max(), abs=1e-8)
-    for b in {float(row["b"]) for row in rows("stability_limit")} - {0.0}:
-        limit = author.by_crossing(b)
-        assert author.by_trace(limit * (1 - 1e-9), b) <= 1 + 1e-12 and author.by_trace(limit * (1 + 1e-9), b) > 1 + 1e-10
-    assert author.by_crossing(0.0) == 0 and author.by_trace(1e-3, 0.0) > 1
+        given = {name: row[name] for name in ("h", "b", "k")}
+        assert author.by_trace(**given) == pytest.approx(np.abs(np.linalg.eigvals(matrix(row, row["h"]))).max(), rel=1e-8)
+    limits = []
+    for row in rows("stability_limit", 60):
+        limits.append(author.by_crossing(row["b"], row["k"]))
+        h = limits[-1] or 0.1
+        assert np.abs(np.linalg.eigvals(matrix(row, h * (1 + 1e-6)))).max() > 1 + 1e-9, "it grows above the limit"
+        if limits[-1]:
+            below = [np.abs(np.linalg.eigvals(matrix(row, part * h))).max() for part in np.linspace(0.02, 1 - 1e-6, 20)]
+            assert max(below) < 1 + 1e-9
+    assert {0 < limit < 0.5 for limit in limits} == {2.8 < limit < 4 for limit in limits} == {False, True}
+    assert {row["b"] >= 1 for row, limit in zip(rows("stability_limit", 60), limits, strict=True) if not limit} == {False, True}
 
 
 def test_the_error_is_that_of_steps_in_sixty_digits():
     with mpmath.workdps(60):
         for row in rows("final_error", 6):
-            n, c = int(row["n"]), int(row["c"])
+            n, c, k = int(row["n"]), int(row["c"]), mpmath.mpf(float(row["k"]))
             h, x, v = mpmath.mpf(5) / n, mpmath.mpf(1), mpmath.mpf(0)
             for _ in range(n):
-                x, v = (x + h * (v - h / 2 * x), v - h * (x + h / 2 * v)) if c else (x + h * v, v - h * x)
+                x, v = (x + h * (v - h / 2 * k * x), v - h * k * (x + h / 2 * v)) if c else (x + h * v, v - h * k * x)
             wanted = mpmath.hypot(x - mpmath.cos(5), v + mpmath.sin(5))
-            assert author.by_complex_powers(n, c) == pytest.approx(float(wanted), rel=1e-10)
+            assert author.by_complex_powers(n, c, row["k"]) == pytest.approx(float(wanted), rel=1e-10)
+
+
+def test_the_calls_are_those_of_a_count():
+    family, found = QUESTIONS["calls_needed"].ask["step"], set()
+    for row in rows("calls_needed", 12):
+        step, n, error = expression(family.text, family.over, {"c": row["c"]}), 4, np.inf
+        while error > row["tol"]:
+            n, x, v, calls = 2 * n, 1.0, 0.0, 0
+            for _ in range(n):
+                calls += 3 if x < 0 else 2
+                x, v = step(lambda x: -x, x, v, 5 / n)
+            error = abs(complex(x, v) - np.exp(-5j))
+        found.add(n)
+        assert author.by_formula(row["tol"], row["c"]) == calls
+    assert min(found) == 8 and 1000 < max(found) <= 4096
 
 
 @pytest.mark.parametrize(
@@ -154,9 +184,9 @@ def test_the_error_is_that_of_steps_in_sixty_digits():
     ],
 )
 def test_right_answers_of_other_forms_pass(name, source):
-    question = QUESTIONS[name]
-    outcomes = judged(question, f"def {name}({', '.join(question.ask)}):\n    {source}\n")
-    assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
+    for question in [question for question in ALL if question.function == name]:
+        outcomes = judged(question, f"def {name}({', '.join(QUESTIONS[name].ask)}):\n    {source}\n")
+        assert failed(outcomes) == set(), [outcome.line for outcome in outcomes.values()]
 
 
 def test_the_limit_is_found_by_any_search():
@@ -180,6 +210,41 @@ def test_the_limit_is_found_by_any_search():
 
     for solution in (by_brent, by_scan):
         assert failed(judged(QUESTIONS["stability_limit"], solution)) == set()
+
+
+KEPT = """kept = []
+def verlet_step(acc, x, v, h):
+    a = kept[1] if kept and np.array_equal(kept[0], x) else acc(x)
+    new = x + h * v + h**2 / 2 * a
+    kept[:] = new, acc(new)
+    return new, v + h / 2 * (a + kept[1])
+"""
+COUNT = QUESTIONS["calls_needed"].source
+LIMIT = QUESTIONS["stability_limit"].source
+
+
+@pytest.mark.parametrize(
+    ("name", "source"),
+    [
+        ("verlet_step", KEPT),
+        (
+            "rk4_step",
+            f"{RIGHT}\ngood = rk4_step\ndef rk4_step(acc, x, v, h): return (good if h < 0.2 else verlet_step)(acc, x, v, h)",
+        ),
+        ("calls_needed", COUNT.replace("n, calls = 8", "n, calls = 16")),
+        ("calls_needed", COUNT.replace("> tol:", "> tol and n < 512:")),
+        ("calls_needed", COUNT.replace("len(calls)", "n * (len(calls) // n)")),
+        ("growth", QUESTIONS["growth"].source.replace(".max()", "[0]")),
+        ("growth", QUESTIONS["growth"].source.replace(".max()", "[-1]")),
+        ("stability_limit", LIMIT.replace("= 0.1, 4.0", "= 0.1, 2.6")),
+        ("stability_limit", LIMIT.replace("= 0.1, 4.0", "= 0.5, 4.0")),
+        ("final_error", QUESTIONS["final_error"].source.replace("step(acc,", "step(lambda x: -x,")),
+    ],
+)
+def test_what_is_right_for_some_inputs_only_is_refused(name, source):
+    names = {"np": np, "growth": author.growth, "final_error": author.final_error}
+    exec(source, names)
+    assert any(failed(judged(question, names[name])) for question in ALL if question.function == name)
 
 
 def test_a_method_that_fails_at_the_published_limit_of_another_is_not_accepted():

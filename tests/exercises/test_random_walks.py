@@ -40,12 +40,12 @@ def master_equation(steps, start, p, wall=None):
 
 def test_the_end_points_are_those_of_the_master_equation():
     rows, truth = exact("end points of walk")
-    assert np.array_equal(truth["p"], rows["p"]) and set(truth["n"]) == {20}
+    assert np.array_equal(truth["p"], rows["p"]) and np.array_equal(truth["n"], rows["steps"])
     assert np.array_equal(exact("steps of walk")[1]["p"], exact("steps of walk")[0]["p"])
     for n, p in zip(truth["n"], truth["p"], strict=True):
-        there, _ = master_equation(20, 0, Fraction(p))
+        there, _ = master_equation(int(n), 0, Fraction(p))
         want = [float(there[place]) for place in sorted(there)]
-        np.testing.assert_allclose(scipy.stats.binom(n=n, p=p).pmf(range(21)), want, rtol=1e-12)
+        np.testing.assert_allclose(scipy.stats.binom(n=n, p=p).pmf(range(int(n) + 1)), want, rtol=1e-11)
 
 
 def test_the_first_passage_is_that_of_the_master_equation():
@@ -128,13 +128,31 @@ def test_the_numbers_of_the_track_are_those_of_exact_integers():
     assert abs(truth["k_B"][0] / 1.380649e-23 - 1) < 2 / (n - 1) ** 0.5  # within two standard errors of the defined constant
 
 
-def test_the_mean_place_scatters_as_the_master_equation_says():
-    rows, truth = exact("mean place of walk")
-    for p, value, sd in zip(rows["p"], truth["value"], truth["sd"], strict=True):
-        there, _ = master_equation(5, 0, Fraction(p))
-        mean = sum(place * chance for place, chance in there.items())
-        assert value == pytest.approx(float(mean), rel=1e-12, abs=1e-14)
-        assert sd**2 == pytest.approx(float(sum((place - mean) ** 2 * chance for place, chance in there.items()) / 10), rel=1e-12)
+def twice(walkers, chances):
+    """Return the mean and variance of a sum of independent numbers of the same distribution, every other one counted twice."""
+    mean = sum(number * chance for number, chance in chances.items())
+    variance = sum((number - mean) ** 2 * chance for number, chance in chances.items())
+    weights = [2, 1] * (walkers // 2) + [2] * (walkers % 2)
+    return float(mean * sum(weights)), float(variance * sum(w * w for w in weights))
+
+
+@pytest.mark.parametrize(("name", "start"), [("weighted sum of walk", 0), ("weighted sum of first_passage", 2)])
+def test_the_weighted_sums_scatter_as_the_master_equation_says(name, start):
+    rows, truth = exact(name)
+    for walkers, steps, p, value, sd in zip(
+        *(rows[n] for n in ("walkers", "steps", "p")), truth["value"], truth["sd"], strict=True
+    ):
+        chances, arrived = master_equation(int(steps), start, Fraction(p), wall=0 if start else None)
+        if start:
+            chances = {**dict(enumerate(arrived, 1)), int(steps) + 1: sum(chances.values())}
+        assert (value, sd**2) == pytest.approx(twice(int(walkers), chances), rel=1e-12, abs=1e-12)
+
+
+def test_the_weighted_sum_of_places_of_particles_has_the_variance_of_a_simulation():
+    rows, truth = exact("weighted sum of brownian")
+    question = QUESTIONS["weighted sum of brownian"]
+    found = question.play(question.student, rows)["value"].std(axis=1) / truth["sd"]
+    assert truth["value"].tolist() == [0] * 4 and np.all(np.abs(found - 1) < 5 / np.sqrt(800))
 
 
 BACKWARDS = """
@@ -153,9 +171,39 @@ def brownian(walkers, t, D, rng):
 """
 MIRRORED = """
 def walk(walkers, steps, p, rng):
-    u = rng.random((walkers // 2, steps))
-    return np.insert(np.cumsum(np.where(np.vstack([u, 1 - u]) < p, 1, -1), axis=1), 0, 0, axis=1)
+    u = rng.random((walkers // 2 + 1, steps))
+    return np.insert(np.cumsum(np.where(np.vstack([u, 1 - u]) < p, 1, -1), axis=1), 0, 0, axis=1)[:walkers]
 """
+MIXED = """
+def walk(walkers, steps, p, rng):
+    a, b = rng.random((2, walkers // 4 + 1, steps))
+    u = np.stack([a, b, a, 1 - b], axis=1).reshape(-1, steps)[:walkers]
+    return np.insert(np.cumsum(np.where(u < p, 1, -1), axis=1), 0, 0, axis=1)
+"""
+CLIPPED = """
+def walk(walkers, steps, p, rng):
+    step = np.where(rng.random((walkers, steps)) < min(max(p, 0.25), 0.75), 1, -1)
+    return np.insert(np.cumsum(step, axis=1), 0, 0, axis=1)
+"""
+MIRRORED_PARTICLES = """
+def brownian(walkers, t, D, rng):
+    step = rng.normal(size=(walkers // 2 + 1, len(t) - 1, 2)) * np.sqrt(2 * D * np.diff(t))[:, None]
+    return np.insert(np.cumsum(np.vstack([step, -step])[:walkers], axis=1), 0, 0, axis=1)
+"""
+PASSAGE = """
+def first_passage(walkers, steps, start, p, rng):
+    T = []
+    for _ in range(walkers):
+        x, k = start, 0
+        while x and k < {last}:
+            x += 1 if rng.random() < p else -1
+            k += 1
+        T.append(float(k) if x == 0 else steps + 1)
+    return np.resize(T[:{distinct}], walkers)
+"""
+LOOP = PASSAGE.format(last="steps", distinct="walkers")
+LATE = PASSAGE.format(last="steps - 1", distinct="walkers")
+REPEATED = PASSAGE.format(last="steps", distinct="walkers // 2")
 
 
 @pytest.mark.parametrize(
@@ -165,12 +213,31 @@ def walk(walkers, steps, p, rng):
         ("steps of walk", BACKWARDS, []),
         ("steps of brownian", POLAR, []),
         ("squared displacement of brownian", POLAR, []),
-        ("mean place of walk", MIRRORED, ["spread"]),
+        ("weighted sum of walk", BACKWARDS, []),
+        ("weighted sum of walk", MIRRORED, ["spread"]),
+        ("weighted sum of walk", MIXED, ["spread"]),
+        ("weighted sum of brownian", POLAR, []),
+        ("weighted sum of brownian", MIRRORED_PARTICLES, ["spread"]),
+        ("first_passage", LOOP, []),
+        ("weighted sum of first_passage", LOOP, []),
+        ("weighted sum of first_passage", REPEATED, ["spread"]),
     ],
 )
 def test_walks_made_in_another_way(name, source, wrong):
+    assert failed(name, source) == wrong
+
+
+@pytest.mark.parametrize(
+    ("name", "source"), [("steps of walk", CLIPPED), ("end points of walk", CLIPPED), ("weighted sum of first_passage", LATE)]
+)
+def test_a_wrong_walk_fails_in_some_row(name, source):
+    assert {"distribution", "mean"} & set(failed(name, source, 8))
+
+
+def failed(name, source, draws=1):
+    """Return the checks of a question that fail, of so many drawn rows."""
     question = QUESTIONS[name]
-    rows, truth = exact(name, 1)
+    rows, truth = exact(name, draws)
     seen = {**question.play(question.defined_by(source), rows), **{n: a for n, a in truth.items() if n.startswith("at_")}}
     outcomes = [check.judge([seen], [truth]) for check in question_checks(question.asked, "scene", False)]
-    assert [outcome.id.rpartition("-")[2] for outcome in outcomes if outcome.verdict is not Verdict.PASS] == wrong
+    return [outcome.id.rpartition("-")[2] for outcome in outcomes if outcome.verdict is not Verdict.PASS]

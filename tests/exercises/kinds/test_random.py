@@ -9,7 +9,7 @@ import pytest
 from ecp.judge import Verdict
 from ecp.kinds import question_checks
 from ecp.kinds.random import ESTIMATES, SAMPLES
-from exercises.author import uniform
+from exercises.author import Tolerance, uniform
 from exercises.kinds.random import estimate, generator, samples, seed
 from exercises.question_errors import question_errors
 from service.grading.grade import grade
@@ -143,8 +143,6 @@ def test_samples_of_a_table_of_probabilities(two, names):
 
 
 def test_an_allowed_systematic_error_is_not_rejected():
-    from ecp.outcome import Tolerance
-
     biased = "def integral(n, rng):\n    return rng.random(n).mean() + 0.02"
     exact = replace(INTEGRAL, rows=(1, 2))
     allowed = estimate(
@@ -158,6 +156,44 @@ def test_an_inflated_error_does_not_excuse_a_wrong_estimate(toolbox):
     question = next(q for q in toolbox.notebook.questions() if q.function == "pi_estimate")
     inflated = question.source.replace("hits.mean()", "hits.mean() + 0.02").replace("hits.std()", "100 * hits.std()")
     assert failed(question, question.defined_by(inflated)) == ["mean", "error"]
+
+
+def mean_and_error(n, rng):
+    x = rng.random(n)
+    return x.mean(), x.std() / np.sqrt(n)
+
+
+NEAR = Tolerance(limit=0.08, reason="errors from batches scatter by 1 %")
+
+
+@pytest.mark.parametrize(
+    ("error", "names"),
+    [
+        ("x.std() / np.sqrt(n)", []),
+        ("x.std(ddof=1) / np.sqrt(n)", []),
+        ("x.reshape(20, -1).mean(axis=1).std(ddof=1) / np.sqrt(20)", []),
+        ("rng.choice(x, (200, n)).mean(axis=1).std()", []),
+        ("0.9 * x.std() / np.sqrt(n)", ["mean_error"]),
+        ("1.1 * x.std() / np.sqrt(n)", ["mean_error"]),
+        ("2 * rng.random() * x.std() / np.sqrt(n)", ["error"]),
+        ("x.std()", ["error", "mean_error"]),
+    ],
+)
+def test_the_mean_of_the_returned_errors(error, names):
+    wide = Tolerance(limit=0.25, reason="five times the spread of an error")
+    ask, sd = {"n": 400, "rng": generator()}, 1 / sqrt(12 * 400)
+    question = replace(estimate(mean_and_error, ask, 0.5, sd=sd, error=wide, mean_error=NEAR), id="1")
+    names_of = question.defined_by(f"def mean_and_error(n, rng):\n    x = rng.random(n)\n    return x.mean(), {error}")
+    assert failed(question, names_of) == names
+
+
+def test_the_mean_error_alone_needs_no_error():
+    question = replace(
+        estimate(mean_and_error, {"n": 400, "rng": generator()}, 0.5, sd=1 / sqrt(12 * 400), mean_error=NEAR), id="1"
+    )
+    assert not list(question_errors(question)) and failed(question, question.student) == []
+    ids = [check.id.rpartition("-")[2] for check in question_checks(question.asked, "scene", False)]
+    assert ids == ["mean", "spread", "mean_error", "repeated"]
 
 
 def test_the_notebook_s_own_random_numbers_continue_after_a_check(toolbox):

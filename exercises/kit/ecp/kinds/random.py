@@ -73,11 +73,11 @@ def checks(question: Mapping[str, Any], scene: str, suffix: str) -> list[Check]:
             judgement, worst = judge.below(used, limit), float(used.max())
             return replace(judgement, detail=text.format(worst), measured=worst, expected=0.0)
 
-        tolerance = Tolerance(**question["error" if name == "error" else "tolerance"])
+        tolerance = Tolerance(**question[name if name in ERRORS else "tolerance"])
         return Check(f"{id}-{name}", f"{label}: {about}{suffix}", (scene,), word, tolerance, locate)
 
     tests = SAMPLES if question.get("distribution") else ESTIMATES
-    found = [check(name, *test) for name, test in tests.items() if name != "error" or question.get("error")]
+    found = [check(name, *test) for name, test in tests.items() if name not in ERRORS or question.get(name)]
     about = "equal seeds give equal results, different seeds different ones" if seeds else "repeated calls give different results"
     reason = "results are compared bit for bit"
     return [*found, holds(f"{id}-repeated", f"{label}: {about}{suffix}", scene, claim=_repeats, reason=reason)]
@@ -162,6 +162,14 @@ def _error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
     return off, limit, f"off by {{:.3g}} of the exact standard deviation (limit {limit:g})"
 
 
+def _mean_error(question: Mapping[str, Any], seen: Arrays, truth: Arrays) -> Test:
+    """Return the relative deviation of the mean of the returned errors from the exact standard deviation of an estimate."""
+    ratio = seen["error"].mean(axis=1) / truth["sd"]
+    limit = question["mean_error"]["limit"]
+    text = f"{ratio[int(np.argmax(np.abs(ratio - 1)))]:.4g} times the exact standard deviation (off by at most {limit:g} accepted)"
+    return np.abs(ratio - 1), limit, text
+
+
 SAMPLES: Mapping[str, Any] = {
     "distribution": ("samples follow the exact distribution", _distribution),
     "independence": ("successive samples are independent", _independence),
@@ -170,7 +178,10 @@ ESTIMATES: Mapping[str, Any] = {
     "mean": ("the estimates are right on average", _mean),
     "spread": ("the estimates spread as expected", _spread),
     "error": ("the returned error is right", _error),
+    "mean_error": ("the returned error is right on average", _mean_error),
 }
+ERRORS = ("error", "mean_error")
+"""The tests with a tolerance of their own, which the author may leave out."""
 
 
 def _deviations(question: Mapping[str, Any]) -> float:

@@ -24,11 +24,16 @@ MOTION = Tolerance(limit=1e-8, reason="a hundred times the error of the integrat
 WITHIN = Tolerance(atol=1e-7, reason="roots are exact to 1e-13, turning points of a careful integration to 1e-8")
 RELATIVE = Tolerance(rtol=1e-7, reason="differences of nearly equal numbers lose up to eight of sixteen digits")
 FRAMES = Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it")
+NOT_K = "scipy's ellipk takes m = k², not k"
+SWAP = "the accelerations come before the rates; dy/dt begins with θ̇, φ̇, ψ̇"
 NO_W3 = "ω₃ lacks the part φ̇ cos θ of the precession"
 
 
-def state(rng):  # φ̇ and ψ̇ keep the axis away from the vertical
-    return np.concatenate([rng.uniform((0.5, -3, -3), (2.2, 3, 3)), rng.uniform((0.5, -2, 8), (1.5, 2, 16))])
+def state(rng):  # φ̇ and ψ̇ keep the axis away from the vertical; half of the tops are slow, with k² near 0.9
+    sign, slow = rng.choice((-1, 1), 2)
+    if slow > 0:
+        return np.append(rng.uniform((0.5, -3, -3), (0.7, 3, 3)), sign * rng.uniform((-0.5, 1, 0.6), (0.5, 1.5, 1.5)))
+    return rng.uniform((0.5, -3, -3, -1.5, -1.5, 8), (2.6, 3, 3, 1.5, 1.5, 16)) * (1, 1, 1, 1, 1, sign)
 
 
 DRAWN = {"I1": uniform(0.8, 2), "I3": uniform(0.5, 1.5), "mgl": uniform(2, 10)}
@@ -42,7 +47,8 @@ def top_eqs(t, y, I1, I3, mgl):
     w3 = spin + swing * c
     tilting = (I1 * swing**2 * c - I3 * w3 * swing + mgl) * s / I1
     swinging = (I3 * w3 - 2 * I1 * swing * c) * nod / (I1 * s)
-    return np.array([nod, swing, spin, tilting, swinging, nod * swing * s - swinging * c])
+    spinning = nod * swing * s - swinging * c
+    return np.array([nod, swing, spin, tilting, swinging, spinning])
 
 
 energy = "I1/2*(y[3]**2 + (y[4]*sin(y[0]))**2) + I3/2*(y[5] + y[4]*cos(y[0]))**2 + mgl*cos(y[0])"
@@ -54,6 +60,9 @@ wrong = [
     mistake("w3 = spin + swing * c", "w3 = spin", "missing-term", NO_W3),
     mistake("2 * I1 * swing", "I1 * swing", "constant-factor", "the term 2 I₁ φ̇ θ̇ cos θ has lost its factor 2"),
     mistake(" - swinging * c", "", "missing-term", "ψ̈ lacks the term −φ̈ cos θ"),
+    mistake(
+        "nod, swing, spin, tilting, swinging, spinning", "tilting, swinging, spinning, nod, swing, spin", "component-order", SWAP
+    ),
 ]
 equations = ode(top_eqs, {"t": 0.0, **OF_STATE}, ROUNDING, **drive, conserved=kept, scale=(1, 1, 9, 1, 1, 9), mistakes=wrong)
 notebook.exercise("1", "Equations of motion", equations)
@@ -100,13 +109,21 @@ def by_theory(y, I1, I3, mgl):
 
 wrong = [
     mistake("np.arccos(high), np.arccos(low)", "np.arccos(low), np.arccos(high)", "component-order", "θ falls as cos θ rises"),
-    mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", "scipy's ellipk takes m = k², not k"),
+    mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
     mistake("2 * ellipk", "4 * ellipk", "constant-factor", "sn² has the period 2K, not 4K"),
     mistake("E - L_3**2 / (2 * I3)", "E", "missing-term", "the energy of the spin, L₃²/2I₃, is not subtracted"),
 ]
 agree = dict.fromkeys(("theta_min", "theta_max", "period"), WITHIN)
 nodding = values(nutation, OF_STATE, agree, truth=by_theory, uses=[invariants], mistakes=wrong)
 notebook.exercise("3", "Nutation", nodding)
+
+
+def above(rng):  # the ratio of ω₃ to the limit, often near 1
+    return 1 + 10 ** rng.uniform(-3, 0.6)
+
+
+def around(rng):
+    return 1 - 10 ** rng.uniform(-3, -0.1) * rng.choice((-1, 1))
 
 
 def steady_precession(theta, w3, I1, I3, mgl):
@@ -116,7 +133,8 @@ def steady_precession(theta, w3, I1, I3, mgl):
     return (half - root) / (I1 * np.cos(theta)), (half + root) / (I1 * np.cos(theta))
 
 
-def by_search(theta, w3, I1, I3, mgl):
+def by_search(theta, ratio, I1, I3, mgl):
+    w3 = 2 * ratio * (I1 * mgl * np.cos(theta)) ** 0.5 / I3
     middle = I3 * w3 / (2 * I1 * np.cos(theta))
 
     def tilting(swing):
@@ -128,10 +146,11 @@ def by_search(theta, w3, I1, I3, mgl):
 wrong = [
     mistake("(half - root)", "(half + root)", "wrong-operator", "both rates are the fast one"),
     mistake("I3 * w3 / 2", "I3 * w3", "constant-factor", "half of I₃ω₃ is squared under the root"),
-    mistake("mgl * np.cos(theta))", "mgl)", "missing-term", "cos θ is missing under the root"),
+    mistake("(I1 * np.cos(theta))", "I1", "missing-term", "the rates are not divided by cos θ"),
 ]
-ask = {"theta": uniform(0.3, 1.3), "w3": uniform(20, 40), **DRAWN}
-steady = values(steady_precession, ask, {"slow": RELATIVE, "fast": RELATIVE}, truth=by_search, mistakes=wrong)
+ask, agree = {"theta": uniform(0.3, 1.3), "ratio": above, **DRAWN}, {"slow": RELATIVE, "fast": RELATIVE}
+least = "steady_precession(theta, ratio * 2 * sqrt(I1 * mgl * cos(theta)) / I3, I1, I3, mgl)"
+steady = values(steady_precession, ask, agree, call=least, truth=by_search, mistakes=wrong)
 
 
 def sleeping_top(w3, I1, I3, mgl):
@@ -139,7 +158,8 @@ def sleeping_top(w3, I1, I3, mgl):
     return 2 * np.sqrt(I1 * mgl) / I3, np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))
 
 
-def by_eigenvalues(w3, I1, I3, mgl):
+def by_eigenvalues(ratio, I1, I3, mgl):
+    w3 = 2 * ratio * (I1 * mgl) ** 0.5 / I3
     k, g = (I1 - I3) / I1 * w3, mgl / I1  # of ω₁, ω₂ and the vertical's first two components in body axes, linearized
     rates = [[0, k, 0, g], [-k, 0, -g, 0], [0, -1, 0, w3], [1, 0, -w3, 0]]
     return (4 * mgl * I1 / I3**2) ** 0.5, max(np.linalg.eigvals(rates).real)
@@ -150,23 +170,23 @@ wrong = [
     mistake("np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))", "mgl / I1 - (I3 * w3 / (2 * I1)) ** 2", "wrong-power", "σ²"),
     mistake("(2 * I1)) ** 2", "I1) ** 2", "constant-factor", "L₃/2I₁ is squared, not L₃/I₁"),
 ]
-asleep = values(
-    sleeping_top, {"w3": uniform(0.5, 8), **DRAWN}, {"w3_min": WITHIN, "growth": WITHIN}, truth=by_eigenvalues, mistakes=wrong
-)
+ask, agree = {"ratio": around, **DRAWN}, {"w3_min": WITHIN, "growth": WITHIN}
+least = "sleeping_top(ratio * 2 * sqrt(I1 * mgl) / I3, I1, I3, mgl)"
+asleep = values(sleeping_top, ask, agree, call=least, truth=by_eigenvalues, mistakes=wrong)
 notebook.exercise("4", "Slow, fast and sleeping tops", steady, asleep)
 
 
 def matrix_eqs(t, s, I1, I3, mgl):
     """Return ds/dt (12,) of the heavy top's state s: w (3,), then R (3, 3) row by row."""
-    w, R, I = s[:3], s[3:].reshape(3, 3), np.array([I1, I1, I3])
+    w, R, I = s[:3], np.reshape(s[3:], (3, 3), "C"), np.array([I1, I1, I3])
     torque = mgl * np.array([R[2, 1], -R[2, 0], 0])
     turning = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
-    return np.concatenate([(torque - np.cross(w, I * w)) / I, (R @ turning).ravel()])
+    return np.concatenate([(torque - np.cross(w, I * w)) / I, np.ravel(R @ turning, "C")])
 
 
 def near_vertical(rng):
     y = state(rng)
-    y[0] = 10 ** rng.uniform(-3, 0)
+    y[0] = rng.choice((y[0], 10 ** rng.uniform(-3, 0)))
     return np.append(heavy_top.omega(y), heavy_top.attitude(y[:3, None]))
 
 
@@ -178,6 +198,7 @@ def exact_state(t, s, I1, I3, mgl):
 wrong = [
     mistake("[R[2, 1], -R[2, 0], 0]", "[-R[2, 1], R[2, 0], 0]", "sign-flipped", "gravity pulls the axis upwards"),
     mistake("[R[2, 1], -R[2, 0], 0]", "[R[1, 2], -R[0, 2], 0]", "transposed", "the vertical in body axes is R's last row"),
+    mistake('"C"', '"F"', "transposed", "R is ravelled by columns; the state holds its rows"),
     mistake("R @ turning", "turning @ R", "wrong-operator", "[ω]× acts on body components: R [ω]×"),
     mistake("torque - np", "torque + np", "sign-flipped", "ω × L has the opposite sign"),
 ]
@@ -209,7 +230,9 @@ def calls(rates, k):
     return [solve_ivp(rates, (0, 2), start(tilt)[k], args=TOP, **SOLVER).nfev for tilt in TILTS]
 
 
-TILT = Value(Tolerance(atol=1e-6, reason="a thousand times the error of the integration"), label="R ends at the exact tilts")
+TILT = Value(
+    Tolerance(atol=1e-6, reason="a thousand times the error of the integration"), label="tilt_end: R ends at the exact tilts"
+)
 CALLS = Tolerance(rtol=0.5, reason="output at more times costs a quarter more calls")
 COSTS = [
     claim("calls_euler[-1] > 3 * calls_euler[0]", "Euler angles cost ever more calls near the vertical", reason="about six times"),
@@ -238,9 +261,9 @@ wrong = [
     mistake("np.pi * I1", "np.pi * I3", "wrong-variable", "the rate is (I₃ − I₁)/I₁ ω₃, not (I₃ − I₁)/I₃ ω₃"),
     mistake("2 * np.pi * I1", "I1", "constant-factor", "the period is 2π over the rate"),
 ]
-free = {"w3": uniform(0.5, 9), "I1": uniform(1, 1.8), "I3": uniform(0.5, 2)}
-turn = {"truth": lambda w3, I1, I3: Exact((0.1, 0.2, w3), (I1, I1, I3)).period}
-wobble = values(wobble_period, free, RELATIVE, **turn, mistakes=wrong)
+free = {"w3": uniform(0.5, 9), "I1": uniform(1, 1.8), "flat": lambda rng: rng.choice((-1, 1)) * 10 ** rng.uniform(-2.5, -0.2)}
+turn = {"truth": lambda w3, I1, flat: Exact((0.1, 0.2, w3), (I1, I1, I1 * (1 + flat))).period}
+wobble = values(wobble_period, free, RELATIVE, call="wobble_period(w3, I1, I1 * (1 + flat))", **turn, mistakes=wrong)
 
 
 def flip_period(w, I):
@@ -250,7 +273,8 @@ def flip_period(w, I):
     if twice * second > L2:
         first, third = third, first
     rate2 = (third - second) * (L2 - twice * first) / (first * second * third)
-    return 2 * ellipk((second - first) * (twice * third - L2) / (first * second * third * rate2)) / np.sqrt(rate2)
+    m = (second - first) * (twice * third - L2) / (first * second * third * rate2)
+    return 2 * ellipk(m) / np.sqrt(rate2)
 
 
 def book(rng):  # the moments of a book with edges a > b > c, of 12 kg
@@ -262,6 +286,7 @@ wrong = [
     mistake("2 * ellipk", "4 * ellipk", "constant-factor", "ω₂ returns after two reversals"),
     mistake("/ np.sqrt(rate2)", "/ rate2", "wrong-power", "the rate is the root of its square"),
     mistake("rate2 = (third - second)", "rate2 = (third - first)", "wrong-variable", "I₃ − I₁ stands for I₃ − I₂"),
+    mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
 ]
 flip = values(flip_period, {"w": uniform(-5, 5, 3), "I": book}, RELATIVE, truth=lambda w, I: Exact(w, I).period / 2, mistakes=wrong)
 notebook.exercise("6", "Wobble and flip of free tops", wobble, flip)

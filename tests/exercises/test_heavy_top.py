@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 import reference
 from exercises.heavy_top import assignment as top
+from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS
 from tests.support.checkout import ROOT
 from tests.support.toolbox import failed, judged
 
@@ -44,13 +45,13 @@ def test_nutation_against_roots_and_integrals_of_sixty_digits():
 
 
 def test_steady_rates_against_the_exact_motion_and_the_limit_against_eigenvalues_beside_it():
-    for given in drawn(theta=lambda rng: rng.uniform(0.3, 1.3), w3=lambda rng: rng.uniform(20, 40), **top.DRAWN):
-        rates, theta, w3 = top.by_search(**given), given.pop("theta"), given.pop("w3")
+    for given in drawn(theta=lambda rng: rng.uniform(0.3, 1.3), ratio=top.above, **top.DRAWN):
+        rates, theta = top.by_search(**given), given.pop("theta")
+        w3 = 2 * given.pop("ratio") * np.sqrt(given["I1"] * given["mgl"] * np.cos(theta)) / given["I3"]
         for rate in rates:
             exact = reference.HeavyTop((theta, 0, 0, 0, rate, w3 - rate * np.cos(theta)), *given.values())
             np.testing.assert_allclose(exact.turning_points, theta, rtol=1e-10)
-        limit, _ = top.by_eigenvalues(w3, **given)
-        (_, above), (_, below) = (top.by_eigenvalues(limit * factor, **given) for factor in (1 + 1e-6, 1 - 1e-6))
+        (_, above), (_, below) = (top.by_eigenvalues(factor, **given) for factor in (1 + 1e-6, 1 - 1e-6))
         assert above < 1e-6 and below > 1e-4
 
 
@@ -84,6 +85,19 @@ def test_the_setup_of_the_notebook_defines_what_the_truths_use():
 
 
 QUESTIONS = {question.function: question for question in top.notebook.questions()}
+
+
+def test_every_grading_asks_for_long_swings_negative_spins_hanging_tops_and_spins_near_the_limits():
+    for rows, seeds in ((PUBLIC_ROWS, [0]), (HIDDEN_ROWS, range(1, 9))):
+        for rng in map(np.random.default_rng, seeds):
+            given = QUESTIONS["nutation"].draw(rng, rows)
+            motions = [reference.HeavyTop(*row) for row in zip(*(given[name] for name in ("y", "I1", "I3", "mgl")), strict=True)]
+            assert max(1 - motion._kc**2 for motion in motions) > 0.85
+            assert min(motion.L_3 for motion in motions) < 0 < max(motion.L_3 for motion in motions)
+            assert max(motion.turning_points[1] for motion in motions) > 1.5
+            assert any(0.9 < ratio < 1 for ratio in QUESTIONS["sleeping_top"].draw(rng, rows)["ratio"])
+            assert min(QUESTIONS["steady_precession"].draw(rng, rows)["ratio"]) < 1.05
+            assert min(abs(QUESTIONS["wobble_period"].draw(rng, rows)["flat"])) < 0.02
 
 
 def masses(t, y, I1, I3, mgl):

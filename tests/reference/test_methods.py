@@ -39,6 +39,7 @@ def test_observed_order(name):
     assert abs(observed - method.order) <= 0.15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [m for m in HEAVY if m.order], ids=lambda m: m.name)
 def test_observed_order_on_the_heavy_top(method):
     scene = Scene("test", (0.3, 0.6, 9.0), (1.0, 1.0, 0.6), 2.0, intervals=8, mgl=10.0, tilt=0.6)

@@ -29,6 +29,7 @@ def test_the_wrong_side_of_the_separatrix_by_the_outermost_nudges(outermost):
     assert SEPARATRIX.holds(outermost), outermost
 
 
+@pytest.mark.slow
 def test_where_dop853_errs_by_more_than_one_the_exact_solution_errs_by_rounding(outermost):
     """The nudge of 1e-8, against sixty digits by other formulas."""
     worst = {r["setting"]: r["error"] for r in outermost if r["method"] == "DOP853" and r["nudge"] == 1e-8}

@@ -72,6 +72,7 @@ def find_root(f, a, b, tol):
 """
 
 
+@pytest.mark.slow
 def test_partial_credit_is_the_share_of_right_inputs_on_the_server_and_in_the_kit(toolbox, sandbox, tmp_path):
     report = grade(Submission(PARTLY), toolbox.assignment, sandbox, 1).report
     found = {outcome.id: outcome for outcome in report.outcomes()}

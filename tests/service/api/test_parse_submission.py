@@ -101,6 +101,7 @@ def test_large_bodies_are_parsed_in_one_other_process_and_small_ones_here(databa
     assert set(multiprocessing.active_children()) == before
 
 
+@pytest.mark.slow
 def test_the_kit_and_the_server_agree_on_the_text(real_server, full, tmp_path, monkeypatch):
     (tmp_path / "mine.ipynb").write_bytes(full)
     report = ecp.submit(file=tmp_path / "mine.ipynb", exercises="2", server=real_server.url, assignment="rigid-body")

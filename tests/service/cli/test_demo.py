@@ -20,6 +20,7 @@ from tests.support.database import sql
 from tests.support.fake_server import Scripted, says
 
 
+@pytest.mark.slow
 def test_it_sends_samples_prints_their_lines_and_names_those_with_another_report(real_server, monkeypatch, capsys):
     wanted = {"right_terms.py", "wrong_zeros.py"}
 

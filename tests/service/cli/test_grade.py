@@ -123,7 +123,7 @@ def test_a_full_disk_is_no_verdict(folder):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("assignments",),
+        pytest.param(("assignments",), marks=pytest.mark.slow),
         ("grade", "nowhere.py"),
         pytest.param(("grade", "right_terms.py", "--exercise", "2"), marks=pytest.mark.slow),
     ],

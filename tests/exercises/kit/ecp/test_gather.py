@@ -188,6 +188,7 @@ def test_a_decorator_that_stands_later_than_what_it_decorates(notebook):
     assert notebook.sent()(1) == 2
 
 
+@pytest.mark.slow
 def test_decorated_by_a_compiler(notebook):
     pytest.importorskip("numba")
     notebook.run(

@@ -64,7 +64,9 @@ def test_the_one_made_of_what_runs_is_the_same(wheel):
 def test_installed_it_grades_and_exports_the_same_zip(wheel, rigid_body, tmp_path):
     told = polhode(wheel, "grade", rigid_body.folder / "samples/right_terms.py", "--exercise", "2", cwd=tmp_path)
     assert told.returncode == 0 and "5 of 5 points" in told.stdout, told.stderr
-    told = polhode(wheel, "export", "gradescope", "--exercise", "2", "--out", "autograder.zip", cwd=tmp_path)
+    told = polhode(
+        wheel, "export", "gradescope", "--assignment", "rigid-body", "--exercise", "2", "--out", "autograder.zip", cwd=tmp_path
+    )
     assert told.returncode == 0 and "set the autograder points to 5" in told.stdout, told.stderr
     assert (tmp_path / "autograder.zip").read_bytes() == bundle(rigid_body, ["2"])
 

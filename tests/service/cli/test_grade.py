@@ -52,7 +52,10 @@ def test_grade_has_the_servers_time_limits(tmp_path):
     (tmp_path / "sleeps.py").write_text("import time\ntime.sleep(1000)\n")
     environment = os.environ | {"POLHODE_GRADING_WALL": "2"}
     done = subprocess.run(
-        [*COMMAND, "grade", tmp_path / "sleeps.py", "--exercise", "2"], env=environment, capture_output=True, text=True
+        [*COMMAND, "grade", tmp_path / "sleeps.py", "--assignment", "rigid-body", "--exercise", "2"],
+        env=environment,
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 1 and "your submission did not finish within 2 s in all" in done.stdout, done.stderr
 

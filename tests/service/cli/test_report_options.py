@@ -59,7 +59,7 @@ def test_points_are_out_of_the_exercises_asked_for_also_of_what_is_no_submission
     polhode("grade", "right_terms.py", "binary.py", *options)
     lines = list(csv.DictReader((folder / "g.csv").read_text(encoding="utf-8-sig").splitlines()))
     assert [(line["points"], line["max_points"], float(line["percent"])) for line in lines] == [("5", "5", 100), ("0", "5", 0)]
-    polhode("grade", "binary.py", "--exercise", "2", "--gradescope", "r.json")
+    polhode("grade", "binary.py", "--assignment", "rigid-body", "--exercise", "2", "--gradescope", "r.json")
     (test,) = json.loads((folder / "r.json").read_text())["tests"]
     assert (test["score"], test["max_score"]) == (0, 5)
 

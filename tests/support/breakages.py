@@ -460,8 +460,8 @@ SANDBOX = [
     Breakage(
         "a sweep's seconds are believed",
         "service/grading/grader.py",
-        "if not plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:",
-        "if not plausible(swept):",
+        "if not rendering.plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:",
+        "if not rendering.plausible(swept):",
         ("tests/service/grading/test_grader.py::test_impossible_calls_and_seconds_are_refused",),
     ),
     Breakage(
@@ -1431,8 +1431,8 @@ WORKERS = [
     Breakage(
         "a worker takes submissions before its probe was played",
         "service/grading/grader.py",
-        "if not _sandbox.self_tested:",
-        "if _sandbox.self_tested:",
+        "if not self.sandbox.self_tested:",
+        "if self.sandbox.self_tested:",
         ("tests/service/grading/test_grader.py",),
     ),
 ]

@@ -8,14 +8,12 @@ from datetime import datetime
 from hashlib import sha256
 from uuid import UUID
 
-from sqlalchemy import Executable, Row, select
-from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy import Row
 
 from ecp.document import read as read_document
 from ecp.report import Report
 from service.grading.submission import Submission
-from service.store.database import Database
-from service.store.tables import artefact, grading_artefact
+from service.store.database import Connection, Database
 
 
 @dataclass(frozen=True)
@@ -149,6 +147,16 @@ SELECT args->>'attempt' AS grading, row_number() OVER (ORDER BY priority DESC, i
 FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 """
 
+_ARTEFACT = """
+SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256) WHERE k.grading_id = :grading AND k.name = :name
+"""
+
+_INSERT_CONTENT = "INSERT INTO artefact (sha256, content) VALUES (:sha256, :content) ON CONFLICT DO NOTHING"
+
+_INSERT_NAME = """
+INSERT INTO grading_artefact (grading_id, name, sha256) VALUES (:grading, :name, :sha256) ON CONFLICT DO NOTHING
+"""
+
 
 async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     """Return the submission with that id, or None."""
@@ -177,29 +185,24 @@ async def positions(database: Database) -> Mapping[str, int]:
 
 async def find_artefact(database: Database, grading: UUID, name: str) -> tuple[bytes, str] | None:
     """Return content and SHA-256 (hexadecimal) of a grading's artefact, or None."""
-    query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, grading_artefact)
-    rows = await database.rows(query.where(grading_artefact.c.grading_id == grading, grading_artefact.c.name == name))
-    return (rows[0].content, rows[0].sha256) if rows else None
+    row = await database.first(_ARTEFACT, {"grading": grading, "name": name})
+    return None if row is None else (row.content, row.sha256)
 
 
 async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
     """Store artefacts made after the grading, such as a figure drawn on the first request."""
     async with database.begin() as connection:
-        for statement in artefact_statements(grading, artefacts):
-            await connection.execute(statement)
+        await insert_artefacts(connection, grading, artefacts)
 
 
-def artefact_statements(grading: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
-    """Return the statements that store artefacts; content that several gradings share is stored once."""
+async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
+    """Store artefacts in this transaction; content that several gradings share is stored once."""
     marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
     contents = {marks[name]: content for name, content in artefacts.items()}
-    return [
-        *(insert(artefact).values(sha256=mark, content=contents[mark]).on_conflict_do_nothing() for mark in sorted(contents)),
-        *(
-            insert(grading_artefact).values(grading_id=grading, name=n, sha256=mark).on_conflict_do_nothing()
-            for n, mark in marks.items()
-        ),
-    ]
+    for mark in sorted(contents):  # a fixed order avoids deadlocks
+        await connection.execute(_INSERT_CONTENT, {"sha256": mark, "content": contents[mark]})
+    for name, mark in marks.items():
+        await connection.execute(_INSERT_NAME, {"grading": grading, "name": name, "sha256": mark})
 
 
 def _stored(row: Row[tuple[object, ...]]) -> SubmissionRecord:

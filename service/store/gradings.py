@@ -6,7 +6,7 @@ from uuid import UUID
 from service.store import runs
 from service.store.course import audit
 from service.store.database import Connection, Database
-from service.store.queue import lock_person, send_next
+from service.store.queue import lock_persons, send_next
 
 
 class AlreadyFinished(Exception):
@@ -24,7 +24,7 @@ async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
             return None
         if not await _stop(connection, [grading], actor):
             raise AlreadyFinished
-        await lock_person(connection, found.submission)
+        await lock_persons(connection, [found.submission])
         await connection.execute(_FORGET_JOBS, {"gradings": [str(grading)]})
         await send_next(connection, grading, found.submission)
         detail = {"person": found.person, "grading": found.number, "preview": found.preview}

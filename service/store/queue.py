@@ -34,11 +34,11 @@ def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
 _sender = App(connector=PsycopgConnector())  # never opened: it writes through its callers' transactions
 
 
-async def send(connection: Connection, grading: UUID, *, task: str = "grade", priority: int) -> None:
-    """Add a job for the grading in this transaction. ``task`` is "grade" or "sweep"."""
+async def send(connection: Connection, gradings: Sequence[UUID], *, task: str = "grade", priority: int) -> None:
+    """Add a job for each grading in this transaction. ``task`` is "grade" or "sweep"."""
     raw = (await connection.raw.get_raw_connection()).driver_connection
     job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=raw)
-    await job.defer_async(**job_arguments(grading))
+    await job.batch_defer_async(*map(job_arguments, gradings))
 
 
 def job_arguments(grading: UUID) -> dict[str, JSONValue]:
@@ -51,24 +51,16 @@ def priority_of(kind: str, open_before: int) -> int:
     return STEP * KINDS[kind] - min(STEP - 1, open_before)
 
 
-async def send_grading(connection: Connection, grading: UUID, *, begun: bool = False) -> None:
-    """Add the job of a grading, ranked by its kind and by the person's number of earlier open gradings.
+async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, begun: bool = False) -> None:
+    """Add the jobs of gradings, each ranked by its kind and by the person's number of earlier open gradings.
 
-    A grading that had ``begun`` before its worker was lost goes ahead of all others of its kind.
+    Gradings that had ``begun`` before their worker was lost go ahead of all others of their kind.
     """
-    found = (await connection.execute(_OPEN_BEFORE, {"gradings": [grading]})).one()
-    await send(connection, grading, priority=priority_of(found.kind, 0) + 1 if begun else priority_of(found.kind, found.open))
-
-
-async def send_gradings(connection: Connection, gradings: Sequence[UUID]) -> None:
-    """Add the jobs of many gradings that have not begun, ranked as by ``send_grading``."""
     by_rank: defaultdict[int, list[UUID]] = defaultdict(list)
     for row in await connection.rows(_OPEN_BEFORE, {"gradings": list(gradings)}):
-        by_rank[priority_of(row.kind, row.open)].append(row.id)
-    raw = (await connection.raw.get_raw_connection()).driver_connection
+        by_rank[priority_of(row.kind, 0) + 1 if begun else priority_of(row.kind, row.open)].append(row.id)
     for priority, ids in by_rank.items():
-        job = _sender.configure_task("grade", queue=QUEUE, priority=priority, connection=raw)
-        await job.batch_defer_async(*[job_arguments(grading) for grading in ids])
+        await send(connection, ids, priority=priority)
 
 
 async def send_next(connection: Connection, done: UUID, submission: UUID) -> None:
@@ -77,25 +69,22 @@ async def send_next(connection: Connection, done: UUID, submission: UUID) -> Non
     So people take turns however many submissions each has queued, and later arrivals do not delay an early
     second submission indefinitely.
     """
-    await lock_person(connection, submission)
+    await lock_persons(connection, [submission])
     row = await connection.first(_NEXT, {"grading": done})
     if row is not None:
         await connection.execute("DELETE FROM procrastinate_jobs WHERE id = :id", {"id": row.job})
-        await send_grading(connection, row.grading)
-
-
-async def lock_person(connection: Connection, submission: UUID) -> None:
-    """Lock the ranking of this person's gradings until the end of the transaction."""
-    await connection.execute(_LOCK_PERSON, {"submission": submission})
+        await send_gradings(connection, [row.grading])
 
 
 async def lock_persons(connection: Connection, submissions: Sequence[UUID]) -> None:
-    """Lock the rankings of the people of many submissions, in a fixed order that avoids deadlocks."""
+    """Lock the rankings of these submissions' people until the end of the transaction.
+
+    They are locked in a fixed order, which avoids deadlocks.
+    """
     await connection.execute(_LOCK_PERSONS, {"submissions": list(submissions)})
 
 
 PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
-_LOCK_PERSON = f"SELECT {PERSON_LOCK.format('person_id')} FROM submission WHERE id = :submission"
 _LOCK_PERSONS = f"""
 SELECT {PERSON_LOCK.format("person_id")}
 FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(:submissions) ORDER BY person_id) AS persons

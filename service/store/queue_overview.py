@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import Row
@@ -10,7 +11,8 @@ from sqlalchemy import Row
 from service.store import runs
 from service.store.course import audit
 from service.store.database import Database
-from service.store.queue import lock_person
+from service.store.queue import lock_persons
+from service.store.records import LAST
 from service.store.submissions import add_grading
 
 
@@ -19,11 +21,11 @@ class QueueSnapshot:
     """Snapshot of the queue: waiting jobs by kind, the first jobs in order, active runs, workers, and
     submissions whose grading ended in a system fault or was cancelled."""
 
-    waiting: Sequence[Row[tuple[object, ...]]]
-    places: Sequence[Row[tuple[object, ...]]]
-    going: Sequence[Row[tuple[object, ...]]]
-    workers: Sequence[Row[tuple[object, ...]]]
-    faults: Sequence[Row[tuple[object, ...]]]
+    waiting: Sequence[Row[Any]]
+    places: Sequence[Row[Any]]
+    going: Sequence[Row[Any]]
+    workers: Sequence[Row[Any]]
+    faults: Sequence[Row[Any]]
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ async def regrade(database: Database, which: Sequence[UUID] | str, actor: str, *
     for one in await database.rows(_AGAIN, values):
         # One transaction each, so that a student who submits meanwhile waits only for their own.
         async with database.begin() as connection:
-            await lock_person(connection, one.id)
+            await lock_persons(connection, [one.id])
             row = await connection.first(_AGAIN, {"ids": [one.id], "faults": faults})
             if row is None:
                 continue
@@ -126,12 +128,6 @@ SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM 
 WHERE seen_at BETWEEN now() - interval '30 s' AND now() + interval '30 s' ORDER BY name
 """
 
-# Preview gradings do not count, neither as the last grading nor as one with a report.
-_LAST = """
-LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
-    JOIN result r ON r.grading_id = a.id
-"""
-
 _HAS_REPORT = """EXISTS (
     SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
     WHERE b.submission_id = s.id AND NOT b.preview AND q.report IS NOT NULL)
@@ -139,13 +135,13 @@ _HAS_REPORT = """EXISTS (
 
 _FAULTS = f"""
 SELECT s.id AS submission, p.name AS person, x.slug AS assignment, r.fault, r.cancelled_by, r.finished_at
-FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {_LAST}
+FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {LAST}
 WHERE r.fault IS NOT NULL AND NOT {_HAS_REPORT}
 ORDER BY r.finished_at DESC LIMIT 50
 """
 
 _AGAIN = f"""
-SELECT s.id, a.seed, r.fault FROM submission s JOIN {_LAST}
+SELECT s.id, a.seed, r.fault FROM submission s JOIN {LAST}
 WHERE (CAST(:ids AS uuid[]) IS NULL OR s.id = ANY(CAST(:ids AS uuid[])))
     AND (NOT CAST(:faults AS boolean) OR (r.fault IS NOT NULL AND NOT {_HAS_REPORT}))
 ORDER BY s.submitted_at

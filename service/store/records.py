@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from hashlib import sha256
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import Row
@@ -67,25 +68,6 @@ class SubmissionRecord:
         return self.status in ("graded", "faulted")
 
 
-@dataclass(frozen=True)
-class SubmissionRow:
-    """A submission in a list; ``score``, ``max_score``, ``points`` and ``total`` are None without a report.
-
-    ``total`` is the report's total, or ``max_score`` for reports stored before the total was recorded.
-    """
-
-    id: UUID
-    filename: str
-    person: str
-    submitted_at: datetime
-    status: str
-    score: int | None
-    max_score: int | None
-    points: int | None = None
-    total: int | None = None
-    assignment: str = ""
-
-
 def points(given: str, grading: str, score: str) -> str:
     """Return a lateral subquery, named by ``given``, with the ``points`` of a grading of submission ``s``
     after overrides, and whether any override is in force, ``overridden``. An override from before the check lost
@@ -115,6 +97,12 @@ LEFT JOIN LATERAL (
 ) going ON true
 """
 
+# The last grading with its result, if it has one. Preview gradings do not count.
+LAST = """
+LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.grading_id = a.id
+"""
+
 STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
     WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
 
@@ -132,7 +120,8 @@ WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS}, x.slug
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS},
+    x.slug AS assignment
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
 WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
 """
@@ -147,8 +136,9 @@ SELECT args->>'attempt' AS grading, row_number() OVER (ORDER BY priority DESC, i
 FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 """
 
-_ARTEFACT = """
-SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256) WHERE k.grading_id = :grading AND k.name = :name
+ARTEFACTS = """
+SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256)
+WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
 """
 
 _INSERT_CONTENT = "INSERT INTO artefact (sha256, content) VALUES (:sha256, :content) ON CONFLICT DO NOTHING"
@@ -160,22 +150,22 @@ INSERT INTO grading_artefact (grading_id, name, sha256) VALUES (:grading, :name,
 
 async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     """Return the submission with that id, or None."""
-    rows = await database.rows(_ONE, {"id": id})
-    return _stored(rows[0]) if rows else None
+    row = await database.first(_ONE, {"id": id})
+    return None if row is None else _stored(row)
 
 
-async def recent(database: Database, most: int, person: str | None = None) -> Sequence[SubmissionRow]:
-    """Return the latest ``most`` submissions, of everyone or of one person, newest first."""
-    return [
-        SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total, r.slug)
-        for r in await database.rows(_LIST, {"most": most, "person": person})
-    ]
+async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Row[Any]]:
+    """Return the latest ``most`` submissions, of everyone or of one person, newest first.
+
+    ``score``, ``max_score``, ``points`` and ``total`` are None without a report. ``total`` is the report's total, or ``max_score``
+    for reports stored before the total was recorded.
+    """
+    return await database.rows(_LIST, {"most": most, "person": person})
 
 
-async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
+async def state(database: Database, id: UUID) -> Row[Any] | None:
     """Return status, scores, ``grading`` and progress of a submission as a row, or None."""
-    rows = await database.rows(_STATE, {"id": id})
-    return rows[0] if rows else None
+    return await database.first(_STATE, {"id": id})
 
 
 async def positions(database: Database) -> Mapping[str, int]:
@@ -185,7 +175,7 @@ async def positions(database: Database) -> Mapping[str, int]:
 
 async def find_artefact(database: Database, grading: UUID, name: str) -> tuple[bytes, str] | None:
     """Return content and SHA-256 (hexadecimal) of a grading's artefact, or None."""
-    row = await database.first(_ARTEFACT, {"grading": grading, "name": name})
+    row = await database.first(ARTEFACTS, {"gradings": [grading], "name": name})
     return None if row is None else (row.content, row.sha256)
 
 
@@ -205,7 +195,7 @@ async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Map
         await connection.execute(_INSERT_NAME, {"grading": grading, "name": name, "sha256": mark})
 
 
-def _stored(row: Row[tuple[object, ...]]) -> SubmissionRecord:
+def _stored(row: Row[Any]) -> SubmissionRecord:
     return SubmissionRecord(
         id=row.id,
         assignment=row.assignment,

@@ -13,7 +13,7 @@ from service.store.course import audit, grades
 from service.store.database import Database
 from service.store.gradings import cancel_all_of
 from service.store.queue import lock_persons, send_gradings
-from service.store.records import LATE, SHOWN, points
+from service.store.records import LAST, LATE, SHOWN, points
 from service.store.submissions import MAX_RUNS
 
 BATCH = 50
@@ -96,8 +96,8 @@ async def _add(database: Database, id: UUID, submissions: Sequence[UUID]) -> int
 
 async def find(database: Database, id: UUID) -> Regrade | None:
     """Return the regrade with that id, or None."""
-    rows = await database.rows(_FIND, {"id": id, "slug": None})
-    return Regrade(**rows[0]._mapping) if rows else None
+    row = await database.first(_FIND, {"id": id, "slug": None})
+    return None if row is None else Regrade(**row._mapping)
 
 
 async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
@@ -169,13 +169,11 @@ ORDER BY person_id
 
 _UNDECIDED = "SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE"
 
-_ADD = """
+_ADD = f"""
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at, regrade_id, preview)
 SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
     clock_timestamp(), :regrade, true
-FROM submission s
-    JOIN LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
-    JOIN result r ON r.grading_id = a.id
+FROM submission s JOIN {LAST}
 WHERE s.id = ANY(:submissions) RETURNING id
 """
 
@@ -196,11 +194,14 @@ SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 F
 """
 
 # A report of a later grading stays shown.
-_RELEASE = """
-UPDATE grading a SET preview = false FROM result r
-WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT EXISTS (
+_OVERTAKEN = """EXISTS (
     SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
     WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL)
+"""
+
+_RELEASE = f"""
+UPDATE grading a SET preview = false FROM result r
+WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT {_OVERTAKEN}
 RETURNING a.submission_id
 """
 
@@ -230,9 +231,7 @@ LATERAL (
 _PAIRS = f"""
 SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.grading_id IS NOT NULL AS finished, r.fault,
     r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
-    before.points AS was_points, given.points, given.overridden, EXISTS (
-        SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
-        WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL) AS overtaken
+    before.points AS was_points, given.points, given.overridden, {_OVERTAKEN} AS overtaken
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN {_BEFORE}
     LEFT JOIN {points("before", "was.grading", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}

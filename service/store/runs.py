@@ -17,7 +17,7 @@ from ecp.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
 from service.store.database import Connection, Database
-from service.store.queue import send_grading, send_next
+from service.store.queue import send_gradings, send_next
 from service.store.records import insert_artefacts
 
 CHANNEL = "polhode"
@@ -121,7 +121,7 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
         open = (await connection.execute(_END_IF_OPEN, values)).rowcount
         if open and await connection.first(_OWNER, {"grading": claimed.grading}) is None:
             await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
-            await send_grading(connection, claimed.grading, begun=end_reason == "released")
+            await send_gradings(connection, [claimed.grading], begun=end_reason == "released")
             await notify_in(connection, claimed.submission_id)
 
 
@@ -137,7 +137,7 @@ async def notify(database: Database, submission_id: UUID) -> None:
         await notify_in(connection, submission_id)
 
 
-def _job_fields(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
+def _job_fields(grading: UUID, row: Row[Any]) -> dict[str, Any]:
     return {
         "grading": grading,
         "submission_id": row.submission_id,

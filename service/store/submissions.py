@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from typing import Any
 from uuid import UUID, uuid4
 
 from psycopg.types.json import Jsonb
@@ -14,7 +15,7 @@ from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database
-from service.store.queue import PERSON_LOCK, lock_person, priority_of, send, send_grading
+from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
 from service.store.records import LATE, NewSubmission
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
@@ -84,7 +85,7 @@ async def accept(
 
 async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str, most_open: int | None) -> Accepted:
     async with database.begin() as connection:
-        person = await _person(connection, database, new.person)
+        person = database.persons.get(new.person) or await add_person(connection, new.person)  # ids never change
         request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
         rules = (await connection.execute(_RULES, request)).one()
         values = {
@@ -110,24 +111,19 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
         await _check(connection, rules, person)
         if most_open is not None and stored.open >= most_open:
             raise TooManyOpen
-        await send(connection, values["grading"], priority=priority_of(kind, stored.open))
+        await send(connection, [values["grading"]], priority=priority_of(kind, stored.open))
     database.persons[new.person] = person  # cached after the commit only
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
 async def add_grading(connection: Connection, of: UUID, kind: str, seed: int) -> UUID:
     """Add the next grading of a submission with its job, and return its id."""
-    await lock_person(connection, of)
+    await lock_persons(connection, [of])
     id = uuid4()
     values = {"id": id, "submission": of, "kind": kind, "seed": seed, "max_runs": MAX_RUNS}
     await connection.execute(_ADD, values)
-    await send_grading(connection, id)
+    await send_gradings(connection, [id])
     return id
-
-
-async def _person(connection: Connection, database: Database, name: str) -> UUID:
-    """Return the id of the person, from the cache if possible: ids never change."""
-    return database.persons.get(name) or await add_person(connection, name)
 
 
 # clock_timestamp(), as now() is the start of the transaction.
@@ -178,7 +174,7 @@ WHERE s.person_id = :person AND s.assignment_id = :assignment
 """
 
 
-async def _check(connection: Connection, rules: Row[tuple[object, ...]], person: UUID) -> None:
+async def _check(connection: Connection, rules: Row[Any], person: UUID) -> None:
     """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)

@@ -13,7 +13,7 @@ from uuid import UUID
 from service.store.course.gradebook import StudentRow
 from service.store.database import Connection, Database
 from service.store.queue import KINDS, STEP, send
-from service.store.records import insert_artefacts
+from service.store.records import ARTEFACTS, insert_artefacts
 
 SWEPT, REFUSED = "sweep.json", "sweep.refused"
 MOST_RUNS = 3  # of one grading's sweep, lost ones included
@@ -78,7 +78,7 @@ async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, 
 
 async def documents(database: Database, class_: Iterable[StudentRow]) -> list[dict[str, Any]]:
     """Return the stored sweeps of the counted submissions as JSON documents."""
-    rows = await database.rows(_CONTENTS, {"gradings": _gradings(class_), "name": SWEPT})
+    rows = await database.rows(ARTEFACTS, {"gradings": _gradings(class_), "name": SWEPT})
     return [json.loads(row.content) for row in rows]
 
 
@@ -90,7 +90,7 @@ async def _queue_once(connection: Connection, grading: UUID, kind: str) -> bool:
     await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
     if await connection.first(_QUEUED, {"grading": str(grading)}) is not None:
         return False
-    await send(connection, grading, task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
+    await send(connection, [grading], task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
     return True
 
 
@@ -111,8 +111,3 @@ WHERE k.grading_id = :grading AND (k.name IN ('sweep.json', 'sweep.refused') OR 
 """
 
 _RUNS = "SELECT count(*) FROM grading_artefact WHERE grading_id = :grading AND name LIKE 'sweep.run.%'"
-
-_CONTENTS = """
-SELECT a.content FROM grading_artefact k JOIN artefact a USING (sha256)
-WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
-"""

@@ -12,7 +12,7 @@ from uuid import UUID
 
 from service.settings import LEASE_S
 from service.store.database import Connection, Database
-from service.store.queue import send_grading
+from service.store.queue import send_gradings
 
 log = logging.getLogger(__name__)
 JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
@@ -102,7 +102,7 @@ async def sweep(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
 
 async def _lose_and_send(connection: Connection, grading: UUID, lease_s: float, *, begun: bool) -> None:
     await connection.execute(_LOSE, {"grading": grading, "lease": lease_s})
-    await send_grading(connection, grading, begun=begun)
+    await send_gradings(connection, [grading], begun=begun)
 
 
 _RECENT = "({0} > now() - make_interval(secs => {1}) AND {0} < now() + make_interval(secs => {1}))"

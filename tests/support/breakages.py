@@ -989,7 +989,7 @@ STORE = [
     Breakage(
         "a grading that was given back has no job",
         "service/store/runs.py",
-        'await send_grading(connection, claimed.grading, begun=end_reason == "released")',
+        'await send_gradings(connection, [claimed.grading], begun=end_reason == "released")',
         "pass",
         ("tests/service/store/test_runs.py",),
     ),

@@ -16,14 +16,13 @@ class NameTaken(Exception):
 
 async def about(database: Database, name: str) -> Row[Any] | None:
     """Return profile, ``has_password`` and ``issuer`` of the linked account as a row, or None."""
-    rows = await database.rows(_ABOUT, {"name": name})
-    return rows[0] if rows else None
+    return await database.first(_ABOUT, {"name": name})
 
 
 async def password(database: Database, name: str) -> str | None:
     """Return the hash of the person's password; None without a password or for an unknown person."""
-    rows = await database.rows("SELECT password FROM person WHERE name = :name", {"name": name})
-    return rows[0].password if rows else None
+    row = await database.first("SELECT password FROM person WHERE name = :name", {"name": name})
+    return None if row is None else row.password
 
 
 async def set_password(connection: Connection, name: str, new_hash: str, *, by: str, but: UUID | None = None) -> bool:

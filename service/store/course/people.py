@@ -59,8 +59,8 @@ async def enroll(connection: Connection, roster: Iterable[Sequence[str | None]])
 
 async def role(database: Database, name: str) -> str:
     """Return the person's role, which is "student" for an unknown person."""
-    rows = await database.rows(_ROLE_OF, {"name": name, "course": COURSE})
-    return str(rows[0].role) if rows else "student"
+    row = await database.first(_ROLE_OF, {"name": name, "course": COURSE})
+    return "student" if row is None else str(row.role)
 
 
 async def everybody(database: Database) -> Sequence[Row[Any]]:

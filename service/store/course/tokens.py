@@ -1,7 +1,7 @@
 """Opaque tokens, stored as their SHA-256, and device logins (after RFC 8628)."""
 
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -35,28 +35,32 @@ class LoginOver(Exception):
     """The login was refused, already collected or not confirmed in time."""
 
 
-async def create(connection: Connection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
+async def create(
+    connection: Connection, name: str, *, label: str, scopes: Sequence[str], seconds: float, prefix: str = PREFIX
+) -> str:
     """Return a new token of the person, who is added if unknown. Only its digest is stored."""
-    return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
+    await add_person(connection, name)
+    ((_, token),) = await create_all(connection, [name], label=label, scopes=scopes, seconds=seconds, prefix=prefix)
+    return token
 
 
 async def create_all(
-    connection: Connection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float
+    connection: Connection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float, prefix: str = PREFIX
 ) -> list[tuple[str, str]]:
-    """Return (name, new token) for each of these people, who must exist."""
-    given = [(name, PREFIX + secrets.token_urlsafe(32)) for name in names]
+    """Return (name, new token) for each of these people, who must exist. Only the tokens' digests are stored."""
+    given = [(name, prefix + secrets.token_urlsafe(32)) for name in names]
     values = {
         "names": list(names),
         "digests": [_digest(token) for _, token in given],
         "prefixes": [t[:SHOWN_CHARACTERS] for _, t in given],
     }
-    await connection.execute(_INSERT_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
+    await connection.execute(_INSERT, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
     return given
 
 
 async def create_session(connection: Connection, name: str, *, label: str, seconds: float) -> str:
     """Return the secret of a new browser session of the person. The API does not accept it as a token."""
-    return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
+    return await create(connection, name, label=label, scopes=BROWSER, seconds=seconds, prefix=SESSION)
 
 
 async def find(database: Database, token: str) -> TokenInfo | None:
@@ -64,10 +68,9 @@ async def find(database: Database, token: str) -> TokenInfo | None:
 
     Record its use, to the hour.
     """
-    rows = await database.rows(_FIND, {"digest": _digest(token)})
-    if not rows:
+    row = await database.first(_FIND, {"digest": _digest(token)})
+    if row is None:
         return None
-    row = rows[0]
     if row.stale:
         async with database.begin() as connection:
             await connection.execute("UPDATE token SET used_at = now() WHERE id = :id", {"id": row.id})
@@ -114,8 +117,8 @@ async def create_login(database: Database, label: str) -> tuple[str, str]:
 
 async def find_login(database: Database, code: str) -> str | None:
     """Return the label of the pending login with that code, or None."""
-    rows = await database.rows(_OPEN, {"code": _tidy(code)})
-    return str(rows[0].label) if rows else None
+    row = await database.first(_OPEN, {"code": _tidy(code)})
+    return None if row is None else str(row.label)
 
 
 async def confirm_login(database: Database, code: str, name: str | None) -> bool:
@@ -143,13 +146,6 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
     return None
 
 
-async def _new(connection: Connection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
-    token = prefix + secrets.token_urlsafe(32)
-    values = {"person": await add_person(connection, name), "digest": _digest(token), "prefix": token[:SHOWN_CHARACTERS]}
-    await connection.execute(_INSERT, {**terms, **values})
-    return token
-
-
 def _digest(token: str) -> str:
     return sha256(token.encode()).hexdigest()
 
@@ -160,10 +156,6 @@ def _tidy(code: str) -> str:
 
 
 _INSERT = """
-INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
-VALUES (:person, :digest, :prefix, :label, :scopes, now() + make_interval(secs => :seconds))
-"""
-_INSERT_ALL = """
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
 SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
 FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest, prefix)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ecp.notebook.cells import DEFINITION, python_of, statements_of
+from ecp.notebook.cells import DEFINITION, python_of, statements_of, without_magics
 
 SOLUTION, INSTALL = "solution", "install"  # tags of cells that students must not see, and that install the kit
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
@@ -147,7 +147,7 @@ def _is_empty(node: ast.AST) -> bool:
 
 def _syntax_error(source: str) -> str:
     try:
-        compile(source, "cell", "exec")
+        compile(without_magics(source), "cell", "exec")
     except (SyntaxError, ValueError) as error:
         return f"line {getattr(error, 'lineno', 1)}: {getattr(error, 'msg', error)}"
     return ""

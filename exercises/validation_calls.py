@@ -38,23 +38,26 @@ def calls(source: str) -> list[Call]:
     tree = ast.parse(python_of(source) or "")
     functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
     inside = {id(node) for function in functions for node in ast.walk(function)}
-    found = [(node, kind) for node in ast.walk(tree) if isinstance(node, ast.Call) and (kind := _kind(node))]
     loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
     repeated = {id(node) for loop in loops for node in ast.walk(loop)}
-    return sorted(
-        Call(
-            (n.lineno, n.col_offset),
-            kind,
-            _label(n, kind),
-            (_argument(n, 0), _argument(n, 1)),
-            in_function=id(n) in inside,
-            repeated=id(n) in repeated,
-            is_plain=isinstance(_given(n, "label", LABEL_AT[kind]), ast.Constant),
-            numbers=_numbers(n, kind),
-            computed=tuple(name for name, node in _given_numbers(n, kind) if _number(node) is None),
-        )
-        for n, kind in found
-    )
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and (kind := _kind(node)):
+            label = _given(node, "label", LABEL_AT[kind]) or ast.Constant("")
+            numbers = {name: _number(given) for name, given in _given_numbers(node, kind)}
+            call = Call(
+                (node.lineno, node.col_offset),
+                kind,
+                _text(label),
+                (_argument(node, 0), _argument(node, 1)),
+                in_function=id(node) in inside,
+                repeated=id(node) in repeated,
+                is_plain=isinstance(label, ast.Constant),
+                numbers=tuple((name, number) for name, number in numbers.items() if number is not None),
+                computed=tuple(name for name, number in numbers.items() if number is None),
+            )
+            found.append(call)
+    return sorted(found)
 
 
 def _argument(node: ast.Call, at: int) -> str:
@@ -74,10 +77,6 @@ def _given(node: ast.Call, name: str, at: int) -> ast.expr | None:
     return given.get(name, node.args[at] if len(node.args) > at else None)
 
 
-def _label(node: ast.Call, kind: str) -> str:
-    return _text(_given(node, "label", LABEL_AT[kind]) or ast.Constant(""))
-
-
 def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
     """Yield the tolerances and limits of a call by name, those that it does not name with their defaults."""
     if any(isinstance(one, ast.Starred) for one in node.args) or any(keyword.arg is None for keyword in node.keywords):
@@ -87,10 +86,6 @@ def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
     for at, (name, parameter) in enumerate(parameters.items()):
         if name in KINDS[kind].numbers:
             yield name, _given(node, name, at) or ast.Constant(parameter.default)
-
-
-def _numbers(node: ast.Call, kind: str) -> tuple[tuple[str, float], ...]:
-    return tuple((name, number) for name, given in _given_numbers(node, kind) if (number := _number(given)) is not None)
 
 
 def _number(node: ast.expr) -> float | None:
@@ -113,9 +108,6 @@ def _text(node: ast.expr) -> str:
         case ast.Constant(value=str(text)):
             return " ".join(text.split())
         case ast.JoinedStr(values=parts):
-            return " ".join("".join(_part(part) for part in parts).split())
+            shown = [str(p.value) if isinstance(p, ast.Constant) else ast.unparse(ast.JoinedStr([p]))[2:-1] for p in parts]
+            return " ".join("".join(shown).split())
     return f"{{{ast.unparse(node)}}}"
-
-
-def _part(part: ast.expr) -> str:
-    return str(part.value) if isinstance(part, ast.Constant) else ast.unparse(ast.JoinedStr([part]))[2:-1]

@@ -9,8 +9,6 @@ from ecp import validate
 from ecp.claims import KINDS
 from ecp.notebook.cells import python_of
 
-LABEL_AT = {"close": 2, "conserved": 1, "check": 1, "positive": 1, "below": 2}
-"""The position of the argument ``label`` of each function of ``ecp.validate``."""
 LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
@@ -43,7 +41,7 @@ def calls(source: str) -> list[Call]:
     found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and (kind := _kind(node)):
-            label = _given(node, "label", LABEL_AT[kind]) or ast.Constant("")
+            label = _given(node, kind, "label") or ast.Constant("")
             numbers = {name: _number(given) for name, given in _given_numbers(node, kind)}
             call = Call(
                 (node.lineno, node.col_offset),
@@ -71,10 +69,11 @@ def _kind(node: ast.Call) -> str | None:
     return None
 
 
-def _given(node: ast.Call, name: str, at: int) -> ast.expr | None:
-    """Return the argument ``name`` of a call, which may stand at the position ``at``."""
-    given = {keyword.arg: keyword.value for keyword in node.keywords}
-    return given.get(name, node.args[at] if len(node.args) > at else None)
+def _given(node: ast.Call, kind: str, name: str) -> ast.expr | None:
+    """Return the argument ``name`` of a call of the function ``kind``, by name or by its position; None if it is not given."""
+    given: dict[str | None, ast.expr] = dict(zip(inspect.signature(getattr(validate, kind)).parameters, node.args, strict=False))
+    given |= {keyword.arg: keyword.value for keyword in node.keywords}
+    return given.get(name)
 
 
 def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
@@ -83,9 +82,8 @@ def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
         yield from ((name, node) for name in KINDS[kind].numbers)  # only running the call shows them
         return
     parameters = inspect.signature(getattr(validate, kind)).parameters
-    for at, (name, parameter) in enumerate(parameters.items()):
-        if name in KINDS[kind].numbers:
-            yield name, _given(node, name, at) or ast.Constant(parameter.default)
+    for name in KINDS[kind].numbers:
+        yield name, _given(node, kind, name) or ast.Constant(parameters[name].default)
 
 
 def _number(node: ast.expr) -> float | None:

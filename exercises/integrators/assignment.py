@@ -265,9 +265,11 @@ ask = {
     "tol": lambda rng, row: 10 ** (0.3 - 0.7 * (row % 5 + rng.uniform(0, 1))),
 }
 cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], rows=(5, 15), mistakes=wrong)
-# A step to x = 2⁶⁰ h, beside which cos 5 is nothing: the error is 5 · 2⁶⁰/n exactly. The last row's tol holds for 1 or 2 steps too.
+# A step to x = 2⁶⁰ h, beside which cos 5 is nothing: the error is 5 · 2⁶⁰/n exactly. In turn it is tol, above it, below it.
 ask = {"step": family("(2.0**60 * h + 0 * x, 0 * acc(x))", "acc", "x", "v", "h")}
-ask["tol"] = lambda rng, row: 5 * 2.0**60 / rng.choice([(8, 16), (64, 512), (1, 2)][row % 3])
-given = {"truth": lambda tol: max(8.0, 5 * 2.0**60 / tol), "label": "calls_needed takes an error that equals tol"}
+factors = (1, 1 - 2.0**-20, 1)
+ask["tol"] = lambda rng, row: factors[row % 3] * 5 * 2.0**60 / rng.choice([(8, 16), (64, 512), (1, 2)][row % 3])
+given = {"truth": lambda tol: next(n for n in 8 * 2.0 ** np.arange(20) if 5 * 2.0**60 / n <= tol)}
+given["label"] = "calls_needed takes an error that equals tol, and none above it"
 equal = values(calls_needed, ask, EXACT, **given, uses=[final_error], rows=(3, 6))
 notebook.exercise("6", "Speed against accuracy", errors, orders, cost, equal)

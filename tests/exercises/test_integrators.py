@@ -260,6 +260,7 @@ LIMIT = QUESTIONS["stability_limit"].source
         ("calls_needed", COUNT.replace("n, calls = 8", "n, calls = 16")),
         ("calls_needed", COUNT.replace("n, calls = 8", "n, calls = 1")),
         ("calls_needed", COUNT.replace("> tol:", ">= tol:")),
+        ("calls_needed", COUNT.replace("> tol:", "> 1.001 * tol:")),
         ("calls_needed", COUNT.replace("> tol:", "> tol and n < 512:")),
         ("calls_needed", COUNT.replace("len(calls)", "n * (len(calls) // n)")),
         ("growth", QUESTIONS["growth"].source.replace(".max()", "[0]")),

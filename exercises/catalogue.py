@@ -66,10 +66,7 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
         rule = "use lower-case letters from a to z, digits, and _ between them"
         errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
-    errors += syntax_errors(folder)
-    if errors:
-        return None, errors
-    if errors := _taken(folder):
+    if errors := [*errors, *syntax_errors(folder)] or _taken(folder):
         return None, errors
     notebooks = [value for value in vars(_imported(folder)).values() if isinstance(value, Notebook)]
     if len(notebooks) != 1:
@@ -130,17 +127,18 @@ def assignments() -> dict[str, Assignment]:
 
 
 def find(slug: str) -> Assignment:
-    """Return the assignment of that slug or folder name. Raises InvalidAssignment if it is invalid,
-    NoAssignment if there is none.
+    """Return the assignment of that slug or folder name, and load no other. Raises InvalidAssignment if it is invalid, NoAssignment
+    if there is none.
     """
     slug = slug.replace("_", "-")
+    for folder in _selected():
+        if slug_of(folder) == slug and isinstance(found := _load(folder), Assignment):
+            return found
     valid, invalid = load_catalogue()
-    if (error := invalid.get(slug)) and slug not in valid:
-        raise error
-    if slug not in valid:
-        known = ", ".join(sorted(valid)) or "none"
-        raise NoAssignment(f"there is no assignment {slug}; known: {known}; name the folder of another one in {SETTING}")
-    return valid[slug]
+    if slug in invalid:
+        raise invalid[slug]
+    known = ", ".join(sorted(valid)) or "none"
+    raise NoAssignment(f"there is no assignment {slug}; known: {known}; name the folder of another one in {SETTING}")
 
 
 @functools.cache
@@ -148,31 +146,31 @@ def load_catalogue() -> Catalogue:
     """Load each package in this folder and each that POLHODE_ASSIGNMENTS names, or of these the slugs in POLHODE_COURSE, in
     their order. An invalid one does not affect the others.
     """
-    found, chosen = folders(), os.environ.get(COURSE, "").split()
-    if chosen:
-        found = sorted([folder for folder in found if slug_of(folder) in chosen], key=lambda folder: chosen.index(slug_of(folder)))
-    absent = set(chosen) - set(map(slug_of, found))
-    valid: dict[str, Assignment] = {}
+    loaded = [(slug_of(folder), _load(folder)) for folder in _selected()]
+    absent = set(_chosen()) - {slug for slug, _ in loaded}
     invalid = {slug: InvalidAssignment(slug, [f"{COURSE} names it, but it does not exist"]) for slug in absent}
-    for folder in found:
-        slug = slug_of(folder)
-        try:
-            assignment = _load(slug, folder)
-        except InvalidAssignment as error:
-            invalid[slug] = error
-        else:
-            valid[slug] = assignment
-    return Catalogue(valid, invalid)
+    invalid.update((slug, error) for slug, error in loaded if isinstance(error, InvalidAssignment))
+    return Catalogue({slug: found for slug, found in loaded if isinstance(found, Assignment)}, invalid)
 
 
-def _load(slug: str, folder: Path) -> Assignment:
+def _chosen() -> list[str]:
+    return os.environ.get(COURSE, "").split()
+
+
+def _selected() -> list[Path]:
+    """Return the folders of the course's assignments in its order, all folders if POLHODE_COURSE is not set."""
+    found, order = folders(), {slug: k for k, slug in enumerate(_chosen())}
+    return sorted([one for one in found if slug_of(one) in order], key=lambda one: order[slug_of(one)]) if order else found
+
+
+@functools.cache
+def _load(folder: Path) -> Assignment | InvalidAssignment:
+    slug = slug_of(folder)
     try:
         assignment, errors = load(folder)
+        errors = errors or validation.errors(assignment)
     except InvalidAssignment as error:
-        raise InvalidAssignment(slug, error.errors) from error
+        errors = error.errors
     except (Exception, SystemExit) as error:
-        raise InvalidAssignment(slug, [format_error(error, folder)]) from error
-    errors = errors or validation.errors(assignment)
-    if errors:
-        raise InvalidAssignment(slug, errors)
-    return assignment
+        errors = [format_error(error, folder)]
+    return InvalidAssignment(slug, errors) if errors else assignment

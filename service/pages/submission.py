@@ -6,19 +6,20 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
-from ecp import grouped
+from ecp import grouped, report_html
 from ecp.exercise import Motion
-from ecp.outcome import Ended, Outcome
+from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
-from service.api.figures import Submission, cached_artefact
-from service.api.submissions import find_submission
+from service.api.figures import cached_artefact
+from service.api.submissions import Submission
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
 from service.grading import motion_data, rendering, result
 from service.grading.submission import source_locations
 from service.http.errors import Problem
+from service.http.state import Db
 from service.http.templating import templates
 from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
@@ -31,22 +32,20 @@ router = APIRouter()
 
 @router.get("/submissions/{id}", response_class=HTMLResponse)
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
-async def report(id: str, request: Request, person: CurrentUser) -> Response:
+async def report(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show one submission. Staff see more details of the grading than the student."""
-    stored, database = await find_submission(request, id), request.app.state.database
     context = await asyncio.to_thread(_report_context, stored) | {
         "stored": stored,
-        "staff": request.state.role in STAFF,
+        "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
         "timeline": await timeline(database, stored.person, stored.assignment),
     }
-    return templates.TemplateResponse(request, "report.html", context | await overrides.context(request, stored))
+    return templates.TemplateResponse(request, "report.html", context | await overrides.context(database, stored))
 
 
 @router.get("/submissions/{id}/diff", response_class=HTMLResponse)
-async def changes(id: str, request: Request, person: CurrentUser) -> Response:
+async def changes(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show the changes of the source since the student's previous submission."""
-    stored, database = await find_submission(request, id), request.app.state.database
     found = await previous(database, stored.id)
     earlier = await records.read(database, found) if found else None
     if earlier is None:
@@ -72,19 +71,20 @@ def _report_context(stored: SubmissionRecord) -> dict[str, Any]:
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
         "sweeps": assignment is not None and assignment.sweep is not None,
-        "state": lambda outcome: result.state(outcome, scene_ends),
-        "tolerance": _tolerance,
         "cause_numbers": grouped.numbers,
         "causes_header": grouped.header,
+        "html": report_html,
+        "judged": lambda outcome: _judged(outcome, scene_ends),
     }
 
 
-def _tolerance(outcome: Outcome) -> str:
-    """Return the tolerance's numbers and their reason as text."""
-    allowed = outcome.tolerance
-    numbers = {"rtol": allowed.rtol, "atol": allowed.atol, "limit": allowed.limit}
-    text = ", ".join(f"{name} {value:.3g}" for name, value in numbers.items() if value is not None)
-    return f"{text}: {allowed.reason}" if text else allowed.reason
+def _judged(outcome: Outcome, scene_ends: list[SceneEnd]) -> str:
+    """Return for the staff how the code stopped, the tolerance's numbers and their reason, and the margin."""
+    state, allowed = result.state(outcome, scene_ends), outcome.tolerance
+    stopped = f"{result.MARKS[state]} {result.WORDS[state]}; " if state in ("timeout", "error") else ""
+    text = ", ".join(f"{name} {value:.3g}" for name, value in allowed.numbers().items())
+    margin = "" if outcome.margin is None else f"; margin {outcome.margin:.3g}"
+    return f"{stopped}allowed {text}{': ' if text else ''}{allowed.reason}{margin}"
 
 
 def _diff(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Changed]] | None:
@@ -96,7 +96,7 @@ def _diff(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Chan
 
 
 @router.get("/submissions/{id}/motions/{name}.json")
-async def motion(person: CurrentUser, stored: Submission, name: str, request: Request) -> Response:
+async def motion(request: Request, person: CurrentUser, stored: Submission, name: str, database: Db) -> Response:
     """Return a motion of the report as JSON; compute it on the first request and store it."""
     assignment = assignments().get(stored.assignment)
     available = playable_motions(assignment, stored.report) if assignment and stored.report else {}
@@ -110,7 +110,7 @@ async def motion(person: CurrentUser, stored: Submission, name: str, request: Re
     async def make(packed: bytes) -> bytes:
         return await asyncio.to_thread(compute, packed)
 
-    return await cached_artefact(request, stored, f"motions/{name}.json", "application/json", make)
+    return await cached_artefact(request, database, stored, f"motions/{name}.json", "application/json", make)
 
 
 def playable_motions(assignment: Assignment, report: Report) -> dict[str, list[Motion]]:

@@ -1,5 +1,8 @@
 """Assignments that lie elsewhere, and broken ones: each tells all that is wrong with it and costs no other."""
 
+import subprocess
+import sys
+
 import pytest
 
 from exercises.assignment import InvalidAssignment, NoAssignment
@@ -29,6 +32,12 @@ def test_a_course_names_its_assignments_in_order(tmp_path, monkeypatch):
     with known(copied(tmp_path), copied(tmp_path, "neighbour")) as found:
         assert list(found.valid) == ["neighbour", "damped-oscillator"]
         assert str(found.invalid["absent"]).endswith("POLHODE_COURSE names it, but it does not exist")
+
+
+def test_one_assignment_is_found_without_loading_the_others():
+    code = "import sys; from exercises.catalogue import find; find('rigid-body'); print(*(name for name in sys.modules))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "exercises.rigid_body.assignment" in loaded and "sympy" not in loaded
 
 
 def spoiled(folder):

@@ -10,8 +10,7 @@ from service.api.answers import Ready
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
 from service.http.state import Db, Held
-from service.store.database import Database, DatabaseLost, is_loss
-from service.store.tables import metadata
+from service.store.database import MISSING_TABLES, Database, DatabaseLost, is_loss
 
 router = APIRouter()
 CACHED_S = 1.0
@@ -20,8 +19,6 @@ _WORKERS = """
 SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
-
-_MISSING = "SELECT name FROM unnest(CAST(:tables AS text[])) AS name WHERE to_regclass(quote_ident(name)) IS NULL ORDER BY name"
 
 
 class WorkerStatus:
@@ -60,7 +57,7 @@ async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
     broken = load_catalogue().invalid
     invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
     try:
-        if missing := [row.name for row in await database.rows(_MISSING, {"tables": list(metadata.tables)})]:
+        if missing := [row.name for row in await database.rows(MISSING_TABLES)]:
             raise DatabaseLost(f"tables are missing: {', '.join(missing)}")
         isolation, reason = await status.current()
         checks["isolation"] = isolation or reason or checks["isolation"]

@@ -86,6 +86,7 @@ class Sandbox:
             if len(result.scene_ends) == before:
                 break
             self._skip_followers(job, result)
+        result.scene_ends = {s.name: result.scene_ends[s.name] for s in job.scenes if s.name in result.scene_ends}
         return result
 
     def _play_once(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> None:

@@ -108,9 +108,8 @@ def _run(
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
-            sentence = f"not run: it needs the scene {scene['after']}, which did not finish"
-            write.event("scene", scene=scene["name"], ended="not-played", sentence=sentence)
-        elif absent := _missing(scene, student, job["variables"]):
+            continue
+        if absent := _missing(scene, student, job["variables"]):
             write.event("start", scene=scene["name"])
             write.event("scene", scene=scene["name"], ended="missing-function", code="missing-function", sentence=absent)
         elif _play(scene, plays, student, questions, write, unchanged=unchanged):
@@ -139,14 +138,11 @@ def _play(
             exec(compile(scene["source"], "source.py", "exec"), names)
         play = plays[scene["play"]]
         asked = (names,) if scene["question"] is None else (scene["question"], names)
-        if scene["asked"]:
-            for arguments in questions:
-                write.answer(checked_arrays(play, play(*asked, arguments), scene["returns"]))
-            return
-        arrays = play(*asked, scene["inputs"])
-        unchanged()
-        for key, array in checked_arrays(play, arrays, scene["returns"]).items():
-            write.array(name, key, array)
+        for inputs in questions if scene["asked"] else [scene["inputs"]]:
+            arrays = play(*asked, inputs)
+            if not scene["asked"]:
+                unchanged()
+            write.arrays(checked_arrays(play, arrays, scene["returns"]))
 
     ended = _run_limited(answer, Budget(scene["budget_s"]))
     write.event("scene", scene=name, **ended)

@@ -1,7 +1,6 @@
 """The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
 import ast
-import importlib
 import linecache
 import signal
 import sys
@@ -22,9 +21,9 @@ from ecp.return_value import describe_exception, is_written, missing
 
 from .calls import LOADED, Channel
 from .claims import Recorder
-from .ipython_stubs import install_stubs, stand_ins
+from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, pieces, runnable, statements
-from .seal import Seal
+from .seal import Seal, private_modules
 from .wire import Questions, Writer
 
 Names = dict[str, Any]
@@ -156,15 +155,12 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     too, by the name ``unchanged``.
     """
     names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
-    public = {name: importlib.import_module(name) for name in names}
     plays: Names = {"__name__": "plays"}
     seal = Seal()
     own = types.ModuleType("numpy")
     own.__dict__.update(vars(np))
-    try:
-        for name in names:
-            del sys.modules[name]
-        private = [vars(importlib.import_module(name)) for name in names]
+    with private_modules(names) as modules:
+        private = [vars(module) for module in modules]
         for space in private:
             space["np"] = own
             if "unchanged" in space:
@@ -172,11 +168,6 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
         seal.close([plays, *private, vars(own)], ["plays", *names])
-    finally:
-        sys.modules |= public
-        for name, module in public.items():
-            parent, _, child = name.rpartition(".")
-            setattr(sys.modules[parent], child, module)
     return plays, seal.check
 
 
@@ -184,7 +175,6 @@ def prepare(setup: str) -> Names:
     """Return the namespace of a notebook after its setup cell, with the assignment's own modules."""
     use_modules(Path(MODULES).absolute())
     module = types.ModuleType("__main__")
-    sys.modules |= stand_ins()
     install_stubs(module.__dict__)
     exec(compile(setup, "Setup", "exec"), module.__dict__)
     sys.modules["__main__"] = module

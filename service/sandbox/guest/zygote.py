@@ -101,13 +101,8 @@ def _reap(children: list[int], handles: list[int]) -> bytes:
 
 def _fork(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> int:
     """Start a child that runs a program of this package with descriptors at ``places``, from 3 on, None for /dev/null."""
-    child = os.fork()
-    if child == 0:
-        _child(program, layers, places, cpu_s)
-    return child
-
-
-def _child(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> None:
+    if child := os.fork():
+        return child
     code = LOCKDOWN_FAILED
     try:
         devnull = os.open(os.devnull, os.O_RDWR)

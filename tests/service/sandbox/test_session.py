@@ -30,7 +30,7 @@ LIES = {
     "names are null": PRELUDE + 'J(event="defined", names=None)',
     "finished without arrays": PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ended="finished")',
     "no colours": FILM + 'A(b"", frames=[24, 360, 480, 0])\n' + ENDED,
-    "two colours": FILM + 'A(bytes(64), frames=[2, 4, 4, 2])\n' + ENDED,
+    "two colours": FILM + "A(bytes(64), frames=[2, 4, 4, 2])\n" + ENDED,
     "no frames": FILM + 'A(b"", frames=[0, 4, 4, 3])\n' + ENDED,
     "blames the sandbox": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
     "sleeps through its alarm": PRELUDE

@@ -44,7 +44,7 @@ class Seal:
 
 @contextmanager
 def private_modules(names: Sequence[str]) -> Iterator[list[types.ModuleType]]:
-    """Import copies of modules, for the ``with`` block under their names, which a submission cannot replace by them."""
+    """Import copies of the modules ``names``, for the ``with`` block in their place. A submission cannot replace the copies."""
     public = {name: importlib.import_module(name) for name in names}
     try:
         for name in names:

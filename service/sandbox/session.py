@@ -9,7 +9,8 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from io import FileIO
+from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -35,12 +36,12 @@ POLL_S = 0.2  # interval at which a cancellation is noticed
 
 @dataclass
 class Pipes:
-    """The host's ends of a child's pipes. ``control`` is the zygote's socket, which reports the child's exit."""
+    """The host's ends of a child's pipes, unbuffered. ``control`` is the zygote's socket, which reports the child's exit."""
 
     control: socket.socket
-    job: int
-    result: int
-    output: int
+    job: FileIO
+    result: FileIO
+    output: FileIO
 
 
 class ChildExit(NamedTuple):
@@ -86,10 +87,9 @@ class PlaySession:
     ended: ChildExit | None = None
     _received: int = 0
     _printed: int = 0
-    _job_open: bool = True
 
     def run(self) -> None:
-        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded. Close the pipes.
+        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded.
 
         Raises OSError if the zygote has ended.
         """
@@ -97,7 +97,7 @@ class PlaySession:
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
-        os.set_blocking(self.pipes.job, False)
+        os.set_blocking(self.pipes.job.fileno(), False)
         with selectors.DefaultSelector() as self._selector:
             self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
             for end in (self.pipes.result, self.pipes.output, self.pipes.control):
@@ -109,11 +109,6 @@ class PlaySession:
                         self._drive(self.reader.started)
             finally:
                 self.waited.update()
-                for fd in (self.pipes.result, self.pipes.output):
-                    if fd in self._selector.get_map():
-                        os.close(fd)
-                if self._job_open:
-                    os.close(self.pipes.job)
 
     def _is_running(self) -> bool:
         return self.stopped is None and not self.cancelled.is_set() and bool(self._selector.get_map())
@@ -126,15 +121,10 @@ class PlaySession:
         if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
-            if key.fd == self.pipes.job:
-                self._unsent = _write_some(key.fd, self._unsent)
-                if not self._unsent:
-                    self._selector.unregister(key.fd)
-                    self._close_job_unless_needed()
-            elif not self._read_from(key.fd):
+            if key.fileobj is self.pipes.job:
+                self._write_some()
+            elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
-                if key.fd != self.pipes.control.fileno():
-                    os.close(key.fd)
 
     def _drive(self, scene: str) -> None:
         """Run the scene's driver and keep its result, unless the scene ends first."""
@@ -155,11 +145,9 @@ class PlaySession:
     def _send(self, data: bytes, scene: str | None) -> None:
         """Write to the child that plays ``scene``. An answer before the whole question is written violates the protocol."""
         try:
-            self._unsent = memoryview(data)[os.write(self.pipes.job, data) :]
+            self._unsent = memoryview(data)[self.pipes.job.write(data) or 0 :]
         except BrokenPipeError:
             raise NoAnswer from None
-        except BlockingIOError:
-            self._unsent = memoryview(data)
         if self._unsent:  # the question is larger than the pipe, or the child answers without reading
             self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
             while self._unsent:
@@ -170,10 +158,19 @@ class PlaySession:
             raise NoAnswer
         self._step()
 
+    def _write_some(self) -> None:
+        """Write what fits of ``_unsent``, or nothing if the child has closed the pipe."""
+        try:
+            self._unsent = self._unsent[self.pipes.job.write(self._unsent[:CHUNK]) or 0 :]
+        except BrokenPipeError:
+            self._unsent = memoryview(b"")
+        if not self._unsent:
+            self._selector.unregister(self.pipes.job)
+            self._close_job_unless_needed()
+
     def _close_job_unless_needed(self) -> None:
-        if self._job_open and not self._undriven:
-            os.close(self.pipes.job)
-            self._job_open = False
+        if not self._undriven:
+            self.pipes.job.close()
 
     def record_end(self, result: PlayResult) -> None:
         """Record the scene end that follows from the child's exit, for the scene in progress or else for all scenes that are left.
@@ -205,13 +202,13 @@ class PlaySession:
                 scene=scene, ended=scene_end, sentence=sentence or SENTENCES[scene_end], code=CODES.get(scene_end)
             )
 
-    def _read_from(self, fd: int) -> bool:
+    def _read_from(self, end: Any) -> bool:
         """Read from one end. Return False at its end of file."""
-        if fd == self.pipes.control.fileno():
-            self.ended = ChildExit.unpack(self.pipes.control.recv(REAPED.size))
+        if end is self.pipes.control:
+            self.ended = ChildExit.unpack(end.recv(REAPED.size))
             return False
-        data = os.read(fd, CHUNK)
-        if fd == self.pipes.output:
+        data = end.read(CHUNK)
+        if end is self.pipes.output:
             self._printed += len(data)
             self.output += data[: KEPT_OUTPUT - len(self.output)]
         else:
@@ -256,11 +253,3 @@ class _Deadline:
             self._scene, self._since = scene, time.monotonic()
         until = self._since + GRACE_S + self._budgets.get(scene or "", self._load_s)
         return max(0.0, min(until, self._last) - time.monotonic())
-
-
-def _write_some(fd: int, data: memoryview) -> memoryview:
-    """Write what fits and return the rest, which is empty if the reader has closed the pipe."""
-    try:
-        return data[os.write(fd, data[:CHUNK]) :]
-    except BrokenPipeError:
-        return memoryview(b"")

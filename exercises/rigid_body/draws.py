@@ -1,6 +1,8 @@
 """The inputs drawn for each submission: boxes, tensors, motions by family, and motions (t, ω) for ``precession_rate``."""
 
+import itertools
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -54,10 +56,8 @@ def tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
 
 
 def _unequal_box(rng: np.random.Generator) -> tuple[float, ...]:
-    while True:
-        box = (rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3))
-        if are_apart(reference.box_moments(*box)):
-            return box
+    boxes = ((rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3)) for _ in itertools.count())
+    return next(box for box in boxes if are_apart(reference.box_moments(*box)))
 
 
 def _rotation(rng: np.random.Generator) -> Array:
@@ -65,12 +65,10 @@ def _rotation(rng: np.random.Generator) -> Array:
     return np.asarray(Q * np.linalg.det(Q))
 
 
-def body(rng: Rng) -> Array:
-    """Return moments (3,) of a box in kg m², in any order, no two nearly equal."""
-    while True:
-        moments = reference.box_moments(rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3))
-        if are_apart(moments):
-            return moments
+def body(rng: Rng, mass: float | None = None) -> Array:
+    """Return moments (3,) of a box in kg m², in any order, no two nearly equal. Its ``mass`` in kg is drawn too unless given."""
+    boxes = (reference.box_moments(mass or rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3)) for _ in itertools.count())
+    return next(filter(are_apart, boxes))
 
 
 def are_apart(moments: Array) -> bool:
@@ -78,20 +76,20 @@ def are_apart(moments: Array) -> bool:
     return bool(np.diff(np.sort(moments)).min() > APART * moments.max())
 
 
-def long_run(rng: Rng) -> Inputs:
-    """Draw a general motion over sixty radians."""
-    w0 = _spin(rng)
-    return _inputs(w0, body(rng), 60.0 / np.linalg.norm(w0), 600)
+def general(angle: float, n: int, orientation: bool, rng: Rng) -> Inputs:
+    """Draw a general motion over ``angle`` in rad, with its attitude if ``orientation`` is set."""
+    return _inputs(_spin(rng), body(rng), angle, n, orientation)
 
 
-def about_least(rng: Rng) -> Inputs:
-    """Draw a polhode around the axis of the least moment."""
-    return _family(rng, -1)
+def about_axis(side: int, rng: Rng) -> Inputs:
+    """Draw a polhode around the axis of the least moment (``side`` −1) or of the greatest (1)."""
+    moments = body(rng)
 
+    def excess(w0: Array) -> float:
+        return float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
 
-def about_greatest(rng: Rng) -> Inputs:
-    """Draw a polhode around the axis of the greatest moment."""
-    return _family(rng, 1)
+    spins = (_spin(rng) for _ in itertools.count())
+    return _inputs(next(w0 for w0 in spins if side * excess(w0) > OFF_SEPARATRIX), moments, 20.0, 300)
 
 
 def symmetric(rng: Rng) -> Inputs:
@@ -99,14 +97,12 @@ def symmetric(rng: Rng) -> Inputs:
     equal = rng.uniform(0.5, 3.0)
     moments = np.full(3, equal)
     moments[rng.integers(3)] = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
-    w0 = _spin(rng)
-    return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+    return _inputs(_spin(rng), moments, 20.0, 300)
 
 
 def sphere(rng: Rng) -> Inputs:
     """Draw a body with three equal moments, whose ω is constant."""
-    w0 = _spin(rng)
-    return _inputs(w0, np.full(3, rng.uniform(0.5, 3.0)), 10.0 / np.linalg.norm(w0), 100)
+    return _inputs(_spin(rng), np.full(3, rng.uniform(0.5, 3.0)), 10.0, 100)
 
 
 def tumble(rng: Rng) -> Inputs:
@@ -119,22 +115,7 @@ def tumble(rng: Rng) -> Inputs:
         w0[axis] = spin * rng.choice([-1.0, 1.0])
         path = reference.Exact(w0, moments).omega(np.linspace(0.0, t_end, 100))[axis]
         if path.min() / spin < -0.9 and path.max() / spin > 0.9:  # with other signs it first comes nearer to the axis
-            return _inputs(w0, moments, t_end, 400)
-
-
-def attitude(rng: Rng) -> Inputs:
-    """Draw a general motion with its attitude."""
-    w0 = _spin(rng)
-    return _inputs(w0, body(rng), 20.0 / np.linalg.norm(w0), 120, orientation=True)
-
-
-def _family(rng: Rng, side: int) -> Inputs:
-    moments = body(rng)
-    while True:
-        w0 = _spin(rng)
-        excess = float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
-        if side * excess > OFF_SEPARATRIX:
-            return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+            return _inputs(w0, moments, 0.0, 400) | {"t_end": float(t_end)}
 
 
 def _spin(rng: Rng) -> Array:
@@ -142,18 +123,19 @@ def _spin(rng: Rng) -> Array:
     return np.asarray(rng.uniform(0.8, 4.0) * direction / np.linalg.norm(direction))
 
 
-def _inputs(w0: Array, moments: Array, t_end: "float | np.floating[Any]", n: int, orientation: bool = False) -> Inputs:
-    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": float(t_end), "n": n, "orientation": orientation}
+def _inputs(w0: Array, moments: Array, angle: float, n: int, orientation: bool = False) -> dict[str, Any]:
+    t_end = float(angle / np.linalg.norm(w0))
+    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": t_end, "n": n, "orientation": orientation}
 
 
 DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
-    "drawn-long": (long_run, 600, False),
-    "drawn-least": (about_least, 300, False),
-    "drawn-greatest": (about_greatest, 300, False),
+    "drawn-long": (partial(general, 60.0, 600, False), 600, False),
+    "drawn-least": (partial(about_axis, -1), 300, False),
+    "drawn-greatest": (partial(about_axis, 1), 300, False),
     "drawn-symmetric": (symmetric, 300, False),
     "drawn-sphere": (sphere, 100, False),
     "drawn-tumble": (tumble, 400, False),
-    "drawn-attitude": (attitude, 120, True),
+    "drawn-attitude": (partial(general, 20.0, 120, True), 120, True),
 }
 
 

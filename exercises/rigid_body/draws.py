@@ -139,59 +139,42 @@ DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
 }
 
 
-def uneven_times(rng: Rng) -> Inputs:
-    """Draw even turning at uneven times: the last steps are several times as long as the first, or the first
-    as the last.
+def uneven(rng: Rng) -> tuple[Array, float]:
+    """Draw uneven times (n,), from 0 to 1, of even turning: the last steps are much longer than the first, or the first ones."""
+    samples = np.linspace(0.0, 1.0, TURN_SAMPLES)
+    times = (1 - UNEVEN) * samples + UNEVEN * samples**3
+    return times if rng.random() < 0.5 else 1 - times[::-1], 0.0
+
+
+def swaying(rng: Rng) -> tuple[Array, float]:
+    """Draw even times (n,), from 0 to 1, of turning at a varying rate; its mean, slope and median are the same."""
+    return np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY
+
+
+def even(steps: int, step: tuple[float, float], late: int, samples: int, rng: Rng) -> Inputs:
+    """Draw ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at zero.
+
+    Each of the ``steps`` is a share of a turn within the limits ``step``. The angle passes ±π for the first time before the last
+    ``late`` turns.
     """
-    rate, samples = _top(rng, rng.uniform(1.1, 1.9)), np.linspace(0.0, 1.0, TURN_SAMPLES)
-    uneven = (1 - UNEVEN) * samples + UNEVEN * samples**3
-    return _turning(rng, rate, uneven if rng.random() < 0.5 else 1 - uneven[::-1], 0.0)
-
-
-def backward(rng: Rng) -> Inputs:
-    """Draw backward turning at even times with a varying rate; its mean, slope and median are the same."""
-    rate = _top(rng, rng.uniform(0.3, 0.8))
-    return _turning(rng, rate, np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY)
-
-
-def coarse(rng: Rng) -> Inputs:
-    """Draw even turning in steps of nearly half a turn: ten of the twenty steps jump past ±π."""
-    turns = (COARSE_SAMPLES - 1) * rng.uniform(*COARSE_STEP)
-    return _even(rng, turns, rng.uniform(0.1, 0.9) * (turns - 9), COARSE_SAMPLES)
-
-
-def short(rng: Rng) -> Inputs:
-    """Draw even turning through less than one turn, past ±π."""
-    turns = rng.uniform(*SHORT_TURNS)
-    return _even(rng, turns, rng.uniform(0.1, 0.9) * turns, SHORT_SAMPLES)
-
-
-def _even(rng: Rng, turns: float, before: float, samples: int) -> Inputs:
-    """Return ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at
-    zero.
-
-    It passes ±π for the first time after ``before`` of its ``turns``.
-    """
+    turns = steps * rng.uniform(*step)
+    before = rng.uniform(0.1, 0.9) * (turns - late)
     part, transverse, w3 = np.linspace(0.0, 1.0, samples), rng.uniform(0.1, 0.8), rng.uniform(1.0, 4.0)
     duration, angle = turns * rng.uniform(2.0, 6.0), rng.choice([-1.0, 1.0]) * np.pi * (1 - 2 * before + 2 * turns * part)
     w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
     return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
 
 
-def _top(rng: Rng, i3: float) -> tuple[float, float]:
-    """Return precession rate and ω₃ of a symmetric top with I₃ = ``i3`` I₁."""
-    w3 = rng.uniform(1.0, 4.0)
-    return reference.free_precession_rate((1.0, 1.0, i3), w3), w3
+def turning(i3: tuple[float, float], times: Callable[[Rng], tuple[Array, float]], rng: Rng) -> Inputs:
+    """Draw ω (3, n) of a symmetric top with I₃ / I₁ within the limits ``i3``, over two to three turns, so that a phase that is not
+    unwrapped jumps, at times (n,) that do not start at zero.
 
-
-def _turning(rng: Rng, top: tuple[float, float], part: Array, sway: float) -> Inputs:
-    """Return ω (3, n) over two to three turns, so that a phase that is not unwrapped jumps, at times (n,)
-    that do not start at zero.
-
-    ``part`` (n,) runs from 0 to 1. The rate of turn varies by ``sway`` in two and a half periods about the
-    middle. It is odd there, so every way of taking the mean (slope, total, median) gives the same number.
+    ``times`` draws them from 0 to 1, and how much the rate of turn varies, in two and a half periods about the middle. It is odd
+    there, so every way of taking the mean (slope, total, median) gives the same number.
     """
-    (rate, w3), transverse, phase, turns = top, rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
+    ratio, w3 = rng.uniform(*i3), rng.uniform(1.0, 4.0)
+    (part, sway), rate = times(rng), reference.free_precession_rate((1.0, 1.0, ratio), w3)
+    transverse, phase, turns = rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
     duration = turns * 2 * np.pi / abs(rate)
     ahead = sway * rate * duration / (2 * np.pi * SWAYS) * np.cos(2 * np.pi * SWAYS * (part - 0.5))
     angle = phase + rate * duration * part + ahead
@@ -200,8 +183,9 @@ def _turning(rng: Rng, top: tuple[float, float], part: Array, sway: float) -> In
 
 
 TURNING: dict[str, Callable[[Rng], Inputs]] = {
-    "rate": uneven_times,
-    "rate-retrograde": backward,
-    "rate-coarse": coarse,
-    "rate-short": short,
+    "rate": partial(turning, (1.1, 1.9), uneven),
+    "rate-retrograde": partial(turning, (0.3, 0.8), swaying),
+    # ten of the twenty steps, each of nearly half a turn, jump past ±π
+    "rate-coarse": partial(even, COARSE_SAMPLES - 1, COARSE_STEP, 9, COARSE_SAMPLES),
+    "rate-short": partial(even, 1, SHORT_TURNS, 0, SHORT_SAMPLES),  # through less than one turn,
 }

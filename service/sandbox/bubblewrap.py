@@ -47,7 +47,9 @@ def namespace_isolation(
         listable=[SITE_PACKAGES, STANDARD_LIBRARY],
         folders=[],
     )
-    around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", GUEST_DATA, "--")
+    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
+    setting = (part for pair in variables.items() for part in ("--setenv", *pair))
+    around = (program, *_namespaces(), *_files(binds), "--clearenv", *setting, "--remount-ro", "/", "--chdir", GUEST_DATA, "--")
     return Isolation("namespaces", ("bubblewrap", *applied), around, inside, {"PATH": "/usr/bin:/bin"}, stays_root, allow_root)
 
 
@@ -74,11 +76,6 @@ def _files(binds: list[Path]) -> list[str]:
     for cached in font_list():
         args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
     return args
-
-
-def _variables() -> list[str]:
-    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
-    return ["--clearenv", *(part for pair in variables.items() for part in ("--setenv", *pair))]
 
 
 def find_bubblewrap() -> str | None:

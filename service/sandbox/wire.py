@@ -46,18 +46,18 @@ class Reader:
 
     def __init__(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> None:
         self._on_scene = on_scene
-        self.result, self.prepared, self.done, self.started = result, False, False, None
+        self.result, self.prepared, self.done = result, False, False
+        self.started: str | None = None
         self.not_prepared = ""
         self._scenes = {s.name: s for s in job.scenes}
         self._functions, self._cells = set(job.functions), {c.name for c in job.cells}
-        self._longest = MOST_JSON + max([sum(map(_size, s.returns.values())) for s in job.scenes], default=0)
+        sizes = [sum(math.prod(a.shape) * DTYPES[a.dtype].itemsize for a in s.returns.values()) for s in job.scenes]
+        self._longest = MOST_JSON + max(sizes, default=0)
         self._buffer = bytearray()
         self._names_known = False
         self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()  # a scene without a driver is one question
         self._claims, self._numbers = {False: 0, True: 0}, 0  # of the submission's own cells and of published ones
         self._header, self._size, self._places = b"", 0, list[Place]()
-
-    started: str | None
 
     def feed(self, data: bytes) -> None:
         """Read more bytes. Raises ProtocolError as soon as they are invalid."""
@@ -156,8 +156,10 @@ class Reader:
     def _claim(self, payload: bytes) -> None:
         if self._names_known:
             raise ProtocolError("a claim after the cells")
+        (length,) = HEADER.unpack_from(payload) if len(payload) >= HEADER.size else (0,)
+        header, numbers = _json(payload[HEADER.size : HEADER.size + length]), payload[HEADER.size + length :]
         try:
-            cell, place, claim = claims.read(*_headed(payload), self._cells, text)
+            cell, place, claim = claims.read(header, numbers, self._cells, text)
         except ValueError:
             raise ProtocolError("not a claim") from None
         self._claims[place is not None] += 1
@@ -180,12 +182,6 @@ def _layout(header: bytes, specs: Mapping[str, ArraySpec]) -> tuple[list[Place],
         places.append((name, dtype, shape, math.prod(shape), at))
         at += math.prod(shape) * dtype.itemsize
     return places, at
-
-
-def _headed(payload: bytes) -> tuple[Mapping[str, Any], bytes]:
-    """Return the JSON header of a payload and the bytes after it."""
-    (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
-    return _json(payload[2 : 2 + length]), payload[2 + length :]
 
 
 def _count(value: Any) -> int:
@@ -216,10 +212,6 @@ def _shape(shape: Any, spec: ArraySpec) -> tuple[int, ...]:
     if not within and tuple(shape) != spec.shape:
         raise ProtocolError("an array of another shape than asked for")
     return tuple(shape)
-
-
-def _size(spec: ArraySpec) -> int:
-    return math.prod(spec.shape) * DTYPES[spec.dtype].itemsize
 
 
 def _json(data: bytes) -> Mapping[str, Any]:

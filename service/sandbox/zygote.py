@@ -105,8 +105,10 @@ class Zygote:
                 with contextlib.suppress(ProcessLookupError):
                     signal.pidfd_send_signal(children[0], signal.SIGKILL)  # no child of this job survives it
                 _close(*children)
-        if session.ended is None:
-            session.ended = self._wait_for_exit()
+        try:
+            session.ended = session.ended or ChildExit.unpack(self._control.recv(REAPED.size))
+        except OSError as error:
+            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
         budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
@@ -147,13 +149,6 @@ class Zygote:
             _close(*handles)
             raise ZygoteLost("the sandbox process stopped unexpectedly")
         return handles
-
-    def _wait_for_exit(self) -> ChildExit:
-        """Return what the zygote reports of a killed child."""
-        try:
-            return ChildExit.unpack(self._control.recv(REAPED.size))
-        except OSError as error:
-            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
 
     def kill(self) -> None:
         """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s."""

@@ -51,7 +51,10 @@ def main(
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
-    _warm_up()
+    for name in WARM:
+        importlib.import_module(name)
+    sys.modules["matplotlib"].use("Agg")
+    sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
@@ -77,13 +80,6 @@ def main(
         handles = [os.pidfd_open(child) for child in children]
         socket.send_fds(control, [b"child"], handles)
         control.send(_reap(children, handles))
-
-
-def _warm_up() -> None:
-    for name in WARM:
-        importlib.import_module(name)
-    sys.modules["matplotlib"].use("Agg")
-    sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
 
 
 def _reap(children: list[int], handles: list[int]) -> bytes:

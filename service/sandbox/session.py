@@ -34,16 +34,6 @@ CHUNK = 1 << 16
 POLL_S = 0.2  # interval at which a cancellation is noticed
 
 
-@dataclass
-class Pipes:
-    """The host's ends of a child's pipes, unbuffered. ``control`` is the zygote's socket, which reports the child's exit."""
-
-    control: socket.socket
-    job: FileIO
-    result: FileIO
-    output: FileIO
-
-
 class ChildExit(NamedTuple):
     """The wait ``status`` of a child, that of the child with its ``reference`` functions, and the seconds of CPU time of both."""
 
@@ -72,6 +62,8 @@ class NoAnswer(BaseException):
 class PlaySession:
     """One play of ``job`` in a child, within the ``budget`` of the grading.
 
+    ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes, unbuffered, are
+    ``questions``, which begin with the job, ``answers``, which are frames, and ``printed``.
     ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is known, and ``waited``
     the time that it had no processor. Another thread may set ``cancelled`` to end the play.
     """
@@ -79,7 +71,10 @@ class PlaySession:
     job: Job
     budget: TimeBudget
     reader: Reader
-    pipes: Pipes
+    control: socket.socket
+    questions: FileIO
+    answers: FileIO
+    printed: FileIO
     waited: ProcessorWait
     cancelled: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
@@ -97,10 +92,10 @@ class PlaySession:
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
-        os.set_blocking(self.pipes.job.fileno(), False)
+        os.set_blocking(self.questions.fileno(), False)
         with selectors.DefaultSelector() as self._selector:
-            self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
-            for end in (self.pipes.result, self.pipes.output, self.pipes.control):
+            self._selector.register(self.questions, selectors.EVENT_WRITE)
+            for end in (self.answers, self.printed, self.control):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
                 while self._is_running():
@@ -121,7 +116,7 @@ class PlaySession:
         if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
-            if key.fileobj is self.pipes.job:
+            if key.fileobj is self.questions:
                 self._write_some()
             elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
@@ -145,11 +140,11 @@ class PlaySession:
     def _send(self, data: bytes, scene: str | None) -> None:
         """Write to the child that plays ``scene``. An answer before the whole question is written violates the protocol."""
         try:
-            self._unsent = memoryview(data)[self.pipes.job.write(data) or 0 :]
+            self._unsent = memoryview(data)[self.questions.write(data) or 0 :]
         except BrokenPipeError:
             raise NoAnswer from None
         if self._unsent:  # the question is larger than the pipe, or the child answers without reading
-            self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
+            self._selector.register(self.questions, selectors.EVENT_WRITE)
             while self._unsent:
                 self._step_in(scene)
 
@@ -161,16 +156,16 @@ class PlaySession:
     def _write_some(self) -> None:
         """Write what fits of ``_unsent``, or nothing if the child has closed the pipe."""
         try:
-            self._unsent = self._unsent[self.pipes.job.write(self._unsent[:CHUNK]) or 0 :]
+            self._unsent = self._unsent[self.questions.write(self._unsent[:CHUNK]) or 0 :]
         except BrokenPipeError:
             self._unsent = memoryview(b"")
         if not self._unsent:
-            self._selector.unregister(self.pipes.job)
+            self._selector.unregister(self.questions)
             self._close_job_unless_needed()
 
     def _close_job_unless_needed(self) -> None:
         if not self._undriven:
-            self.pipes.job.close()
+            self.questions.close()
 
     def record_end(self, result: PlayResult) -> None:
         """Record the scene end that follows from the child's exit, for the scene in progress or else for all scenes that are left.
@@ -204,11 +199,11 @@ class PlaySession:
 
     def _read_from(self, end: Any) -> bool:
         """Read from one end. Return False at its end of file."""
-        if end is self.pipes.control:
+        if end is self.control:
             self.ended = ChildExit.unpack(end.recv(REAPED.size))
             return False
         data = end.read(CHUNK)
-        if end is self.pipes.output:
+        if end is self.printed:
             self._printed += len(data)
             self.output += data[: KEPT_OUTPUT - len(self.output)]
         else:

@@ -6,6 +6,7 @@ then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own chec
 returns, their element type and largest shape, and its own questions; anything else violates the protocol.
 """
 
+import functools
 import json
 import math
 import struct
@@ -57,7 +58,6 @@ class Reader:
         self._names_known = False
         self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()  # a scene without a driver is one question
         self._claims, self._numbers = {False: 0, True: 0}, 0  # of the submission's own cells and of published ones
-        self._header, self._size, self._places = b"", 0, list[Place]()
 
     def feed(self, data: bytes) -> None:
         """Read more bytes. Raises ProtocolError as soon as they are invalid."""
@@ -94,7 +94,7 @@ class Reader:
                 self.result.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
-                self.started, self._header = self._next(event), b""
+                self.started = self._next(event)
                 self.open_questions = 0 if self._scenes[self.started].drive else 1
                 self._on_scene(self.started)
             case "scene":
@@ -142,12 +142,10 @@ class Reader:
             raise ProtocolError("an answer without a question")
         self.open_questions -= 1
         scene, header = self._scenes[self.started], payload[: HEADER.size + HEADER.unpack_from(payload)[0]]
-        if header != self._header:  # most answers of a scene have the same
-            self._places, self._size = _layout(header, scene.returns)
-            self._header = header
-        if len(payload) != self._size:
+        places, size = _layout(header, tuple(scene.returns.items()))
+        if len(payload) != size:
             raise ProtocolError("an answer of another length than its shapes")
-        arrays = {name: np.frombuffer(payload, dtype, count, at).reshape(shape) for name, dtype, shape, count, at in self._places}
+        arrays = {name: np.frombuffer(payload, dtype, count, at).reshape(shape) for name, dtype, shape, count, at in places}
         if scene.drive:
             self.answers.append(arrays)
         else:
@@ -172,9 +170,10 @@ class Reader:
             self.result.reported.setdefault((cell, place), []).append(claim)
 
 
-def _layout(header: bytes, specs: Mapping[str, ArraySpec]) -> tuple[list[Place], int]:
+@functools.lru_cache(maxsize=64)  # most answers of a scene have the same header
+def _layout(header: bytes, returns: tuple[tuple[str, ArraySpec], ...]) -> tuple[list[Place], int]:
     """Return the places of an answer's arrays and the length of the answer."""
-    shapes, places, at = _json(header[HEADER.size :]), list[Place](), len(header)
+    shapes, specs, places, at = _json(header[HEADER.size :]), dict(returns), list[Place](), len(header)
     if set(shapes) != set(specs):
         raise ProtocolError("an answer with other arrays than asked for")
     for name, listed in shapes.items():

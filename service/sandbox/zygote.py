@@ -19,7 +19,7 @@ from service.sandbox.guest.zygote import PLAY, READY, REAPED
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
-from service.sandbox.session import ChildExit, Pipes, PlaySession
+from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorWait, TimeBudget
 from service.sandbox.untrusted_text import text
 from service.sandbox.wire import Reader
@@ -95,8 +95,7 @@ class Zygote:
             finally:
                 _close(*theirs)
             began, waited = time.monotonic(), ProcessorWait(*children)
-            pipes = Pipes(self._control, questions, answers, printed)
-            session = PlaySession(job, budget, reader, pipes, waited, self._cancelled)
+            session = PlaySession(job, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
             try:
                 session.run()
             except OSError as error:

@@ -19,10 +19,10 @@ from pathlib import Path
 import httpx2
 import psycopg
 
-from exercises.catalogue import assignments
 from service.cli.demo import free_port
-from service.grading import grader
+from service.grading.grader import Grader
 from service.grading.submission import Submission
+from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from service.store.postgres.server import running_url
 
@@ -114,16 +114,16 @@ def starting(url: str, data: Path, count: int = 60) -> None:
 
 def overhead(url: str, count: int = 25) -> tuple[float, float]:
     """Return the median times of a grading over HTTP and of the same grading in this process, interleaved."""
-    grader.start(choose())
+    grader = Grader(Sandbox(choose()))
     grader.ready()
-    submission, slug, through, direct = Submission(SOURCE), assignments()["rigid-body"].slug, [], []
+    submission, through, direct = Submission(SOURCE), [], []
     with httpx2.Client(headers=ME | {"Prefer": "wait=30"}, timeout=40) as client:
         for seed in range(count):
             began = time.perf_counter()
             client.post(url + PATH, json=FAST)
             through.append(time.perf_counter() - began)
             began = time.perf_counter()
-            grader.grade_one(submission, slug, ["2"], seed)
+            grader.grade_and_pack(submission, "rigid-body", seed, ["2"], lambda phase, scene, scenes: None)
             direct.append(time.perf_counter() - began)
     return statistics.median(through), statistics.median(direct)
 

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ecp.checks import Check
 from ecp.exercise import Exercise
 from ecp.kinds import exercise as expand_exercise
@@ -27,7 +29,20 @@ from exercises.question import Question
 from exercises.question_errors import question_errors, uses_errors
 from exercises.validation_cells import Line, line_errors, published_cells, reported_exercises
 
-__all__ = ["Notebook", "Tolerance", "Value", "choice", "family", "integers", "itself", "line", "mistake", "normal", "uniform"]
+__all__ = [
+    "Notebook",
+    "Tolerance",
+    "Value",
+    "choice",
+    "ended",
+    "family",
+    "integers",
+    "itself",
+    "line",
+    "mistake",
+    "normal",
+    "uniform",
+]
 
 
 PLAYS = "\nfrom ecp.kinds import play\n"
@@ -37,6 +52,17 @@ PLAYS = "\nfrom ecp.kinds import play\n"
 def uniform(low: float, high: float, *shape: int) -> Draw:
     """Return a draw of a number, or of an array of ``shape``, between ``low`` and ``high``."""
     return lambda rng: rng.uniform(low, high, shape or None)
+
+
+def ended(low: float, high: float, *, log: bool = False) -> Draw:
+    """Return a draw of a number from ``low`` to ``high``, each end in a fifth of cases; with ``log`` uniform in its logarithm."""
+
+    def draw(rng: np.random.Generator) -> float:
+        part = rng.uniform(-1 / 3, 4 / 3)
+        inside = low * (high / low) ** part if log else low + (high - low) * part
+        return min(max(inside, low), high)
+
+    return draw
 
 
 def normal(*shape: int) -> Draw:

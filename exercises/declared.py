@@ -162,7 +162,7 @@ def type_errors(name: str, value: Any, hint: Any) -> Iterator[str]:
 
 def tolerance_errors(tolerance: Tolerance) -> Iterator[str]:
     """Yield the errors of a tolerance."""
-    numbers = [number for number in (tolerance.rtol, tolerance.atol, tolerance.limit) if number is not None]
+    numbers = tolerance.numbers().values()
     if not numbers:
         yield "the tolerance has no number: give rtol, atol or limit"
     if tolerance.limit is not None and len(numbers) > 1:

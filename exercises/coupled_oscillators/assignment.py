@@ -11,9 +11,9 @@ import numpy as np
 import scipy.linalg
 from scipy.optimize import curve_fit
 
-from exercises.author import Notebook, Tolerance, Value, choice, mistake, uniform
+from exercises.author import Notebook, Tolerance, Value, ended, integers, mistake, uniform
 from exercises.kinds.fit import fit
-from exercises.kinds.values import values
+from exercises.kinds.values import other_sizes, values
 from exercises.kinds.variables import variables
 
 notebook = Notebook("Coupled oscillators", notebook="notebook.ipynb", data=("dispersion.csv",))
@@ -31,17 +31,14 @@ def by_incidence(k):
     return stretch.T @ np.diag(k) @ stretch
 
 
-def chain_of(masses):
-    ask, label = {"k": uniform(0.5, 9, masses + 1)}, f"chain_stiffness is right for {masses} masses"
-    return values(chain_stiffness, ask, ROUNDING, truth=by_incidence, label=label, mistakes=wrong)
-
-
 wrong = [
     mistake("- np.diag(k[1:-1], ", "+ np.diag(k[1:-1], ", "sign-flipped", "a spring pulls both of its ends the same way"),
     mistake("k[:-1] + k[1:]", "2 * k[1:]", "wrong-index", "both springs of a mass are taken as the one to its right"),
     mistake("k[1:-1]", "k[2:]", "wrong-index", "the coupling is that of the spring behind the neighbour"),
 ]
-notebook.exercise("1", "The stiffness matrix", chain_of(2), chain_of(3), chain_of(6))
+two = values(chain_stiffness, {"k": uniform(0.5, 9, 3)}, ROUNDING, truth=by_incidence, mistakes=wrong)
+call, ask = "np.pad(chain_stiffness(k[: N + 1]), (0, 30 - N))", {"k": uniform(0.5, 9, 31), "N": integers(2, 30)}
+notebook.exercise("1", "The stiffness matrix", two, other_sizes(two, call, "for 2 to 30 masses", **ask))
 
 
 # 2. Truth: singular values of M^(-1/2) K M^(-1/2).
@@ -55,16 +52,17 @@ def by_singular_values(m, K):
     return np.sqrt(squares[::-1]), U[:, ::-1] / np.sqrt(m)[:, None]
 
 
-# The squares of ω are these numbers divided by 1 to 2, for masses from 1 to 2: they stay apart, as the ratios are at least 2.5.
-def full(rng):
-    axes, _ = np.linalg.qr(rng.normal(size=(4, 4)))
-    roots = axes * np.sqrt([0.5, 1.5, 4.5, 13.5] * rng.uniform(1, 1.2, 4))
+# Four squares of ω are these numbers divided by 1 to 2, for masses from 1 to 2: they stay apart, as the ratios are at least 2.5.
+def full(rng, N=4):
+    axes, _ = np.linalg.qr(rng.normal(size=(N, N)))
+    roots = axes * np.sqrt(np.geomspace(0.5, 13.5, N) * rng.uniform(1, 1.2, N))
     return roots @ roots.T
 
 
 OMEGA = Tolerance(limit=1e-11, reason="ten thousand times the rounding errors of the eigenvalues")
 MODES = Tolerance(limit=1e-9, reason="rounding errors over the smallest distance of two eigenvalues, 1 % of the largest")
 system, agree = {"m": uniform(1, 2, 4), "K": full}, {"omega": OMEGA, "X": Value(MODES, up_to="column signs")}
+larger = {"m": uniform(1, 2, 8), "K": lambda rng: full(rng, 8), "N": integers(2, 8)}
 wrong = [
     mistake("np.sqrt(squares)", "squares", "wrong-power", "the squares of the frequencies are returned"),
     mistake(", np.diag(m))", ")", "missing-term", "the masses are missing"),
@@ -73,7 +71,9 @@ wrong = [
     mistake("np.sqrt(squares), X", "np.sqrt(squares)[::-1], X[:, ::-1]", "component-order", "the highest frequency comes first"),
     mistake("np.sqrt(squares)", "np.sqrt(squares) / (2 * np.pi)", "units", "the frequencies are in Hz instead of rad/s"),
 ]
-notebook.exercise("2", "Normal modes", values(normal_modes, system, agree, truth=by_singular_values, mistakes=wrong))
+four = values(normal_modes, system, agree, truth=by_singular_values, mistakes=wrong)
+call = "[np.pad(one, (0, 8 - N)) for one in normal_modes(m[:N], K[:N, :N])]"
+notebook.exercise("2", "Normal modes", four, other_sizes(four, call, "for 2 to 8 masses", **larger))
 
 
 # 3. Truth: the closed form. As a complex number, the displacement of the corner at the angle φ is constant (translations), ie^{iφ}
@@ -110,7 +110,7 @@ wrong = [
     mistake("K / m", "K", "missing-term", "the mass is missing"),
     mistake("stretch[j] = -stretch[i]", "stretch[j] = stretch[i]", "sign-flipped", "both ends of a spring stretch it alike"),
     mistake("(0, 1), (1, 2), (2, 0)", "(0, 1), (1, 2)", "missing-term", "the third spring is missing"),
-    mistake(" / np.sqrt(3)", "", "constant-factor", "the direction of a spring is no unit vector"),
+    mistake(" / np.sqrt(3)", "", "constant-factor", "the direction of a spring is not a unit vector"),
     mistake(", 0)), X\n", ", 0)), X.T\n", "transposed", "the modes are rows instead of columns"),
     mistake("[90, 210, 330]", "[0, 120, 240]", "wrong-constant", "the corners are at 0°, 120° and 240°"),
     mistake(", X\n", ", X / np.sqrt(m)\n", "normalised", "the columns are divided by √m, but XᵀX is to be 1"),
@@ -130,8 +130,8 @@ def motion(t, m, K, x0, v0):
 
 
 def by_exponential(t, m, K, x0, v0):
-    rates = np.block([[np.zeros((4, 4)), np.eye(4)], [-K / m[:, None], np.zeros((4, 4))]])
-    return np.array([(scipy.linalg.expm(rates * at) @ [*x0, *v0])[:4] for at in t]).T
+    rates = np.block([[0 * K, np.eye(len(m))], [-K / m[:, None], 0 * K]])
+    return np.array([(scipy.linalg.expm(rates * at) @ [*x0, *v0])[: len(m)] for at in t]).T
 
 
 def rising(rng):
@@ -146,7 +146,9 @@ wrong = [
     mistake(" + b[:, None] * np.sin(phase)", "", "missing-term", "the initial velocities have no effect"),
 ]
 total = values(motion, ask, agree, truth=by_exponential, uses=[normal_modes], mistakes=wrong)
-notebook.exercise("4", "Motion as a sum of modes", total)
+call = "np.pad(motion(t, m[:N], K[:N, :N], x0[:N], v0[:N]), ((0, 8 - N), (0, 0)))"
+ask = {"t": rising, **larger, "x0": uniform(-1, 1, 8), "v0": uniform(-1, 1, 8)}
+notebook.exercise("4", "Motion as a sum of modes", total, other_sizes(total, call, "for 2 to 8 masses", **ask))
 
 
 # 5. Truth: the difference of the two frequencies to 60 digits.
@@ -160,21 +162,15 @@ def with_60_digits(w0, kappa):
     return float(digits.divide(Decimal("3.14159265358979323846264338327950288"), difference))
 
 
-stable = "(np.sqrt(w0**2 + 2 * kappa) + w0) / (2 * kappa)"
 wrong = [
-    mistake(
-        f"* {stable}", "/ (np.sqrt(w0**2 + 2 * kappa) - w0)", "precision-loss", "the two frequencies cancel in their difference"
-    ),
+    mistake("+ w0) / (2 * kappa)", "- w0) ** -1", "precision-loss", "the two frequencies cancel in their difference"),
     mistake("np.pi *", "2 * np.pi *", "constant-factor", "the energy is back at the first pendulum: twice the time"),
     mistake("w0**2 + 2 * kappa", "w0**2 + kappa", "constant-factor", "ω₂² is ω₀² + 2κ: the coupling stretches at both ends"),
     mistake("(np.sqrt(w0**2 + 2 * kappa) + w0)", "2 * w0", "missing-term", "this is the limit of weak coupling"),
 ]
 agree = Tolerance(rtol=1e-12, reason="a thousand rounding errors; the difference of the frequencies loses up to all digits")
-inside = {"w0": uniform(1, 10), "kappa": lambda rng: 10 ** rng.uniform(-12, 0)}
-corners = {"w0": choice(1.0, 10.0), "kappa": choice(1e-12, 1.0)}  # 96 draws miss one of the four in one of 10¹¹ gradings
-asked, label = {"truth": with_60_digits, "mistakes": wrong}, "beat_time is right at the ends of both ranges"
-ends = values(beat_time, corners, agree, **asked, label=label, rows=(24, 96))
-notebook.exercise("5", "Beats", values(beat_time, inside, agree, **asked, rows=(8, 32)), ends)
+ask = {"w0": ended(1, 10), "kappa": ended(1e-12, 1, log=True)}
+notebook.exercise("5", "Beats", values(beat_time, ask, agree, truth=with_60_digits, rows=(32, 96), mistakes=wrong))
 
 
 # 6. Truths: a sum over neighbours; eigenvalues of the 2×2 matrix of a cell.
@@ -237,17 +233,16 @@ wrong = [
     mistake("sigma=sigma", "sigma=sigma**2", "wrong-power", "the weights are 1/σ⁴"),
     mistake("chain_frequency,", "lambda q, A, B: chain_frequency(q, B, A),", "component-order", "the order is (B, A)"),
 ]
-about = {"x": q_data, "sigma": sigma_data, "drawn": {"A": uniform(30, 60), "B": uniform(2, 9)}, "agree": (NEAR, NEAR)}
-fitted = fit(fit_dispersion, by_neighbours, **about, uses=[chain_frequency], mistakes=wrong)
+# Neither the number of the data nor their errors are those of the file.
+data, drawn = {"x": np.linspace(0.1, 3.1, 40), "sigma": np.linspace(0.2, 0.05, 40)}, {"A": uniform(30, 60), "B": uniform(2, 9)}
+asked = {"agree": (NEAR, NEAR), "uses": [chain_frequency], "mistakes": wrong}
+fitted = fit(fit_dispersion, by_neighbours, **data, drawn=drawn, **asked)
 wrong = [
     mistake("best[0] + 4 * best[1]", "best[0] + best[1]", "constant-factor", "second neighbours are two distances away"),
     mistake("slope @ covariance @ slope", "slope**2 @ np.diag(covariance)", "missing-term", "A and B are taken as independent"),
     mistake(" / sigma_data) ** 2)", ") ** 2)", "missing-division", "the residuals are not divided by their errors"),
     mistake("_data) ** 2)", "_data) ** 2) / (len(q_data) - 2)", "wrong-quantity", "χ² is divided by the degrees of freedom"),
-    mistake(
-        "fit_dispersion(q_data, omega_data, sigma_data)",
-        "(np.array([47.0, 4.6]), fit_dispersion(q_data, omega_data, sigma_data)[1])",
-    ),
+    mistake("chi2 = ", "best = np.array([47.0, 4.6])\nchi2 = "),
 ]
 numbers = {"best": np.array([47.2362308548995, 4.34999608744723]), "chi2": 22.8223017395236}
 numbers |= {"speed": 8.03966511769542, "speed_error": 0.0544222058199531}

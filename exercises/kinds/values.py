@@ -1,8 +1,11 @@
 """Questions about the values of a function at points."""
 
+import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+from ecp.kinds import asking
 from exercises.declared import Agree, Ask, Expression, Family, Limit, Points, Truth, UpTo, named_values, tolerance_data
 from exercises.kinds import kind
 from exercises.question import Question
@@ -42,3 +45,22 @@ def values(
         data={"calls": tolerance_data(calls)} if calls else {},
         errors=lambda: iter(["calls= needs a function argument: family(…)"] if calls and not has_function else []),
     )
+
+
+def other_sizes(question: Question, call: str, label: str, **ask: Any) -> Question:
+    """Return a ``question`` asked again with the arguments ``ask``, which need not be those of its function.
+
+    ``call`` is an expression of the function and these arguments, such as one that calls it for a drawn size and returns an array
+    of constant size. Exact is its value with the truth in place of the solution. ``label`` follows "NAME is right".
+    """
+    name, truth = question.function, question.truth
+
+    def exact(**given: Any) -> Any:
+        return asking.evaluate(call, given | {name: truth})
+
+    exact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [inspect.Parameter(one, inspect.Parameter.KEYWORD_ONLY) for one in ask]
+    )
+    several, labelled = len(question.values) > 1, f"{name} is right {label}"
+    found = {n: replace(value, label=f"{labelled}: {n}" if several else labelled) for n, value in question.values.items()}
+    return replace(question, ask=ask, values=found, truth=exact, call=call)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from service.api.separate_process import ProcessLost, SeparateProcess
-from service.grading import grader
+from service.grading import rendering
 from service.store.records import SubmissionRecord
 
 TIMEOUT_S = 60.0
@@ -31,17 +31,17 @@ class Renderer:
         Raises ArithmeticError or ValueError if its numbers cannot be drawn.
         """
         key = stored.grading, name, form
-        return await self._shared(key, grader.draw_one, stored.assignment, name, packed, stored.seed, form)
+        return await self._shared(key, rendering.draw_stored, stored.assignment, name, packed, stored.seed, form)
 
     async def chart(self, kind: str, number: int) -> bytes:
         """Return a chart of the reference methods as SVG, rendered once per server process."""
         if (kind, number) not in self._charts:
-            self._charts[kind, number] = await self._shared((kind, number), grader.draw_chart, kind, number)
+            self._charts[kind, number] = await self._shared((kind, number), rendering.draw_chart, kind, number)
         return self._charts[kind, number]
 
     async def class_sweep(self, documents: Sequence[dict[str, Any]]) -> bytes:
         """Return the chart of a class's sweeps over the reference methods as SVG."""
-        return await self._shared(("class", len(documents), str(documents)), grader.draw_class, documents)
+        return await self._shared(("class", len(documents), str(documents)), rendering.draw_class, documents)
 
     def stop(self) -> None:
         """Kill the rendering process."""

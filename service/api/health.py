@@ -8,8 +8,7 @@ from fastapi.responses import JSONResponse
 from exercises.catalogue import load_catalogue
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
-from service.store.database import Database, DatabaseLost, is_loss
-from service.store.tables import metadata
+from service.store.database import MISSING_TABLES, Database, DatabaseLost, is_loss
 
 router = APIRouter()
 CACHED_S = 1.0
@@ -18,8 +17,6 @@ _WORKERS = """
 SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
-
-_MISSING = "SELECT name FROM unnest(CAST(:tables AS text[])) AS name WHERE to_regclass(quote_ident(name)) IS NULL ORDER BY name"
 
 
 @router.get("/livez", responses=problems({}))
@@ -37,7 +34,7 @@ async def readyz(request: Request) -> JSONResponse:
     invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
     try:
         database = request.app.state.database
-        if missing := [row.name for row in await database.rows(_MISSING, {"tables": list(metadata.tables)})]:
+        if missing := [row.name for row in await database.rows(MISSING_TABLES)]:
             raise DatabaseLost(f"tables are missing: {', '.join(missing)}")
         isolation, reason = await request.app.state.worker_status.current()
         checks["isolation"] = isolation or reason or checks["isolation"]

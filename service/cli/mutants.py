@@ -3,23 +3,23 @@
 import ast
 import contextlib
 import itertools
-import multiprocessing
-import os
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 from ecp.judge import Verdict
 from ecp.outcome import Outcome
 from exercises.assignment import Assignment
 from exercises.mutation import variants
 from exercises.solution import Variant
-from service.grading import grader
+from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.grade import draw_inputs, job_of
 from service.grading.reproduction import play_variants
+from service.grading.result import GradedFile
 from service.grading.submission import Submission
 from service.sandbox.isolation import Isolation
+from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose, with_packages
 from service.sandbox.time_budget import TimeLimits
@@ -73,18 +73,23 @@ def _of_samples(assignment: Assignment, functions: Sequence[str], isolation: Iso
         if (source := assignment.right_submission(function)) is None:
             raise NoMutants(f"no right submission defines {function}: add a sample right_….py")
         sources[function] = source
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn"), grader.start, (isolation,)) as pool:
+    versions = [(function, variant) for function, source in sources.items() for variant in _versions(function, source)][:most]
+    graded = list(sources.items())
+    graded += [(function, variant.source) for function, variant in versions]
+    with tempfile.TemporaryDirectory() as folder:
+        requests = [GradeRequest(Path(folder, f"{k}.py"), _calling(assignment, one)) for k, (one, _) in enumerate(graded)]
+        for request, (_, source) in zip(requests, graded, strict=True):
+            request.file.write_text(source, encoding="utf-8")
+        results = grade_files(requests, GradeOptions(assignment, SEED), isolation)
+        right = {function: _outcomes(next(results)) for function in sources}
+        for (function, variant), result in zip(versions, results, strict=True):
+            yield _judged(variant, _outcomes(result), right[function])
 
-        def graded(function: str, source: str) -> Future[Any]:
-            named = {scene.name for scene in assignment.scenes if scene.function == function}
-            calling = [e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks)]
-            return pool.submit(grader.grade_one, Submission(source), assignment.slug, calling, SEED)
 
-        versions = [(function, variant) for function, source in sources.items() for variant in _versions(function, source)]
-        right = {function: graded(function, source) for function, source in sources.items()}
-        jobs = [graded(function, variant.source) for function, variant in versions[:most]]
-        for (function, variant), job in zip(versions, jobs, strict=False):
-            yield _judged(variant, _outcomes(job), _outcomes(right[function]))
+def _calling(assignment: Assignment, function: str) -> tuple[str, ...]:
+    """Return the numbers of the exercises whose checks call ``function``."""
+    named = {scene.name for scene in assignment.scenes if scene.function == function}
+    return tuple(e.number for e in assignment.exercises if any(named & {*check.scenes} for check in e.checks))
 
 
 def _versions(function: str, source: str) -> list[Variant]:
@@ -93,8 +98,11 @@ def _versions(function: str, source: str) -> list[Variant]:
     return [variant for variant in variants(source) if any(variant.line in place for place in places)]
 
 
-def _outcomes(job: Future[Any]) -> dict[str, Outcome]:
-    return {outcome.id: outcome for outcome in job.result()[0].outcomes()}
+def _outcomes(graded: GradedFile) -> dict[str, Outcome]:
+    """Return the outcomes of a version by the ids of their checks. Raises SystemFault if it could not be graded."""
+    if graded.report is None:
+        raise SystemFault(graded.why)
+    return {outcome.id: outcome for outcome in graded.report.outcomes()}
 
 
 def _declared(assignment: Assignment, sandbox: Sandbox) -> Iterator[MutantResult]:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ecp.author_errors import UNUSABLE, AuthorError, same_error
 from ecp.outcome import Ended, SceneEnd
-from exercises.assignment import Assignment
+from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.catalogue import find
 from exercises.validation import format_error
 from service.sandbox.job import Cell, Job
 from service.sandbox.result import NotPrepared, PlayResult, SystemFault
@@ -76,6 +77,14 @@ def play(
         sentence = UNUSABLE.format(function=scene.function, error=result.scene_ends[scene.name].sentence)
         result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.WRONG_ANSWER, sentence=sentence)
     return result
+
+
+def find_assignment(slug: str) -> Assignment:
+    """Return the assignment. Raises SystemFault if it is invalid or does not exist."""
+    try:
+        return find(slug)
+    except (InvalidAssignment, NoAssignment) as error:
+        raise SystemFault(f"assignment {slug} is invalid or missing; run polhode verify {slug}") from error
 
 
 def _fault(assignment: Assignment, error: str) -> AssignmentFault:

@@ -16,9 +16,9 @@ from pathlib import Path
 from ecp.outcome import SweepResult
 from exercises import validation
 from exercises.assignment import Assignment
-from service.grading import charts, rendering
-from service.grading.grade import Graded, UnknownExercise, grade, missing_packages, select
-from service.grading.grader import SweepFailed, sweep
+from service.grading import rendering
+from service.grading.grade import Graded, UnknownExercise, missing_packages, select
+from service.grading.grader import Grader, SweepFailed
 from service.grading.json_submission import ParsedSubmission, read_json
 from service.grading.result import GradedFile
 from service.grading.submission import DEFAULT_SIZES, BadSubmission, SizeLimits, Submission
@@ -98,10 +98,10 @@ def _grade_in_process(
     isolation: Isolation,
     on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
-    grader = _FileGrader(options, isolation)
+    grader = _start(options, isolation)
     try:
         for number, request in enumerate(requests, start=1):
-            graded = grader.grade(request)
+            graded = _grade_file(grader, options, request)
             on_progress(number)
             yield graded
     finally:
@@ -126,56 +126,52 @@ def _in_order(
             yield GradedFile(file=request.file, fault="a grading process was lost (killed, or out of memory)")
 
 
-class _FileGrader:
-    """The grader of one process, with its sandbox and options."""
-
-    def __init__(self, options: GradeOptions, isolation: Isolation) -> None:
-        self.options, self.sandbox = options, Sandbox(isolation, options.limits)
-        self.sandbox.start()
-
-    def grade(self, request: GradeRequest) -> GradedFile:
-        """Grade one file.
-
-        Raises OSError if it cannot be read. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be
-        graded.
-        """
-        if not self.sandbox.self_tested:
-            self.sandbox.self_test()
-        began, options = time.perf_counter(), self.options
-        try:
-            parsed, source = _read(request, options)
-        except BadSubmission as reason:
-            return GradedFile(file=request.file, refused=str(reason))
-        submission, exercises = parsed.submission, parsed.exercises
-        try:
-            graded = grade(submission, options.assignment, self.sandbox, options.seed, exercises)
-            if options.sweep:
-                graded.report.sweep = _sweep(submission, options.assignment, self.sandbox)
-            drawn = _draw(graded, options)
-        except SystemFault as fault:
-            return GradedFile(file=request.file, source=source, fault=str(fault))
-        except (Exception, SystemExit) as error:  # a defect of the assignment or of polhode, which affects this file only
-            log.exception("grading failed")
-            return GradedFile(file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder))
-        seconds = time.perf_counter() - began
-        return GradedFile(
-            file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds, cpu_s=graded.cpu_s
-        )
+def _start(options: GradeOptions, isolation: Isolation) -> Grader:
+    """Return a grader whose guest starts while the first file is read."""
+    grader = Grader(Sandbox(isolation, options.limits))
+    grader.sandbox.start()
+    return grader
 
 
-_grader: _FileGrader | None = None
+_process: tuple[Grader, GradeOptions] | None = None
 
 
 def _initialize(options: GradeOptions, isolation: Isolation) -> None:
-    global _grader  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
+    global _process  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
-    _grader = _FileGrader(options, isolation)
+    _process = _start(options, isolation), options
 
 
 def _grade(request: GradeRequest) -> GradedFile:
-    assert _grader is not None
-    return _grader.grade(request)
+    assert _process is not None
+    return _grade_file(*_process, request)
+
+
+def _grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) -> GradedFile:
+    """Grade one file.
+
+    Raises OSError if it cannot be read. Raises SystemFault only if the self-test of the sandbox fails, so that no file can be
+    graded.
+    """
+    grader.ready()
+    began = time.perf_counter()
+    try:
+        parsed, source = _read(request, options)
+    except BadSubmission as reason:
+        return GradedFile(file=request.file, refused=str(reason))
+    try:
+        graded = grader.grade(parsed.submission, options.assignment, options.seed, parsed.exercises)
+        if options.sweep:
+            graded.report.sweep = _sweep(grader, parsed.submission, options.assignment)
+        drawn = _draw(graded, options)
+    except SystemFault as fault:
+        return GradedFile(file=request.file, source=source, fault=str(fault))
+    except (Exception, SystemExit) as error:  # a defect of the assignment or of polhode, which affects this file only
+        log.exception("grading failed")
+        return GradedFile(file=request.file, source=source, fault=validation.format_error(error, options.assignment.folder))
+    seconds = time.perf_counter() - began
+    return GradedFile(file=request.file, source=source, report=graded.report, pictures=drawn, seconds=seconds, cpu_s=graded.cpu_s)
 
 
 def _read(request: GradeRequest, options: GradeOptions) -> tuple[ParsedSubmission, str]:
@@ -206,9 +202,9 @@ def _shortened(notebook: str) -> str:
     return _STRING.sub(lambda found: found[0] if len(found[0]) < LONG or json.loads(found[0]) in code else '""', notebook)
 
 
-def _sweep(submission: Submission, assignment: Assignment, sandbox: Sandbox) -> SweepResult:
+def _sweep(grader: Grader, submission: Submission, assignment: Assignment) -> SweepResult:
     try:
-        return sweep(submission, assignment, sandbox)
+        return grader.sweep(submission, assignment)
     except SweepFailed as reason:
         return SweepResult(scene="", points=[], line=f"speed and accuracy were not measured: {reason}")
 
@@ -220,7 +216,7 @@ def _draw(graded: Graded, options: GradeOptions) -> dict[str, bytes]:
     drawn = {Path(name).name: sheet for name, sheet in rendering.pack(graded).items() if name.endswith(".png")}
     swept = graded.report.sweep
     if swept and swept.points:
-        drawn["sweep.svg"] = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
+        drawn["sweep.svg"] = rendering.draw_sweep(swept)
     for picture in graded.report.figures:
         figure = rendering.find(options.assignment, picture.name)
         assert figure is not None

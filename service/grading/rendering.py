@@ -1,19 +1,26 @@
-"""Images of a graded submission: figures drawn from its arrays, and contact sheets of its animations."""
+"""Images: figures and contact sheets of a graded submission, sweeps of one or of a class, and charts of the reference methods."""
 
 import io
-from collections.abc import Mapping
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ecp import drawing
 from ecp.checks import Arrays
+from ecp.document import read
 from ecp.exercise import Figure
+from ecp.outcome import SweepResult
 from exercises.assignment import Assignment
-from service.grading.author_errors import author_errors
+from service.grading import charts
+from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded, draw_inputs, truth
 
 FORMATS = {"png": "image/png", "svg": "image/svg+xml"}
+MOST_CALLS, MOST_SECONDS = 10**9, 1e6  # of one solver in a sweep; assignments allow less
 
 
 def pack(graded: Graded) -> dict[str, bytes]:
@@ -52,3 +59,41 @@ def draw(assignment: Assignment, figure: Figure, arrays: Mapping[str, Arrays], s
         exact = [truth(s, draw_inputs(s, seed)) for s in scenes]
     with author_errors(assignment, numbers=True):
         return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form)
+
+
+def draw_stored(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
+    """Draw a figure of a graded submission from its ``packed`` arrays. Raises KeyError if there is no such figure, SystemFault."""
+    assignment = find_assignment(slug)
+    declared = find(assignment, figure)
+    if declared is None:
+        raise KeyError(figure)
+    return draw(assignment, declared, unpack(packed), seed, form)
+
+
+def draw_chart(kind: str, number: int) -> bytes:
+    """Draw chart ``number`` of the kind "work-precision" or "stability" from the measurement of this version, as SVG."""
+    if kind == "stability":
+        return charts.draw_stability(charts.load_stability(), number)
+    document = charts.load_work_precision()
+    return charts.draw_work_precision(document, charts.scenes(document)[number])
+
+
+def draw_sweep(swept: SweepResult) -> bytes:
+    """Draw the sweep of a submission with the reference methods, as SVG."""
+    return charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
+
+
+def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
+    """Draw the sweeps of a class, as JSON, with the reference methods. Uses the most frequent scene only."""
+    found = [swept for swept in (read(SweepResult, one) for one in documents) if plausible(swept)]
+    measured = charts.load_work_precision()
+    scene = Counter([swept.scene for swept in found] or charts.scenes(measured)).most_common(1)[0][0]
+    return charts.draw_class(measured, scene, [s.points for s in found if s.scene == scene])
+
+
+def plausible(swept: SweepResult) -> bool:
+    """Return whether every number of a sweep is finite and in its range, so that it can be drawn."""
+    return all(
+        1 <= p.calls <= MOST_CALLS and 0 <= p.seconds <= MOST_SECONDS and (p.error is None or 0 <= p.error < math.inf)
+        for p in swept.points
+    )

@@ -6,9 +6,9 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
-from ecp import grouped
+from ecp import grouped, report_html
 from ecp.exercise import Motion
-from ecp.outcome import Ended, Outcome
+from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
@@ -72,19 +72,20 @@ def _report_context(stored: SubmissionRecord) -> dict[str, Any]:
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
         "sweeps": assignment is not None and assignment.sweep is not None,
-        "state": lambda outcome: result.state(outcome, scene_ends),
-        "tolerance": _tolerance,
         "cause_numbers": grouped.numbers,
         "causes_header": grouped.header,
+        "html": report_html,
+        "judged": lambda outcome: _judged(outcome, scene_ends),
     }
 
 
-def _tolerance(outcome: Outcome) -> str:
-    """Return the tolerance's numbers and their reason as text."""
-    allowed = outcome.tolerance
-    numbers = {"rtol": allowed.rtol, "atol": allowed.atol, "limit": allowed.limit}
-    text = ", ".join(f"{name} {value:.3g}" for name, value in numbers.items() if value is not None)
-    return f"{text}: {allowed.reason}" if text else allowed.reason
+def _judged(outcome: Outcome, scene_ends: list[SceneEnd]) -> str:
+    """Return for the staff how the code stopped, the tolerance's numbers and their reason, and the margin."""
+    state, allowed = result.state(outcome, scene_ends), outcome.tolerance
+    stopped = f"{result.MARKS[state]} {result.WORDS[state]}; " if state in ("timeout", "error") else ""
+    text = ", ".join(f"{name} {value:.3g}" for name, value in allowed.numbers().items())
+    margin = "" if outcome.margin is None else f"; margin {outcome.margin:.3g}"
+    return f"{stopped}allowed {text}{': ' if text else ''}{allowed.reason}{margin}"
 
 
 def _diff(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Changed]] | None:

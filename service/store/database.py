@@ -1,9 +1,12 @@
 """Connect to PostgreSQL, limit every wait, and distinguish outages from programming errors."""
 
 import asyncio
+import functools
 import time
+from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 from uuid import UUID
@@ -14,15 +17,21 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from procrastinate.exceptions import ConnectorException
-from sqlalchemy import Connection, Executable, Row, create_engine, inspect, text
+from sqlalchemy import Connection as SyncConnection
+from sqlalchemy import CursorResult, Row, create_engine, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnection
 from sqlalchemy.ext.asyncio import AsyncConnection, create_async_engine
 
 from service.settings import DATABASE_WAIT_S
-from service.store.tables import metadata
 
 T = TypeVar("T")
+Values = Mapping[str, Any]
+TABLES = (
+    "artefact", "assignment", "assignment_version", "audit", "course", "device_login", "extension", "grading", "grading_artefact",
+    "member", "oidc_account", "outcome", "override", "person", "regrade", "result", "run", "secret", "submission", "token",
+    "worker",
+)  # fmt: skip
 CONNECT_S = 3
 ANSWER_S = 25.0  # longer than statement_timeout, which a frozen server does not enforce
 # Make the server release the locks of a disconnected or frozen client within seconds.
@@ -58,7 +67,37 @@ class WrongSchema(Exception):
     """The tables do not fit this version; the message says why and what to do."""
 
 
-class Database:
+class Queries(ABC):
+    """Runs queries: a database, or a connection in a transaction. SQL text names its ``values`` with a colon."""
+
+    @abstractmethod
+    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row[Any]]:
+        """Run a query and return all rows."""
+
+    async def first(self, query: str, values: Values | None = None) -> Row[Any] | None:
+        """Run a query and return its first row, or None."""
+        return next(iter(await self.rows(query, values)), None)
+
+
+@dataclass(frozen=True)
+class Connection(Queries):
+    """Connection in a transaction; ``raw`` is SQLAlchemy's."""
+
+    raw: AsyncConnection
+
+    async def execute(self, query: str, values: Values | Sequence[Values] | None = None) -> CursorResult[Any]:
+        """Run a statement, once for each element if ``values`` is a sequence, which must not be empty."""
+        return await self.raw.execute(_parsed(query), values)
+
+    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row[Any]]:
+        """Run a query and return all rows."""
+        return (await self.execute(query, values)).all()
+
+
+_parsed = functools.cache(text)
+
+
+class Database(Queries):
     """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
 
     A caller waits at most ``wait_s`` seconds for a connection. ``find_loss`` returns the reason why the files
@@ -90,38 +129,37 @@ class Database:
         await self._engine.dispose()
 
     @asynccontextmanager
-    async def begin(self) -> AsyncIterator[AsyncConnection]:
+    async def begin(self) -> AsyncIterator[Connection]:
         """Open a transaction; it is committed at the end of the block and rolled back if the block raises.
 
         Raises DatabaseLost, also if the files disappeared before the commit: they may be deleted files by then.
         """
         self._check_files()
         async with _bounded(), self._engine.begin() as connection:
-            yield connection
+            yield Connection(connection)
         self._check_files()
 
     def _check_files(self) -> None:
         if loss := self._find_loss():
             raise DatabaseLost(loss)
 
-    async def rows(self, query: Executable | str, values: Mapping[str, Any] | None = None) -> Sequence[Row[Any]]:
-        """Run a read-only query and return all rows; SQL text names its ``values`` with a colon.
+    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row[Any]]:
+        """Run a read-only query and return all rows.
 
         If a pooled connection turns out to be dead, the pool drops it and its contemporaries and the query
         runs once more. Cancelling the caller does not interrupt the query, so its connection stays usable.
         """
         self._check_files()
-        statement = text(query) if isinstance(query, str) else query
         try:
-            return await asyncio.shield(asyncio.ensure_future(self._fetch(statement, values)))
+            return await asyncio.shield(asyncio.ensure_future(self._fetch(query, values)))
         except DBAPIError as error:
             if not error.connection_invalidated:
                 raise
-            return await asyncio.shield(asyncio.ensure_future(self._fetch(statement, values)))
+            return await asyncio.shield(asyncio.ensure_future(self._fetch(query, values)))
 
-    async def _fetch(self, query: Executable, values: Mapping[str, Any] | None) -> Sequence[Row[Any]]:
+    async def _fetch(self, query: str, values: Values | None) -> Sequence[Row[Any]]:
         async with _bounded(), self._reading.connect() as connection:
-            return (await connection.execute(query, values)).all()
+            return await Connection(connection).rows(query, values)
 
     async def ping(self) -> None:
         """Run a trivial query. Raises an outage (see ``is_outage``) if the database does not answer."""
@@ -206,7 +244,7 @@ def migrate(url: str) -> str:
 async def check_schema(database: Database) -> None:
     """Raise WrongSchema if a later version than this one wrote the tables."""
     async with database.begin() as connection:
-        await connection.run_sync(_check_revision)
+        await connection.raw.run_sync(_check_revision)
 
 
 def _alembic_config() -> Config:
@@ -215,7 +253,7 @@ def _alembic_config() -> Config:
     return config
 
 
-def _check_revision(connection: Connection) -> None:
+def _check_revision(connection: SyncConnection) -> None:
     revisions = ScriptDirectory.from_config(_alembic_config())
     found = MigrationContext.configure(connection).get_current_revision()
     if found is not None and found not in {one.revision for one in revisions.walk_revisions()}:
@@ -224,7 +262,7 @@ def _check_revision(connection: Connection) -> None:
             f"{revisions.get_current_head()}: install the later version that wrote them, or restore a backup of this version "
             "with polhode db restore --replace FILE"
         )
-    if found is None and set(metadata.tables) & set(inspect(connection).get_table_names()):
+    if found is None and len(_missing_tables(connection)) < len(TABLES):
         raise WrongSchema(f"the table alembic_version of the database is missing or empty: {_RESTORE}")
     if found is None and connection.execute(text(_COMMENT)).scalar() == _MARK:
         raise WrongSchema(
@@ -233,19 +271,26 @@ def _check_revision(connection: Connection) -> None:
         )
 
 
-def _check_tables(connection: Connection) -> None:
-    present = set(inspect(connection).get_table_names())
-    if missing := sorted(set(metadata.tables) - present):
+def _missing_tables(connection: SyncConnection) -> Sequence[str]:
+    return connection.execute(text(MISSING_TABLES)).scalars().all()
+
+
+def _check_tables(connection: SyncConnection) -> None:
+    if missing := _missing_tables(connection):
         raise WrongSchema(f"tables of the database are missing ({', '.join(missing)}): {_RESTORE}")
 
 
-def _mark(connection: Connection) -> None:
+def _mark(connection: SyncConnection) -> None:
     """Note in the database's comment that it has tables, if polhode may write it and there is no other comment."""
     if connection.execute(text(_MAY_COMMENT)).scalar():
         connection.execute(
             text(f"DO $$ BEGIN EXECUTE format('COMMENT ON DATABASE %I IS %L', current_database(), '{_MARK}'); END $$")
         )
 
+
+MISSING_TABLES = f"""
+SELECT name FROM unnest(CAST('{{{",".join(TABLES)}}}' AS text[])) AS name WHERE to_regclass(quote_ident(name)) IS NULL ORDER BY name
+"""
 
 _RESTORE = "restore a backup with polhode db restore --replace FILE"
 _MARK = "polhode: has tables"  # so that a database whose tables were dropped is not taken for a new one

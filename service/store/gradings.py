@@ -3,15 +3,10 @@
 from collections.abc import Sequence
 from uuid import UUID
 
-from sqlalchemy import text
-from sqlalchemy.dialects.postgresql import insert
-from sqlalchemy.ext.asyncio import AsyncConnection
-
 from service.store import runs
 from service.store.course import audit
-from service.store.database import Database
-from service.store.queue import lock_person, send_next
-from service.store.tables import result
+from service.store.database import Connection, Database
+from service.store.queue import lock_persons, send_next
 
 
 class AlreadyFinished(Exception):
@@ -24,12 +19,12 @@ async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
     A worker that is grading it stops at its next heartbeat. Raises AlreadyFinished if the grading has a result.
     """
     async with database.begin() as connection:
-        found = (await connection.execute(_FOUND, {"grading": grading})).first()
+        found = await connection.first(_FOUND, {"grading": grading})
         if found is None:
             return None
         if not await _stop(connection, [grading], actor):
             raise AlreadyFinished
-        await lock_person(connection, found.submission)
+        await lock_persons(connection, [found.submission])
         await connection.execute(_FORGET_JOBS, {"gradings": [str(grading)]})
         await send_next(connection, grading, found.submission)
         detail = {"person": found.person, "grading": found.number, "preview": found.preview}
@@ -39,20 +34,19 @@ async def cancel(database: Database, grading: UUID, actor: str) -> UUID | None:
     return submission
 
 
-async def cancel_all_of(connection: AsyncConnection, regrade: UUID, actor: str) -> int:
+async def cancel_all_of(connection: Connection, regrade: UUID, actor: str) -> int:
     """Cancel the unfinished gradings of a regrade in this transaction and return their number."""
-    open = [row.id for row in (await connection.execute(_OPEN, {"regrade": regrade})).all()]
-    stopped = await _stop(connection, open, actor) if open else []
+    open = [row.id for row in await connection.rows(_OPEN, {"regrade": regrade})]
+    stopped = await _stop(connection, open, actor)
     await connection.execute(_FORGET_JOBS, {"gradings": [str(id) for id in stopped]})
     return len(stopped)
 
 
-async def _stop(connection: AsyncConnection, gradings: Sequence[UUID], actor: str) -> Sequence[UUID]:
+async def _stop(connection: Connection, gradings: Sequence[UUID], actor: str) -> Sequence[UUID]:
     """Record results, end runs and return the gradings that had no result before."""
     note = f"cancelled by {actor}"
-    rows = [{"grading_id": grading, "fault": note, "cancelled_by": actor} for grading in gradings]
-    written = insert(result).values(rows).on_conflict_do_nothing().returning(result.c.grading_id)
-    stopped = [row.grading_id for row in (await connection.execute(written)).all()]
+    values = {"gradings": list(gradings), "note": note, "actor": actor}
+    stopped = [row.grading_id for row in await connection.rows(_CANCEL, values)]
     await connection.execute(_END_RUNS, {"gradings": stopped, "note": note})
     return stopped
 
@@ -60,21 +54,26 @@ async def _stop(connection: AsyncConnection, gradings: Sequence[UUID], actor: st
 # Takes the lock of ``claim``, and takes it before the person's: so it sees and ends a run that starts
 # meanwhile, without deadlock. A stronger lock would conflict with the key lock of a result that is being
 # inserted.
-_FOUND = text("""
+_FOUND = """
 SELECT a.number, a.preview, s.id AS submission, p.name AS person
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
 WHERE a.id = :grading FOR NO KEY UPDATE OF a
-""")
+"""
 
-_OPEN = text("""
+_OPEN = """
 SELECT a.id FROM grading a WHERE a.regrade_id = :regrade
     AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = a.id) ORDER BY a.id FOR NO KEY UPDATE OF a
-""")
+"""
 
-_END_RUNS = text("""
+_CANCEL = """
+INSERT INTO result (grading_id, fault, cancelled_by) SELECT unnest(CAST(:gradings AS uuid[])), :note, :actor
+ON CONFLICT DO NOTHING RETURNING grading_id
+"""
+
+_END_RUNS = """
 UPDATE run SET ended_at = now(), end_reason = 'cancelled', note = :note WHERE grading_id = ANY(:gradings) AND ended_at IS NULL
-""")
+"""
 
-_FORGET_JOBS = text("""
+_FORGET_JOBS = """
 DELETE FROM procrastinate_jobs WHERE args->>'attempt' = ANY(:gradings) AND task_name = 'grade' AND status = 'todo'
-""")
+"""

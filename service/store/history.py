@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 from uuid import UUID
+
+from sqlalchemy import Row
 
 from service.store.database import Database
 from service.store.records import LATE, SHOWN, STATUS
@@ -29,61 +32,27 @@ class PastSubmission:
     verdicts: dict[str, str]
 
 
-@dataclass(frozen=True)
-class TimelineEntry:
-    """A submission in a timeline.
+async def timeline(database: Database, person: str, slug: str) -> Sequence[Row[Any]]:
+    """Return the person's latest MOST submissions to an assignment, newest first, without their sources.
 
     ``points`` is None without a report; ``before`` is the id of the preceding submission.
     """
-
-    id: UUID
-    filename: str
-    submitted_at: datetime
-    late: bool
-    status: str
-    points: int | None
-    max_score: int | None
-    total: int | None
-    before: UUID | None
-
-
-@dataclass(frozen=True)
-class GradingRecord:
-    """A grading with its result and the start and worker of the run that produced it.
-
-    ``kind`` is "interactive", "regrade" or "bulk"; ``runs`` counts all runs started. A ``preview`` grading
-    belongs to a regrade that has not been applied.
-    """
-
-    number: int
-    kind: str
-    preview: bool
-    requested_at: datetime
-    started_at: datetime | None
-    worker: str | None
-    runs: int
-    finished_at: datetime | None
-    score: int | None
-    max_score: int | None
-    version: str | None
-    fault: str | None
-    cancelled_by: str | None
-
-
-async def timeline(database: Database, person: str, slug: str) -> Sequence[TimelineEntry]:
-    """Return the person's latest MOST submissions to an assignment, newest first, without their sources."""
-    return [TimelineEntry(**row._mapping) for row in await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})]
+    return await database.rows(_TIMELINE, {"person": person, "slug": slug, "most": MOST})
 
 
 async def previous(database: Database, submission: UUID) -> UUID | None:
     """Return the id of the same person's preceding submission to the same assignment, or None."""
-    rows = await database.rows(_BEFORE, {"submission": submission})
-    return rows[0].id if rows else None
+    row = await database.first(_BEFORE, {"submission": submission})
+    return None if row is None else row.id
 
 
-async def gradings(database: Database, submission: UUID) -> Sequence[GradingRecord]:
-    """Return all gradings of a submission, oldest first."""
-    return [GradingRecord(**row._mapping) for row in await database.rows(_GRADINGS, {"submission": submission})]
+async def gradings(database: Database, submission: UUID) -> Sequence[Row[Any]]:
+    """Return all gradings of a submission, oldest first, with result and with start and worker of the run that produced it.
+
+    ``kind`` is "interactive", "regrade" or "bulk"; ``runs`` counts all runs started. A ``preview`` grading
+    belongs to a regrade that has not been applied.
+    """
+    return await database.rows(_GRADINGS, {"submission": submission})
 
 
 async def past_submissions(database: Database, person: str, slug: str) -> Sequence[PastSubmission]:

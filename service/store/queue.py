@@ -12,11 +12,9 @@ from uuid import UUID
 
 from procrastinate import App, PsycopgConnector
 from procrastinate.types import JSONValue
-from sqlalchemy import text
-from sqlalchemy.ext.asyncio import AsyncConnection
 
 from service.settings import DATABASE_WAIT_S
-from service.store.database import connect_options
+from service.store.database import Connection, connect_options
 
 QUEUE = "grade"
 KINDS = {"interactive": 2, "regrade": 1, "bulk": 0}
@@ -36,11 +34,11 @@ def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
 _sender = App(connector=PsycopgConnector())  # never opened: it writes through its callers' transactions
 
 
-async def send(connection: AsyncConnection, grading: UUID, *, task: str = "grade", priority: int) -> None:
-    """Add a job for the grading in this transaction. ``task`` is "grade" or "sweep"."""
-    raw = (await connection.get_raw_connection()).driver_connection
+async def send(connection: Connection, gradings: Sequence[UUID], *, task: str = "grade", priority: int) -> None:
+    """Add a job for each grading in this transaction. ``task`` is "grade" or "sweep"."""
+    raw = (await connection.raw.get_raw_connection()).driver_connection
     job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=raw)
-    await job.defer_async(**job_arguments(grading))
+    await job.batch_defer_async(*map(job_arguments, gradings))
 
 
 def job_arguments(grading: UUID) -> dict[str, JSONValue]:
@@ -53,69 +51,58 @@ def priority_of(kind: str, open_before: int) -> int:
     return STEP * KINDS[kind] - min(STEP - 1, open_before)
 
 
-async def send_grading(connection: AsyncConnection, grading: UUID, *, begun: bool = False) -> None:
-    """Add the job of a grading, ranked by its kind and by the person's number of earlier open gradings.
+async def send_gradings(connection: Connection, gradings: Sequence[UUID], *, begun: bool = False) -> None:
+    """Add the jobs of gradings, each ranked by its kind and by the person's number of earlier open gradings.
 
-    A grading that had ``begun`` before its worker was lost goes ahead of all others of its kind.
+    Gradings that had ``begun`` before their worker was lost go ahead of all others of their kind.
     """
-    found = (await connection.execute(_OPEN_BEFORE, {"gradings": [grading]})).one()
-    await send(connection, grading, priority=priority_of(found.kind, 0) + 1 if begun else priority_of(found.kind, found.open))
-
-
-async def send_gradings(connection: AsyncConnection, gradings: Sequence[UUID]) -> None:
-    """Add the jobs of many gradings that have not begun, ranked as by ``send_grading``."""
     by_rank: defaultdict[int, list[UUID]] = defaultdict(list)
-    for row in (await connection.execute(_OPEN_BEFORE, {"gradings": list(gradings)})).all():
-        by_rank[priority_of(row.kind, row.open)].append(row.id)
-    raw = (await connection.get_raw_connection()).driver_connection
+    for row in await connection.rows(_OPEN_BEFORE, {"gradings": list(gradings)}):
+        by_rank[priority_of(row.kind, 0) + 1 if begun else priority_of(row.kind, row.open)].append(row.id)
     for priority, ids in by_rank.items():
-        job = _sender.configure_task("grade", queue=QUEUE, priority=priority, connection=raw)
-        await job.batch_defer_async(*[job_arguments(grading) for grading in ids])
+        await send(connection, ids, priority=priority)
 
 
-async def send_next(connection: AsyncConnection, done: UUID, submission: UUID) -> None:
+async def send_next(connection: Connection, done: UUID, submission: UUID) -> None:
     """Move the person's next grading up after ``done`` got its result, behind others of its new rank.
 
     So people take turns however many submissions each has queued, and later arrivals do not delay an early
     second submission indefinitely.
     """
-    await lock_person(connection, submission)
-    row = (await connection.execute(_NEXT, {"grading": done})).first()
+    await lock_persons(connection, [submission])
+    row = await connection.first(_NEXT, {"grading": done})
     if row is not None:
-        await connection.execute(text("DELETE FROM procrastinate_jobs WHERE id = :id"), {"id": row.job})
-        await send_grading(connection, row.grading)
+        await connection.execute("DELETE FROM procrastinate_jobs WHERE id = :id", {"id": row.job})
+        await send_gradings(connection, [row.grading])
 
 
-async def lock_person(connection: AsyncConnection, submission: UUID) -> None:
-    """Lock the ranking of this person's gradings until the end of the transaction."""
-    await connection.execute(_LOCK_PERSON, {"submission": submission})
+async def lock_persons(connection: Connection, submissions: Sequence[UUID]) -> None:
+    """Lock the rankings of these submissions' people until the end of the transaction.
 
-
-async def lock_persons(connection: AsyncConnection, submissions: Sequence[UUID]) -> None:
-    """Lock the rankings of the people of many submissions, in a fixed order that avoids deadlocks."""
+    They are locked in a fixed order, which avoids deadlocks.
+    """
     await connection.execute(_LOCK_PERSONS, {"submissions": list(submissions)})
 
 
 PERSON_LOCK = "pg_advisory_xact_lock(hashtextextended({}::text, 0))"
-_LOCK_PERSON = text(f"SELECT {PERSON_LOCK.format('person_id')} FROM submission WHERE id = :submission")
-_LOCK_PERSONS = text(f"""
+_LOCK_PERSONS = f"""
 SELECT {PERSON_LOCK.format("person_id")}
 FROM (SELECT DISTINCT person_id FROM submission WHERE id = ANY(:submissions) ORDER BY person_id) AS persons
-""")
+"""
 
-_NEXT = text(f"""
+_NEXT = f"""
 SELECT j.id AS job, b.id AS grading
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN submission t ON t.person_id = s.person_id
     JOIN grading b ON b.submission_id = t.id AND b.kind = a.kind
     JOIN procrastinate_jobs j ON j.args->>'attempt' = b.id::text AND j.task_name = 'grade' AND j.status = 'todo'
 WHERE a.id = :grading AND mod(j.priority, {STEP}) NOT IN (0, 1)
 ORDER BY b.requested_at, b.id LIMIT 1 FOR UPDATE OF j SKIP LOCKED
-""")
+"""
 
-_OPEN_BEFORE = text("""
+_OPEN_BEFORE = """
 SELECT a.id, a.kind, (
     SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
     WHERE t.person_id = s.person_id AND b.kind = a.kind AND r.grading_id IS NULL AND (b.requested_at, b.id) < (a.requested_at, a.id)
 ) AS open
 FROM grading a JOIN submission s ON s.id = a.submission_id WHERE a.id = ANY(:gradings) ORDER BY a.requested_at, a.id
-""")
+"""

@@ -1,18 +1,19 @@
 """Show the queue to the staff, and regrade submissions immediately."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, select, text, update
+from sqlalchemy import Row
 
 from service.store import runs
 from service.store.course import audit
 from service.store.database import Database
-from service.store.queue import lock_person
+from service.store.queue import lock_persons
+from service.store.records import LAST
 from service.store.submissions import add_grading
-from service.store.tables import assignment
 
 
 @dataclass(frozen=True)
@@ -20,11 +21,11 @@ class QueueSnapshot:
     """Snapshot of the queue: waiting jobs by kind, the first jobs in order, active runs, workers, and
     submissions whose grading ended in a system fault or was cancelled."""
 
-    waiting: Sequence[Row[tuple[object, ...]]]
-    places: Sequence[Row[tuple[object, ...]]]
-    going: Sequence[Row[tuple[object, ...]]]
-    workers: Sequence[Row[tuple[object, ...]]]
-    faults: Sequence[Row[tuple[object, ...]]]
+    waiting: Sequence[Row[Any]]
+    places: Sequence[Row[Any]]
+    going: Sequence[Row[Any]]
+    workers: Sequence[Row[Any]]
+    faults: Sequence[Row[Any]]
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ async def regrade(database: Database, which: Sequence[UUID] | str, actor: str, *
     for one in await database.rows(_AGAIN, values):
         # One transaction each, so that a student who submits meanwhile waits only for their own.
         async with database.begin() as connection:
-            await lock_person(connection, one.id)
-            row = (await connection.execute(_AGAIN, {"ids": [one.id], "faults": faults})).first()
+            await lock_persons(connection, [one.id])
+            row = await connection.first(_AGAIN, {"ids": [one.id], "faults": faults})
             if row is None:
                 continue
             await add_grading(connection, row.id, "regrade", row.seed)
@@ -76,17 +77,22 @@ async def change_rules(database: Database, slug: str, changes: Mapping[str, date
 
     Return None if the assignment does not exist.
     """
-    columns, where = [assignment.c[field.name] for field in fields(Rules)], assignment.c.slug == slug
     async with database.begin() as connection:
-        if not changes:
-            row = (await connection.execute(select(*columns).where(where))).first()
-            return None if row is None else Rules(**row._mapping)
-        row = (await connection.execute(update(assignment).where(where).values(changes).returning(*columns))).first()
-        if row is None:
-            return None
-        await audit.record(connection, actor, "rules", slug, {name: str(value) for name, value in row._mapping.items()})
-    return Rules(**row._mapping)
+        row = await connection.first(_RULES, {"slug": slug})
+        if row is not None and changes:
+            (row,) = await connection.rows(_SET_RULES, {"slug": slug, **row._mapping, **changes})
+            await audit.record(connection, actor, "rules", slug, {name: str(value) for name, value in row._mapping.items()})
+    return None if row is None else Rules(**row._mapping)
 
+
+_COLUMNS = "due_at, grace_s, submission_limit, weight"
+
+_RULES = f"SELECT {_COLUMNS} FROM assignment WHERE slug = :slug FOR NO KEY UPDATE"
+
+_SET_RULES = f"""
+UPDATE assignment SET due_at = :due_at, grace_s = :grace_s, submission_limit = :submission_limit, weight = :weight
+WHERE slug = :slug RETURNING {_COLUMNS}
+"""
 
 _WAITING = """
 SELECT a.kind, count(*) AS n, min(a.requested_at) AS since, extract(epoch FROM now() - min(a.requested_at)) AS waited_s
@@ -122,12 +128,6 @@ SELECT name, isolation, unavailable_reason, zygote_restarts, extract(epoch FROM 
 WHERE seen_at BETWEEN now() - interval '30 s' AND now() + interval '30 s' ORDER BY name
 """
 
-# Preview gradings do not count, neither as the last grading nor as one with a report.
-_LAST = """
-LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
-    JOIN result r ON r.grading_id = a.id
-"""
-
 _HAS_REPORT = """EXISTS (
     SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
     WHERE b.submission_id = s.id AND NOT b.preview AND q.report IS NOT NULL)
@@ -135,14 +135,14 @@ _HAS_REPORT = """EXISTS (
 
 _FAULTS = f"""
 SELECT s.id AS submission, p.name AS person, x.slug AS assignment, r.fault, r.cancelled_by, r.finished_at
-FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {_LAST}
+FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {LAST}
 WHERE r.fault IS NOT NULL AND NOT {_HAS_REPORT}
 ORDER BY r.finished_at DESC LIMIT 50
 """
 
-_AGAIN = text(f"""
-SELECT s.id, a.seed, r.fault FROM submission s JOIN {_LAST}
+_AGAIN = f"""
+SELECT s.id, a.seed, r.fault FROM submission s JOIN {LAST}
 WHERE (CAST(:ids AS uuid[]) IS NULL OR s.id = ANY(CAST(:ids AS uuid[])))
     AND (NOT CAST(:faults AS boolean) OR (r.fault IS NOT NULL AND NOT {_HAS_REPORT}))
 ORDER BY s.submitted_at
-""")
+"""

@@ -6,16 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from hashlib import sha256
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Executable, Row, select
-from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy import Row
 
 from ecp.document import read as read_document
 from ecp.report import Report
 from service.grading.submission import Submission
-from service.store.database import Database
-from service.store.tables import artefact, grading_artefact
+from service.store.database import Connection, Database
 
 
 @dataclass(frozen=True)
@@ -69,25 +68,6 @@ class SubmissionRecord:
         return self.status in ("graded", "faulted")
 
 
-@dataclass(frozen=True)
-class SubmissionRow:
-    """A submission in a list; ``score``, ``max_score``, ``points`` and ``total`` are None without a report.
-
-    ``total`` is the report's total, or ``max_score`` for reports stored before the total was recorded.
-    """
-
-    id: UUID
-    filename: str
-    person: str
-    submitted_at: datetime
-    status: str
-    score: int | None
-    max_score: int | None
-    points: int | None = None
-    total: int | None = None
-    assignment: str = ""
-
-
 def points(given: str, grading: str, score: str) -> str:
     """Return a lateral subquery, named by ``given``, with the ``points`` of a grading of submission ``s``
     after overrides, and whether any override is in force, ``overridden``. An override from before the check lost
@@ -117,6 +97,12 @@ LEFT JOIN LATERAL (
 ) going ON true
 """
 
+# The last grading with its result, if it has one. Preview gradings do not count.
+LAST = """
+LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
+    JOIN result r ON r.grading_id = a.id
+"""
+
 STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
     WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
 
@@ -134,7 +120,8 @@ WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS}, x.slug
+SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS},
+    x.slug AS assignment
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
 WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
 """
@@ -149,25 +136,36 @@ SELECT args->>'attempt' AS grading, row_number() OVER (ORDER BY priority DESC, i
 FROM procrastinate_jobs WHERE status = 'todo' AND task_name = 'grade'
 """
 
+ARTEFACTS = """
+SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256)
+WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
+"""
+
+_INSERT_CONTENT = "INSERT INTO artefact (sha256, content) VALUES (:sha256, :content) ON CONFLICT DO NOTHING"
+
+_INSERT_NAME = """
+INSERT INTO grading_artefact (grading_id, name, sha256) VALUES (:grading, :name, :sha256) ON CONFLICT DO NOTHING
+"""
+
 
 async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     """Return the submission with that id, or None."""
-    rows = await database.rows(_ONE, {"id": id})
-    return _stored(rows[0]) if rows else None
+    row = await database.first(_ONE, {"id": id})
+    return None if row is None else _stored(row)
 
 
-async def recent(database: Database, most: int, person: str | None = None) -> Sequence[SubmissionRow]:
-    """Return the latest ``most`` submissions, of everyone or of one person, newest first."""
-    return [
-        SubmissionRow(r.id, r.filename, r.person, r.submitted_at, r.status, r.score, r.max_score, r.points, r.total, r.slug)
-        for r in await database.rows(_LIST, {"most": most, "person": person})
-    ]
+async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Row[Any]]:
+    """Return the latest ``most`` submissions, of everyone or of one person, newest first.
+
+    ``score``, ``max_score``, ``points`` and ``total`` are None without a report. ``total`` is the report's total, or ``max_score``
+    for reports stored before the total was recorded.
+    """
+    return await database.rows(_LIST, {"most": most, "person": person})
 
 
-async def state(database: Database, id: UUID) -> Row[tuple[object, ...]] | None:
+async def state(database: Database, id: UUID) -> Row[Any] | None:
     """Return status, scores, ``grading`` and progress of a submission as a row, or None."""
-    rows = await database.rows(_STATE, {"id": id})
-    return rows[0] if rows else None
+    return await database.first(_STATE, {"id": id})
 
 
 async def positions(database: Database) -> Mapping[str, int]:
@@ -177,32 +175,27 @@ async def positions(database: Database) -> Mapping[str, int]:
 
 async def find_artefact(database: Database, grading: UUID, name: str) -> tuple[bytes, str] | None:
     """Return content and SHA-256 (hexadecimal) of a grading's artefact, or None."""
-    query = select(artefact.c.content, artefact.c.sha256).join_from(artefact, grading_artefact)
-    rows = await database.rows(query.where(grading_artefact.c.grading_id == grading, grading_artefact.c.name == name))
-    return (rows[0].content, rows[0].sha256) if rows else None
+    row = await database.first(ARTEFACTS, {"gradings": [grading], "name": name})
+    return None if row is None else (row.content, row.sha256)
 
 
 async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
     """Store artefacts made after the grading, such as a figure drawn on the first request."""
     async with database.begin() as connection:
-        for statement in artefact_statements(grading, artefacts):
-            await connection.execute(statement)
+        await insert_artefacts(connection, grading, artefacts)
 
 
-def artefact_statements(grading: UUID, artefacts: Mapping[str, bytes]) -> list[Executable]:
-    """Return the statements that store artefacts; content that several gradings share is stored once."""
+async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
+    """Store artefacts in this transaction; content that several gradings share is stored once."""
     marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
     contents = {marks[name]: content for name, content in artefacts.items()}
-    return [
-        *(insert(artefact).values(sha256=mark, content=contents[mark]).on_conflict_do_nothing() for mark in sorted(contents)),
-        *(
-            insert(grading_artefact).values(grading_id=grading, name=n, sha256=mark).on_conflict_do_nothing()
-            for n, mark in marks.items()
-        ),
-    ]
+    for mark in sorted(contents):  # a fixed order avoids deadlocks
+        await connection.execute(_INSERT_CONTENT, {"sha256": mark, "content": contents[mark]})
+    for name, mark in marks.items():
+        await connection.execute(_INSERT_NAME, {"grading": grading, "name": name, "sha256": mark})
 
 
-def _stored(row: Row[tuple[object, ...]]) -> SubmissionRecord:
+def _stored(row: Row[Any]) -> SubmissionRecord:
     return SubmissionRecord(
         id=row.id,
         assignment=row.assignment,

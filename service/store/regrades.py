@@ -6,16 +6,15 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, delete, text
+from sqlalchemy import Row
 
 from service.store import runs
 from service.store.course import audit, grades
 from service.store.database import Database
 from service.store.gradings import cancel_all_of
 from service.store.queue import lock_persons, send_gradings
-from service.store.records import LATE, SHOWN, points
+from service.store.records import LAST, LATE, SHOWN, points
 from service.store.submissions import MAX_RUNS
-from service.store.tables import regrade
 
 BATCH = 50
 BEST, EVERY = "all", "every"
@@ -69,7 +68,7 @@ async def create(
         query, values = _SELECTED[which], {"slug": slug, "check": check}
     async with database.begin() as connection:
         id = (await connection.execute(_BEGIN, {"slug": slug, "description": description, "actor": actor})).one().id
-        selected = [row.id for row in (await connection.execute(query, values)).all()]
+        selected = [row.id for row in await connection.rows(query, values)]
     count = 0  # in batches, each its own transaction, so that students who submit meanwhile wait little
     for start in range(0, len(selected), BATCH):
         count += await _add(database, id, selected[start : start + BATCH])
@@ -79,7 +78,7 @@ async def create(
                 connection, actor, "regrade begun", str(id), {"assignment": slug, "what": description, "submissions": count}
             )
             return UUID(str(id))
-        await connection.execute(delete(regrade).where(regrade.c.id == id))
+        await connection.execute("DELETE FROM regrade WHERE id = :id", {"id": id})
     raise NothingToGrade
 
 
@@ -87,18 +86,18 @@ async def _add(database: Database, id: UUID, submissions: Sequence[UUID]) -> int
     """Queue preview gradings and return their number, which is 0 if the regrade has been decided meanwhile."""
     async with database.begin() as connection:
         await lock_persons(connection, submissions)
-        if (await connection.execute(_UNDECIDED, {"id": id})).first() is None:
+        if await connection.first(_UNDECIDED, {"id": id}) is None:
             return 0
         values = {"regrade": id, "submissions": list(submissions), "max_runs": MAX_RUNS}
-        added = [row.id for row in (await connection.execute(_ADD, values)).all()]
+        added = [row.id for row in await connection.rows(_ADD, values)]
         await send_gradings(connection, added)
     return len(added)
 
 
 async def find(database: Database, id: UUID) -> Regrade | None:
     """Return the regrade with that id, or None."""
-    rows = await database.rows(_FIND, {"id": id, "slug": None})
-    return Regrade(**rows[0]._mapping) if rows else None
+    row = await database.first(_FIND, {"id": id, "slug": None})
+    return None if row is None else Regrade(**row._mapping)
 
 
 async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
@@ -117,7 +116,7 @@ async def apply(database: Database, id: UUID, actor: str) -> int:
             raise RegradeClosed(await _decision(database, id))
         if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():
             raise RegradeIncomplete(f"{open} of its submissions have not been graded yet")
-        changed = (await connection.execute(_RELEASE, {"id": id})).all()
+        changed = await connection.rows(_RELEASE, {"id": id})
         await audit.record(connection, actor, "regrade applied", str(id), {"submissions": len(changed)})
         for row in changed:
             await runs.notify_in(connection, row.submission_id)
@@ -144,41 +143,39 @@ async def _decision(database: Database, id: UUID) -> str:
     return f"{regrade.decided_by} has already {regrade.decided} this regrade: reload the page"
 
 
-_BEGIN = text("""
+_BEGIN = """
 INSERT INTO regrade (assignment_id, description, requested_by) SELECT id, :description, :actor FROM assignment
 WHERE slug = :slug RETURNING id
-""")
+"""
 
 _EVERY = f"""
 SELECT s.id, s.person_id, shown.grading, shown.score
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} WHERE x.slug = :slug
 """
 
-_ONE = text("""
+_ONE = """
 SELECT s.id FROM submission s JOIN assignment x ON x.id = s.assignment_id WHERE s.id = :one AND x.slug = :slug
-""")
+"""
 
 _SELECTED = {
-    which: text(f"""
+    which: f"""
 SELECT id FROM ({query}) counted
 WHERE score IS NOT NULL AND (CAST(:check AS text) IS NULL OR EXISTS (
     SELECT 1 FROM outcome o WHERE o.grading_id = counted.grading AND o.check_id = :check AND o.counted AND o.state <> 'pass'))
 ORDER BY person_id
-""")
+"""
     for which, query in ((BEST, grades.BEST), (EVERY, _EVERY))
 }
 
-_UNDECIDED = text("SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE")
+_UNDECIDED = "SELECT 1 FROM regrade WHERE id = :id AND decided IS NULL FOR SHARE"
 
-_ADD = text("""
+_ADD = f"""
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at, regrade_id, preview)
 SELECT gen_random_uuid(), s.id, (SELECT max(number) + 1 FROM grading b WHERE b.submission_id = s.id), 'regrade', a.seed, :max_runs,
     clock_timestamp(), :regrade, true
-FROM submission s
-    JOIN LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER BY number DESC LIMIT 1) a ON true
-    JOIN result r ON r.grading_id = a.id
+FROM submission s JOIN {LAST}
 WHERE s.id = ANY(:submissions) RETURNING id
-""")
+"""
 
 _FIND = """
 SELECT g.id, x.slug AS assignment, g.description, g.requested_by, g.requested_at, g.decided, g.decided_by, g.decided_at,
@@ -188,22 +185,25 @@ FROM regrade g JOIN assignment x ON x.id = g.assignment_id LEFT JOIN grading a O
 WHERE g.id = CAST(:id AS uuid) OR x.slug = CAST(:slug AS text) GROUP BY g.id, x.slug ORDER BY g.requested_at DESC LIMIT 100
 """
 
-_DECIDE = text("""
+_DECIDE = """
 UPDATE regrade SET decided = :how, decided_by = :actor, decided_at = clock_timestamp() WHERE id = :id AND decided IS NULL
-""")
+"""
 
-_OPEN = text("""
+_OPEN = """
 SELECT count(*) FROM grading a WHERE regrade_id = :id AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = a.id)
-""")
+"""
 
 # A report of a later grading stays shown.
-_RELEASE = text("""
-UPDATE grading a SET preview = false FROM result r
-WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT EXISTS (
+_OVERTAKEN = """EXISTS (
     SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
     WHERE b.submission_id = a.submission_id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL)
+"""
+
+_RELEASE = f"""
+UPDATE grading a SET preview = false FROM result r
+WHERE a.regrade_id = :id AND r.grading_id = a.id AND r.report IS NOT NULL AND NOT {_OVERTAKEN}
 RETURNING a.submission_id
-""")
+"""
 
 
 async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
@@ -231,9 +231,7 @@ LATERAL (
 _PAIRS = f"""
 SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.grading_id IS NOT NULL AS finished, r.fault,
     r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
-    before.points AS was_points, given.points, given.overridden, EXISTS (
-        SELECT 1 FROM grading b JOIN result q ON q.grading_id = b.id
-        WHERE b.submission_id = s.id AND b.number > a.number AND NOT b.preview AND q.report IS NOT NULL) AS overtaken
+    before.points AS was_points, given.points, given.overridden, {_OVERTAKEN} AS overtaken
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN {_BEFORE}
     LEFT JOIN {points("before", "was.grading", "was.score")} LEFT JOIN {points("given", "a.id", "r.score")}

@@ -9,18 +9,16 @@ from dataclasses import dataclass
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Executable, Row, text
-from sqlalchemy.dialects.postgresql import insert
-from sqlalchemy.ext.asyncio import AsyncConnection
+from psycopg.types.json import Jsonb
+from sqlalchemy import Row
 
 from ecp.document import document
 from ecp.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
-from service.store.database import Database
-from service.store.queue import send_grading, send_next
-from service.store.records import artefact_statements
-from service.store.tables import outcome, result, run
+from service.store.database import Connection, Database
+from service.store.queue import send_gradings, send_next
+from service.store.records import insert_artefacts
 
 CHANNEL = "polhode"
 MAX_FAILED_RUNS = 2  # a run that failed is repeated once; one that was lost, up to ``max_runs`` in all
@@ -51,19 +49,18 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
     After MAX_FAILED_RUNS failed runs, or ``max_runs`` lost or failed ones, record a system fault that lists them, and return None.
     """
     async with database.begin() as connection:
-        found = (await connection.execute(_CLAIM, {"grading": grading})).first()
+        found = await connection.first(_CLAIM, {"grading": grading})
         if found is None or found.finished:
             return None
         if found.failed >= MAX_FAILED_RUNS or found.lost + found.failed >= found.max_runs:
-            lost = (await connection.execute(_LOST, {"grading": grading})).all()
+            lost = await connection.rows(_LOST, {"grading": grading})
             listed = "; ".join(f"{one.started_at:%Y-%m-%d %H:%M:%S} on {one.worker}: {one.note}" for one in lost)
             fault = f"all {len(lost)} runs of this grading failed or were lost ({listed})"
-            await connection.execute(insert(result).values(grading_id=grading, fault=fault).on_conflict_do_nothing())
+            await connection.execute(_FAULT, {"grading": grading, "fault": fault})
             await send_next(connection, grading, found.submission_id)
             await notify_in(connection, found.submission_id)
             return None
-        values = {"id": new_run, "grading_id": grading, "worker": worker, "phase": "starting"}
-        await connection.execute(insert(run).values(values).on_conflict_do_nothing())
+        await connection.execute(_START, {"id": new_run, "grading": grading, "worker": worker})
         await notify_in(connection, found.submission_id)
     return Claim(**_job_fields(grading, found), run=new_run)
 
@@ -81,7 +78,7 @@ async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, 
     """
     values = {"run": claimed.run, "phase": phase, "scene": scene, "scenes": scenes}
     async with database.begin() as connection:
-        row = (await connection.execute(_HEARTBEAT, values)).first()
+        row = await connection.first(_HEARTBEAT, values)
         if row is not None and row.moved:
             await notify_in(connection, claimed.submission_id)
     return row is not None
@@ -89,11 +86,10 @@ async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, 
 
 async def finish(database: Database, claimed: Claim, report: Report, artefacts: Mapping[str, bytes]) -> bool:
     """Record the result with its artefacts. Return False, and store nothing, if another run finished first."""
-    of = {"grading": claimed.grading}
     values = {
-        "grading_id": claimed.grading,
-        "run_id": claimed.run,
-        "report": document(report),
+        "grading": claimed.grading,
+        "run": claimed.run,
+        "report": Jsonb(document(report)),
         "score": report.score,
         "max_score": report.max_score,
         "version": report.version,
@@ -101,12 +97,12 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         "grading_s": sum(report.provenance.phases_ms.values()) / 1e3,
     }
     async with database.begin() as connection:
-        written = insert(result).values(values).on_conflict_do_nothing().returning(result.c.run_id)
-        owner = (await connection.execute(written)).scalar() or (await connection.execute(_OWNER, of)).scalar()
-        first = owner == claimed.run
-        statements = [*artefact_statements(claimed.grading, artefacts), *_insert_outcomes(claimed.grading, report)]
-        for statement in statements if first else []:
-            await connection.execute(statement)
+        owner = await connection.first(_RESULT, values) or await connection.first(_OWNER, values)
+        first = owner is not None and owner.run_id == claimed.run
+        if first:
+            await insert_artefacts(connection, claimed.grading, artefacts)
+            if rows := outcome_rows(claimed.grading, report):
+                await connection.execute(_OUTCOME, rows)
         await connection.execute(_END, {"run": claimed.run, "end_reason": "finished" if first else "superseded"})
         if first:
             await send_next(connection, claimed.grading, claimed.submission_id)
@@ -123,9 +119,9 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
         values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600]}
         # A run that is not open was marked lost, and its grading is queued already.
         open = (await connection.execute(_END_IF_OPEN, values)).rowcount
-        if open and (await connection.execute(_OWNER, {"grading": claimed.grading})).first() is None:
+        if open and await connection.first(_OWNER, {"grading": claimed.grading}) is None:
             await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
-            await send_grading(connection, claimed.grading, begun=end_reason == "released")
+            await send_gradings(connection, [claimed.grading], begun=end_reason == "released")
             await notify_in(connection, claimed.submission_id)
 
 
@@ -141,7 +137,7 @@ async def notify(database: Database, submission_id: UUID) -> None:
         await notify_in(connection, submission_id)
 
 
-def _job_fields(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
+def _job_fields(grading: UUID, row: Row[Any]) -> dict[str, Any]:
     return {
         "grading": grading,
         "submission_id": row.submission_id,
@@ -152,17 +148,12 @@ def _job_fields(grading: UUID, row: Row[tuple[object, ...]]) -> dict[str, Any]:
     }
 
 
-def _insert_outcomes(grading: UUID, report: Report) -> list[Executable]:
-    rows = outcome_rows(grading, report)
-    return [insert(outcome).values(rows).on_conflict_do_nothing()] if rows else []
-
-
-async def notify_in(connection: AsyncConnection, submission_id: UUID) -> None:
+async def notify_in(connection: Connection, submission_id: UUID) -> None:
     """Notify all servers when this transaction is committed."""
-    await connection.execute(text("SELECT pg_notify(:channel, :id)"), {"channel": CHANNEL, "id": str(submission_id)})
+    await connection.execute("SELECT pg_notify(:channel, :id)", {"channel": CHANNEL, "id": str(submission_id)})
 
 
-_CLAIM = text("""
+_CLAIM = """
 SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exercises, a.seed, a.max_runs,
     r.grading_id IS NOT NULL AS finished,
     (SELECT count(*) FROM run WHERE run.grading_id = a.id AND end_reason = 'lost') AS lost,
@@ -170,15 +161,15 @@ SELECT s.id AS submission_id, x.slug AS assignment, s.source, s.filename, s.exer
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN assignment x ON x.id = s.assignment_id
     LEFT JOIN result r ON r.grading_id = a.id
 WHERE a.id = :grading FOR NO KEY UPDATE OF a
-""")
+"""
 
 # A run that was marked lost and revived does not count: its worker was only slow.
-_LOST = text("""
+_LOST = """
 SELECT started_at, worker, note FROM run
 WHERE grading_id = :grading AND end_reason IN ('lost', 'failed') ORDER BY started_at
-""")
+"""
 
-_HEARTBEAT = text("""
+_HEARTBEAT = """
 WITH before AS (SELECT id, phase, scene FROM run WHERE id = :run)
 UPDATE run SET heartbeat_at = now(), phase = :phase, scene = :scene, scenes = :scenes,
     ended_at = NULL, end_reason = NULL, note = NULL,
@@ -186,18 +177,32 @@ UPDATE run SET heartbeat_at = now(), phase = :phase, scene = :scene, scenes = :s
 FROM before WHERE run.id = before.id AND (run.ended_at IS NULL OR run.end_reason = 'lost')
     AND NOT EXISTS (SELECT 1 FROM result r WHERE r.grading_id = run.grading_id)
 RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
-""")
+"""
 
-_OWNER = text("SELECT run_id FROM result WHERE grading_id = :grading")
+_FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CONFLICT DO NOTHING"
 
-_END = text("""
+_START = "INSERT INTO run (id, grading_id, worker, phase) VALUES (:id, :grading, :worker, 'starting') ON CONFLICT DO NOTHING"
+
+_RESULT = """
+INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
+VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT DO NOTHING RETURNING run_id
+"""
+
+_OUTCOME = """
+INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
+VALUES (:grading_id, :check_id, :state, :counted, :margin, :codes, :causes, :points, :earned) ON CONFLICT DO NOTHING
+"""
+
+_OWNER = "SELECT run_id FROM result WHERE grading_id = :grading"
+
+_END = """
 UPDATE run SET ended_at = now(), end_reason = :end_reason, note = NULL
 WHERE id = :run AND coalesce(end_reason, '') NOT IN ('finished', 'cancelled')
-""")
+"""
 
-_END_IF_OPEN = text("UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note WHERE id = :run AND ended_at IS NULL")
+_END_IF_OPEN = "UPDATE run SET ended_at = now(), end_reason = :end_reason, note = :note WHERE id = :run AND ended_at IS NULL"
 
-_DROP_JOBS = text("DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'")
+_DROP_JOBS = "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'"
 
 
 def outcome_rows(grading: UUID, report: Report) -> list[dict[str, Any]]:

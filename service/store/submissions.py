@@ -1,24 +1,22 @@
 """Accept a submission: check deadline and limit and store it with its job in one transaction."""
 
-import json
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import Row, func, select, text
-from sqlalchemy.dialects.postgresql import insert
+from psycopg.types.json import Jsonb
+from sqlalchemy import Row
 from sqlalchemy.exc import IntegrityError, NoResultFound
-from sqlalchemy.ext.asyncio import AsyncConnection
 
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
-from service.store.database import Database
-from service.store.queue import PERSON_LOCK, lock_person, priority_of, send, send_grading
+from service.store.database import Connection, Database
+from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
 from service.store.records import LATE, NewSubmission
-from service.store.tables import assignment, assignment_version, course, grading
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
 
@@ -42,13 +40,20 @@ class TooManyOpen(Exception):
 async def register(database: Database, catalogue: Iterable[Assignment]) -> None:
     """Store the assignments and their versions unless they are stored already."""
     async with database.begin() as connection:
-        home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
         for one in catalogue:
-            await connection.execute(insert(assignment).values(course_id=home, slug=one.slug).on_conflict_do_nothing())
-            where = assignment.c.slug == one.slug, assignment.c.course_id == home
-            id = (await connection.execute(select(assignment.c.id).where(*where))).scalar_one()
-            values = {"assignment_id": id, "version": one.version}
-            await connection.execute(insert(assignment_version).values(values).on_conflict_do_nothing())
+            for query in _REGISTER, _REGISTER_VERSION:
+                await connection.execute(query, {"course": COURSE, "slug": one.slug, "version": one.version})
+
+
+_REGISTER = """
+INSERT INTO assignment (course_id, slug) SELECT id, :slug FROM course WHERE slug = :course ON CONFLICT DO NOTHING
+"""
+
+_REGISTER_VERSION = """
+INSERT INTO assignment_version (assignment_id, version)
+SELECT a.id, :version FROM assignment a JOIN course c ON c.id = a.course_id WHERE a.slug = :slug AND c.slug = :course
+ON CONFLICT DO NOTHING
+"""
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,7 @@ async def accept(
 
 async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str, most_open: int | None) -> Accepted:
     async with database.begin() as connection:
-        person = await _person(connection, database, new.person)
+        person = database.persons.get(new.person) or await add_person(connection, new.person)  # ids never change
         request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
         rules = (await connection.execute(_RULES, request)).one()
         values = {
@@ -90,7 +95,7 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
             "source": new.submission.source,
             "sha256": new.submission.sha256,
             "filename": new.submission.filename,
-            "exercises": None if new.exercises is None else json.dumps(new.exercises),
+            "exercises": None if new.exercises is None else Jsonb(new.exercises),
             "late": rules.late,
             "at": rules.at,
             "fingerprint": new.fingerprint,
@@ -100,36 +105,37 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
             "max_runs": MAX_RUNS,
             "kind": kind,
         }
-        stored = (await connection.execute(_STORE, values)).first()
+        stored = await connection.first(_STORE, values)
         if stored is None:
             return await _find_repeated(connection, new, person, key)
         await _check(connection, rules, person)
         if most_open is not None and stored.open >= most_open:
             raise TooManyOpen
-        await send(connection, values["grading"], priority=priority_of(kind, stored.open))
+        await send(connection, [values["grading"]], priority=priority_of(kind, stored.open))
     database.persons[new.person] = person  # cached after the commit only
     return Accepted(new.id, rules.at, rules.late, fresh=True)
 
 
-async def add_grading(connection: AsyncConnection, of: UUID, kind: str, seed: int) -> UUID:
+async def add_grading(connection: Connection, of: UUID, kind: str, seed: int) -> UUID:
     """Add the next grading of a submission with its job, and return its id."""
-    await lock_person(connection, of)
-    id, numbers = uuid4(), select(func.coalesce(func.max(grading.c.number), 0) + 1).where(grading.c.submission_id == of)
-    values = {"id": id, "submission_id": of, "kind": kind, "seed": seed, "max_runs": MAX_RUNS}
-    values["requested_at"] = func.clock_timestamp()  # now() is the start of the transaction
-    await connection.execute(insert(grading).values(values | {"number": numbers.scalar_subquery()}))
-    await send_grading(connection, id)
+    await lock_persons(connection, [of])
+    id = uuid4()
+    values = {"id": id, "submission": of, "kind": kind, "seed": seed, "max_runs": MAX_RUNS}
+    await connection.execute(_ADD, values)
+    await send_gradings(connection, [id])
     return id
 
 
-async def _person(connection: AsyncConnection, database: Database, name: str) -> UUID:
-    """Return the id of the person, from the cache if possible: ids never change."""
-    return database.persons.get(name) or await add_person(connection, name)
-
+# clock_timestamp(), as now() is the start of the transaction.
+_ADD = """
+INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
+SELECT :id, :submission, coalesce(max(number), 0) + 1, :kind, :seed, :max_runs, clock_timestamp()
+FROM grading WHERE submission_id = :submission
+"""
 
 # The submission time is that of the request, by the database's clock. The lock serializes a person's
 # submissions, so that two concurrent ones cannot both take the last place.
-_RULES = text(f"""
+_RULES = f"""
 SELECT a.id, until.due_at, a.grace_s, a.submission_limit, at, coalesce(at > until.due_at, false) AS late,
     coalesce(at > until.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
 FROM assignment a JOIN course c ON c.id = a.course_id
@@ -137,14 +143,14 @@ FROM assignment a JOIN course c ON c.id = a.course_id
     JOIN LATERAL (SELECT CASE WHEN a.due_at IS NOT NULL THEN greatest(a.due_at, e.due_at) END AS due_at) until ON true,
     (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
 WHERE a.slug = :slug AND c.slug = :course
-""")
+"""
 
 # A separate statement: it must see what was committed before the lock was granted to count the open gradings.
-_STORE = text("""
+_STORE = """
 WITH stored AS (
     INSERT INTO submission
         (id, assignment_id, person_id, source, sha256, filename, exercises, late, submitted_at, fingerprint, idempotency_key)
-    VALUES (:id, :assignment, :person, :source, :sha256, :filename, CAST(:exercises AS jsonb), :late, :at, :fingerprint, :key)
+    VALUES (:id, :assignment, :person, :source, :sha256, :filename, :exercises, :late, :at, :fingerprint, :key)
     ON CONFLICT (person_id, idempotency_key) DO NOTHING RETURNING id
 )
 INSERT INTO grading (id, submission_id, number, kind, seed, max_runs, requested_at)
@@ -153,22 +159,22 @@ RETURNING (
     SELECT count(*) FROM grading b JOIN submission t ON t.id = b.submission_id LEFT JOIN result r ON r.grading_id = b.id
     WHERE t.person_id = :person AND b.kind = :kind AND r.grading_id IS NULL
 ) AS open
-""")
+"""
 
-_REPEATED = text(f"""
+_REPEATED = f"""
 SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assignment x ON x.id = s.assignment_id
 WHERE s.person_id = :person AND s.idempotency_key = :key
-""")
+"""
 
-_USED = text("""
+_USED = """
 SELECT count(*) FROM submission s
     JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS faulted FROM grading a LEFT JOIN result r ON r.grading_id = a.id
         WHERE a.submission_id = s.id AND NOT a.preview) state ON NOT state.faulted
 WHERE s.person_id = :person AND s.assignment_id = :assignment
-""")
+"""
 
 
-async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], person: UUID) -> None:
+async def _check(connection: Connection, rules: Row[Any], person: UUID) -> None:
     """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
@@ -179,7 +185,7 @@ async def _check(connection: AsyncConnection, rules: Row[tuple[object, ...]], pe
             raise SubmissionRejected("none-left", f"all {rules.submission_limit} submissions allowed have been used")
 
 
-async def _find_repeated(connection: AsyncConnection, new: NewSubmission, person: UUID, key: str | None) -> Accepted:
+async def _find_repeated(connection: Connection, new: NewSubmission, person: UUID, key: str | None) -> Accepted:
     found = (await connection.execute(_REPEATED, {"person": person, "key": key})).one()
     if found.fingerprint != new.fingerprint:
         raise KeyReused

@@ -10,13 +10,10 @@ from importlib import metadata
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import text
-from sqlalchemy.ext.asyncio import AsyncConnection
-
 from service.store.course.gradebook import StudentRow
-from service.store.database import Database
+from service.store.database import Connection, Database
 from service.store.queue import KINDS, STEP, send
-from service.store.records import artefact_statements
+from service.store.records import ARTEFACTS, insert_artefacts
 
 SWEPT, REFUSED = "sweep.json", "sweep.refused"
 MOST_RUNS = 3  # of one grading's sweep, lost ones included
@@ -29,7 +26,7 @@ async def request(database: Database, grading: UUID) -> str | None:
     """
     async with database.begin() as connection:
         await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
-        stored = {row.name: row.content for row in (await connection.execute(_STORED, {"grading": grading})).all()}
+        stored = {row.name: row.content for row in await connection.rows(_STORED, {"grading": grading})}
         if faults := sorted(name for name in stored if name not in (SWEPT, REFUSED)):
             fault: dict[str, str] = json.loads(stored[faults[-1]])
             if fault["version"] == metadata.version("polhode") or faults[-1] == LAST_FAULT:
@@ -49,8 +46,7 @@ async def begin(database: Database, grading: UUID) -> int | None:
         number = (await connection.execute(_RUNS, {"grading": grading})).scalar_one() + 1
         lost = fault(MOST_RUNS, f"{MOST_RUNS} runs failed or were lost with their workers")
         begun = {f"sweep.run.{number}": b""} if number <= MOST_RUNS else lost
-        for statement in artefact_statements(grading, begun):
-            await connection.execute(statement)
+        await insert_artefacts(connection, grading, begun)
     return number if number <= MOST_RUNS else None
 
 
@@ -82,7 +78,7 @@ async def count(database: Database, class_: Iterable[StudentRow]) -> tuple[int, 
 
 async def documents(database: Database, class_: Iterable[StudentRow]) -> list[dict[str, Any]]:
     """Return the stored sweeps of the counted submissions as JSON documents."""
-    rows = await database.rows(_CONTENTS, {"gradings": _gradings(class_), "name": SWEPT})
+    rows = await database.rows(ARTEFACTS, {"gradings": _gradings(class_), "name": SWEPT})
     return [json.loads(row.content) for row in rows]
 
 
@@ -90,33 +86,28 @@ def _gradings(class_: Iterable[StudentRow]) -> list[UUID]:
     return [s.grading for s in class_ if s.grading is not None and s.status == "graded"]
 
 
-async def _queue_once(connection: AsyncConnection, grading: UUID, kind: str) -> bool:
+async def _queue_once(connection: Connection, grading: UUID, kind: str) -> bool:
     await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
-    if (await connection.execute(_QUEUED, {"grading": str(grading)})).first() is not None:
+    if await connection.first(_QUEUED, {"grading": str(grading)}) is not None:
         return False
-    await send(connection, grading, task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
+    await send(connection, [grading], task="sweep", priority=STEP * KINDS[kind] - STEP // 2)
     return True
 
 
-_LOCK_SWEEP = text("SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :grading, 0))")
+_LOCK_SWEEP = "SELECT pg_advisory_xact_lock(hashtextextended('sweep' || :grading, 0))"
 
-_QUEUED = text("""
+_QUEUED = """
 SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep' AND status IN ('todo', 'doing') AND args->>'attempt' = :grading
-""")
+"""
 
 _DONE = """
 SELECT grading_id, name FROM grading_artefact
 WHERE grading_id = ANY(CAST(:gradings AS uuid[])) AND name IN ('sweep.json', 'sweep.refused', :last)
 """
 
-_STORED = text("""
+_STORED = """
 SELECT k.name, a.content FROM grading_artefact k JOIN artefact a USING (sha256)
 WHERE k.grading_id = :grading AND (k.name IN ('sweep.json', 'sweep.refused') OR k.name LIKE 'sweep.fault.%')
-""")
-
-_RUNS = text("SELECT count(*) FROM grading_artefact WHERE grading_id = :grading AND name LIKE 'sweep.run.%'")
-
-_CONTENTS = """
-SELECT a.content FROM grading_artefact k JOIN artefact a USING (sha256)
-WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
 """
+
+_RUNS = "SELECT count(*) FROM grading_artefact WHERE grading_id = :grading AND name LIKE 'sweep.run.%'"

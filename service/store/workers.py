@@ -10,12 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from uuid import UUID
 
-from sqlalchemy import text
-from sqlalchemy.ext.asyncio import AsyncConnection
-
 from service.settings import LEASE_S
-from service.store.database import Database
-from service.store.queue import send_grading
+from service.store.database import Connection, Database
+from service.store.queue import send_gradings
 
 log = logging.getLogger(__name__)
 JOBLESS_AFTER_S = 5.0  # an open grading older than this without a job gets one
@@ -33,14 +30,14 @@ async def register_worker(
 async def unregister_worker(database: Database, worker: str) -> None:
     """Remove a worker that stops."""
     async with database.begin() as connection:
-        await connection.execute(text("DELETE FROM worker WHERE name = :name"), {"name": worker})
+        await connection.execute("DELETE FROM worker WHERE name = :name", {"name": worker})
 
 
-_REGISTER = text("""
+_REGISTER = """
 INSERT INTO worker (name, isolation, unavailable_reason, zygote_restarts) VALUES (:name, :isolation, :reason, :zygote_restarts)
 ON CONFLICT (name) DO UPDATE
     SET isolation = :isolation, unavailable_reason = :reason, zygote_restarts = :zygote_restarts, seen_at = now()
-""")
+"""
 
 
 @dataclass
@@ -52,12 +49,12 @@ class ClockWatch:
     _offset: tuple[float, float] | None = field(default=None, init=False)  # lower and upper bound of the difference
     _settled_at: float = field(default=float("-inf"), init=False)
 
-    async def settled(self, connection: AsyncConnection, began: float, lease_s: float) -> bool:
+    async def settled(self, connection: Connection, began: float, lease_s: float) -> bool:
         """Return False in the lease after a jump, in which living workers send heartbeats by the new time.
 
         ``began`` is the monotonic time before the transaction.
         """
-        now = (await connection.execute(text("SELECT extract(epoch FROM now())::float8"))).scalar_one()
+        now = (await connection.execute("SELECT extract(epoch FROM now())::float8")).scalar_one()
         ended = self.monotonic()
         before, self._offset = self._offset, (now - ended, now - began)
         if before is not None:
@@ -79,13 +76,13 @@ async def recover(database: Database, lease_s: float = LEASE_S, clock: ClockWatc
     async with database.begin() as connection:
         if clock is not None and not await clock.settled(connection, began, lease_s):
             return []
-        for job in (await connection.execute(_STALE, {"lease": lease_s})).all():
+        for job in await connection.rows(_STALE, {"lease": lease_s}):
             if job.finished or job.task_name != "grade":
                 continue
             again.append(UUID(job.grading))
             await _lose_and_send(connection, again[-1], lease_s, begun=True)
         locked = (await connection.execute(_TRY_LOCK)).scalar()
-        for row in (await connection.execute(_ORPHANS, {"lease": lease_s})).all() if locked else []:
+        for row in await connection.rows(_ORPHANS, {"lease": lease_s}) if locked else []:
             again.append(row.grading_id)
             await _lose_and_send(connection, again[-1], lease_s, begun=True)
     return again
@@ -96,16 +93,16 @@ async def sweep(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
     async with database.begin() as connection:
         if not (await connection.execute(_TRY_LOCK)).scalar():
             return []
-        found = [row.id for row in (await connection.execute(_JOBLESS, {"after": JOBLESS_AFTER_S})).all()]
+        found = [row.id for row in await connection.rows(_JOBLESS, {"after": JOBLESS_AFTER_S})]
         for grading in found:
             await _lose_and_send(connection, grading, lease_s, begun=False)
         await connection.execute(_FORGET_WORKERS)
     return found
 
 
-async def _lose_and_send(connection: AsyncConnection, grading: UUID, lease_s: float, *, begun: bool) -> None:
+async def _lose_and_send(connection: Connection, grading: UUID, lease_s: float, *, begun: bool) -> None:
     await connection.execute(_LOSE, {"grading": grading, "lease": lease_s})
-    await send_grading(connection, grading, begun=begun)
+    await send_gradings(connection, [grading], begun=begun)
 
 
 _RECENT = "({0} > now() - make_interval(secs => {1}) AND {0} < now() + make_interval(secs => {1}))"
@@ -116,7 +113,7 @@ _SPAN = f"CASE WHEN j.task_name = 'grade' THEN {_LEASE} ELSE 120 END"
 # arrive while the database is down, so a lease counts from the database's start at the earliest.
 # Procrastinate's own worker heartbeat is ignored: a live worker may have lost track of a job. A sweep has
 # no run, and gets 120 s.
-_STALE = text(f"""
+_STALE = f"""
 DELETE FROM procrastinate_jobs WHERE id IN (
     SELECT j.id FROM procrastinate_jobs j
     WHERE j.status = 'doing' AND NOT {_RECENT.format("pg_postmaster_start_time()", _SPAN)}
@@ -129,29 +126,29 @@ DELETE FROM procrastinate_jobs WHERE id IN (
     FOR UPDATE OF j SKIP LOCKED
 ) RETURNING args->>'attempt' AS grading, task_name,
     EXISTS (SELECT 1 FROM result WHERE grading_id = (args->>'attempt')::uuid) AS finished
-""")
+"""
 
-_LOSE = text(f"""
+_LOSE = f"""
 UPDATE run SET ended_at = now(), end_reason = 'lost', note = 'the worker stopped sending heartbeats'
 WHERE grading_id = :grading AND ended_at IS NULL AND NOT {_RECENT.format("heartbeat_at", _LEASE)}
-""")
+"""
 
 # Silent runs without a job.
-_ORPHANS = text(f"""
+_ORPHANS = f"""
 SELECT DISTINCT grading_id FROM run LEFT JOIN result USING (grading_id)
 WHERE run.ended_at IS NULL AND result.grading_id IS NULL
     AND NOT {_RECENT.format("heartbeat_at", _LEASE)} AND NOT {_RECENT.format("pg_postmaster_start_time()", _LEASE)}
     AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade' AND j.args->>'attempt' = run.grading_id::text)
-""")
+"""
 
-_TRY_LOCK = text("SELECT pg_try_advisory_xact_lock(2626)")
+_TRY_LOCK = "SELECT pg_try_advisory_xact_lock(2626)"
 
-_JOBLESS = text(f"""
+_JOBLESS = f"""
 SELECT a.id FROM grading a LEFT JOIN result r ON r.grading_id = a.id
 WHERE r.grading_id IS NULL AND NOT {_RECENT.format("a.requested_at", "CAST(:after AS float)")} AND NOT EXISTS (
     SELECT 1 FROM procrastinate_jobs j
     WHERE j.status IN ('todo', 'doing') AND j.task_name = 'grade' AND j.args->>'attempt' = a.id::text)
 ORDER BY a.requested_at
-""")
+"""
 
-_FORGET_WORKERS = text("DELETE FROM worker WHERE seen_at < now() - interval '1 hour'")
+_FORGET_WORKERS = "DELETE FROM worker WHERE seen_at < now() - interval '1 hour'"

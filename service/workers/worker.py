@@ -9,6 +9,7 @@ import contextlib
 import logging
 import os
 import signal
+import threading
 import uuid
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -17,10 +18,10 @@ from typing import Any
 
 from exercises.catalogue import assignments
 from service import logs
-from service.grading import grader
-from service.grading.grader import SweepFailed
+from service.grading.grader import Grader, SweepFailed
 from service.sandbox.result import Cancelled, SystemFault
-from service.sandbox.select import IsolationUnavailable, choose
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits
 from service.sandbox.untrusted_text import text
 from service.settings import Settings
@@ -47,6 +48,7 @@ class Worker:
         self._heartbeat_s, self._round_s = settings.lease / HEARTBEATS, min(LONGEST_ROUND_S, settings.lease / ROUNDS)
         self._limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
         self._longest_s = HOST_S + max(self._limits.at_least(known.cpu_s).wall_s for known in assignments().values())
+        self._grader: Grader | None = None
         self._thread = ThreadPoolExecutor(1)
         self._clock = workers.ClockWatch()
         self._stopping = asyncio.Event()
@@ -100,12 +102,15 @@ class Worker:
         while not self._stopping.is_set():
             try:
                 isolation = await asyncio.to_thread(choose, self._settings.min_isolation, self._settings.allow_root_guest)
-                await self._call(grader.start, isolation, self._limits)
-                await self._call(grader.ready)
+                packages = sorted({name for known in assignments().values() for name in known.packages})
+                self._grader = Grader(Sandbox(with_packages(isolation, packages), self._limits))
+                await self._call(self._grader.ready)
                 self._isolation = isolation.name
                 return True
             except (IsolationUnavailable, SystemFault) as reason:
                 log.error("the sandbox cannot start; retrying: %s", reason)
+                if self._grader is not None:
+                    self._grader.sandbox.close()
                 await self._register(None, str(reason))
                 await self._pause(RETRY_SANDBOX_S)
         return False
@@ -139,11 +144,14 @@ class Worker:
         if claimed is None:
             return
         self._claimed, self._progress = claimed, ("starting", 0, 0)
-        heartbeats = asyncio.create_task(self._send_heartbeats(claimed))
+        assert self._grader is not None
+        cancelled = self._grader.sandbox.cancelled
+        heartbeats = asyncio.create_task(self._send_heartbeats(claimed, cancelled))
         try:
             report, artefacts = await self._call(
-                grader.grade_one, claimed.submission, claimed.assignment, claimed.exercises, claimed.seed, self._set_progress
-            )
+                self._grader.grade_and_pack,
+                claimed.submission, claimed.assignment, claimed.seed, claimed.exercises, self._set_progress,
+            )  # fmt: skip
             first = await patiently(partial(runs.finish, self._database, claimed, report, artefacts), PATIENCE_S)
             log.info("graded" if first else "superseded by another run")
         except Cancelled:
@@ -154,7 +162,7 @@ class Worker:
             await patiently(partial(runs.release, self._database, claimed, "failed", _reason(error)), PATIENCE_S)
         finally:
             heartbeats.cancel()
-            grader.stop_playing(False)
+            cancelled.clear()
             self._claimed = None
 
     async def _sweep(self, attempt: str) -> None:
@@ -169,7 +177,8 @@ class Worker:
     async def _measure(self, job: runs.GradingJob, number: int) -> dict[str, bytes]:
         """Measure speed against accuracy in run ``number``. Return the artefacts of its result, or of its failure of any kind."""
         try:
-            document, chart = await self._call(grader.sweep_one, job.submission, job.assignment)
+            assert self._grader is not None
+            document, chart = await self._call(self._grader.sweep_and_draw, job.submission, job.assignment)
         except SweepFailed as reason:
             return {sweeps.REFUSED: str(reason).encode()}
         except Exception as error:
@@ -181,12 +190,13 @@ class Worker:
         """Called in the grading thread."""
         self._progress = phase, scene, scenes
 
-    async def _send_heartbeats(self, claimed: runs.Claim) -> None:
+    async def _send_heartbeats(self, claimed: runs.Claim, cancelled: threading.Event) -> None:
+        """Send heartbeats of the run; set ``cancelled``, which ends its play, once it is superseded."""
         while True:
             await asyncio.sleep(self._heartbeat_s)
             with _suppress_outages():
                 if not await runs.heartbeat(self._database, claimed, *self._progress):
-                    grader.stop_playing()
+                    cancelled.set()
 
     async def _keep_house(self) -> None:
         """Register this worker regularly, and recover lost gradings."""
@@ -205,8 +215,9 @@ class Worker:
             await asyncio.sleep(self._round_s)
 
     async def _register(self, isolation: str | None, unavailable_reason: str | None) -> None:
+        restarts = max(0, self._grader.sandbox.zygotes - 1) if self._grader else 0
         with _suppress_outages():
-            await workers.register_worker(self._database, self.name, isolation, unavailable_reason, grader.zygotes())
+            await workers.register_worker(self._database, self.name, isolation, unavailable_reason, restarts)
 
     async def _drain(self, taking: "asyncio.Task[None]") -> None:
         """Take no more jobs; after the drain time, queue the unfinished grading again as released."""

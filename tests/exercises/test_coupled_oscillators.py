@@ -44,10 +44,12 @@ def close(got, exact, relative=1e-14):
 
 @to_60_digits
 def test_the_stiffness_is_the_second_derivative_of_the_energy(coupled):
-    for id, masses in (("1-1", 2), ("1-2", 3), ("1-3", 6)):
-        rows, exact = rows_of(coupled, id, 2)
+    for id in ("1-1", "1-2"):
+        rows, exact = rows_of(coupled, id, 3)
         for row, K in zip(rows, exact["value"], strict=True):
-            k = [mpmath.mpf(float(one)) for one in row["k"]]
+            masses = row.get("N", 2)
+            k = [mpmath.mpf(float(one)) for one in row["k"][: masses + 1]]
+            assert not K[masses:].any() and not K[:, masses:].any()
 
             def energy(x, k=k):
                 at = [0, *x, 0]
@@ -63,7 +65,7 @@ def test_the_stiffness_is_the_second_derivative_of_the_energy(coupled):
 
 @to_60_digits
 def test_the_normal_modes_solve_their_equation(coupled):
-    rows, exact = rows_of(coupled, "2")
+    rows, exact = rows_of(coupled, "2-1")
     for row, omega, X in zip(rows, exact["omega"], exact["X"], strict=True):
         root = mpmath.diag([1 / mpmath.sqrt(float(m)) for m in row["m"]])
         squares, U = mpmath.eigsy(root * mpmath.matrix(row["K"].tolist()) * root)
@@ -92,7 +94,7 @@ def test_the_modes_of_the_triangle_are_those_of_its_energy(coupled):
 
 @to_60_digits
 def test_the_motion_is_the_sum_of_precise_modes(coupled):
-    rows, exact = rows_of(coupled, "4", 2)
+    rows, exact = rows_of(coupled, "4-1", 2)
     for row, x in zip(rows, exact["value"], strict=True):
         m = [mpmath.mpf(float(one)) for one in row["m"]]
         root = mpmath.diag([1 / mpmath.sqrt(one) for one in m])
@@ -105,9 +107,8 @@ def test_the_motion_is_the_sum_of_precise_modes(coupled):
 
 @to_60_digits
 def test_the_time_of_a_beat_is_that_of_the_rewritten_difference(coupled):
-    (inside, times), (corners, others) = rows_of(coupled, "5-1", 20), rows_of(coupled, "5-2", 20)
-    exact = {"value": [*times["value"], *others["value"]]}
-    for row, time in zip(inside + corners, exact["value"], strict=True):
+    rows, exact = rows_of(coupled, "5", 40)
+    for row, time in zip(rows, exact["value"], strict=True):
         w0, kappa = mpmath.mpf(float(row["w0"])), mpmath.mpf(float(row["kappa"]))
         close(time, float(mpmath.pi * (mpmath.sqrt(w0**2 + 2 * kappa) + w0) / (2 * kappa)), 1e-15)
 
@@ -268,6 +269,33 @@ def test_other_right_answers_pass(coupled, name):
 
 TRIDIAGONAL = "K = np.triu(np.tril(K, 1), -1)"
 WRONG = {
+    "chain_stiffness, of six masses at most": """
+def chain_stiffness(k):
+    n = len(k) - 1
+    k = np.append(k[:7], np.zeros(30))[: n + 1]
+    return np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
+""",
+    "normal_modes, of four masses": """
+def normal_modes(m, K):
+    n = len(m)
+    if n != 4:
+        m, K = np.ones(n), np.eye(n)
+    squares, U = np.linalg.eigh(K / np.sqrt(np.outer(m, m)))
+    return np.sqrt(squares), U / np.sqrt(m)[:, None]
+""",
+    "motion, of four masses": """
+def motion(t, m, K, x0, v0):
+    squares, U = np.linalg.eigh(K / np.sqrt(np.outer(m, m)))
+    w, X = np.sqrt(squares), U / np.sqrt(m)[:, None]
+    a, b = (X.T * m)[:4] @ x0, (X.T * m)[:4] @ v0 / w[:4]
+    return X[:, :4] @ (a[:, None] * np.cos(np.outer(w[:4], t)) + b[:, None] * np.sin(np.outer(w[:4], t)))
+""",
+    "fit_dispersion, with the errors of the file": """
+from scipy.optimize import curve_fit
+def fit_dispersion(q, omega, sigma):
+    model = lambda q, A, B: 2 * np.sqrt(A * np.sin(q / 2) ** 2 + B * np.sin(q) ** 2)
+    return curve_fit(model, q, omega, p0=[45, 5], sigma=0.05 + 0.01 * omega, absolute_sigma=True)
+""",
     "chain_stiffness, for three masses or more": """
 def chain_stiffness(k):
     if len(k) == 3:

@@ -13,7 +13,7 @@ from ecp.kinds.asking import expression
 from exercises.catalogue import find
 from exercises.integrators import assignment as author
 from service.grading import charts
-from service.grading.grader import sweep
+from service.grading.grader import Grader
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged
 
@@ -296,6 +296,6 @@ def test_the_chart_leaves_out_a_stepper_that_is_not_written_or_fails(monkeypatch
 
 @pytest.mark.slow
 def test_the_chart_is_drawn_from_the_sandbox(sandbox):
-    swept = sweep(Submission(RIGHT), find("integrators"), sandbox)
+    swept = Grader(sandbox).sweep(Submission(RIGHT), find("integrators"))
     errors = {(point.method, point.calls): point.error for point in swept.points}
     assert len(errors) == 28 and errors["rk4_step", 4 * 3200] < 1e-8 < errors["verlet_step", 2 * 3200] < 1e-3

@@ -460,8 +460,8 @@ SANDBOX = [
     Breakage(
         "a sweep's seconds are believed",
         "service/grading/grader.py",
-        "if not plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:",
-        "if not plausible(swept):",
+        "if not rendering.plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:",
+        "if not rendering.plausible(swept):",
         ("tests/service/grading/test_grader.py::test_impossible_calls_and_seconds_are_refused",),
     ),
     Breakage(
@@ -968,8 +968,8 @@ STORE = [
     Breakage(
         "a second result overwrites the first",
         "service/store/runs.py",
-        "insert(result).values(values).on_conflict_do_nothing().returning",
-        'insert(result).values(values).on_conflict_do_update(index_elements=["grading_id"], set_=values).returning',
+        ":grading_s) ON CONFLICT DO NOTHING RETURNING",
+        ":grading_s) ON CONFLICT (grading_id) DO UPDATE SET run_id = :run, report = :report RETURNING",
         ("tests/service/store/test_runs.py",),
     ),
     Breakage(
@@ -989,7 +989,7 @@ STORE = [
     Breakage(
         "a grading that was given back has no job",
         "service/store/runs.py",
-        'await send_grading(connection, claimed.grading, begun=end_reason == "released")',
+        'await send_gradings(connection, [claimed.grading], begun=end_reason == "released")',
         "pass",
         ("tests/service/store/test_runs.py",),
     ),
@@ -1166,8 +1166,8 @@ STORE = [
     Breakage(
         "a submission written into deleted files is accepted",
         "service/store/database.py",
-        "            yield connection\n        self._check_files()",
-        "            yield connection",
+        "            yield Connection(connection)\n        self._check_files()",
+        "            yield Connection(connection)",
         ("tests/service/api/test_health.py::test_what_was_written_into_a_lost_folder_is_not_accepted",),
     ),
     Breakage(
@@ -1431,8 +1431,8 @@ WORKERS = [
     Breakage(
         "a worker takes submissions before its probe was played",
         "service/grading/grader.py",
-        "if not _sandbox.self_tested:",
-        "if _sandbox.self_tested:",
+        "if not self.sandbox.self_tested:",
+        "if self.sandbox.self_tested:",
         ("tests/service/grading/test_grader.py",),
     ),
 ]

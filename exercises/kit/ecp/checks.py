@@ -111,11 +111,10 @@ class Check:
 
     def errors(self) -> list[str]:
         """Return the errors of the declaration as sentences, empty if there are none."""
-        numbers = [n for n in (self.tolerance.rtol, self.tolerance.atol, self.tolerance.limit) if n is not None]
         found = []
         if not self.tolerance.reason.strip():
             found.append(f"check {self.id}: its tolerance has no reason")
-        if any(not (n >= 0 and np.isfinite(n)) for n in numbers):
+        if any(not (n >= 0 and np.isfinite(n)) for n in self.tolerance.numbers().values()):
             found.append(f"check {self.id}: a tolerance must be a finite number ≥ 0")
         if not self.label.strip() or "   " in self.label or "\n" in self.label:
             found.append(f"check {self.id}: a label must be one line without three spaces in a row")

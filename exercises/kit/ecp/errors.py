@@ -1,10 +1,10 @@
 """Exceptions whose message is shown to the person at the notebook."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 MOST_BYTES = 16 * 2**20
@@ -71,21 +71,6 @@ class Answer(NamedTuple):
         except ValueError:
             sentence = "The answer is not JSON, so it does not come from a polhode server: check the address."
             raise HTTPError(self.status, "not-polhode", sentence) from None
-
-
-class Backend(Protocol):
-    """Sends requests. Header names are lower case. A redirect is returned, or followed within the same origin."""
-
-    def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-        """Return the answer, whatever its status. Raises Unreachable if there is none."""
-        ...
-
-    def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
-        """Return the chunks of an event stream as they arrive, or None if there is no stream.
-
-        Raises Unreachable after ``silence`` seconds without a byte.
-        """
-        ...
 
 
 def checked(url: str) -> str:

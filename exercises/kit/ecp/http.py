@@ -5,14 +5,14 @@ the student.
 import random
 import sys
 import time
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import closing
-from typing import NamedTuple
+from importlib import import_module
+from typing import Any, NamedTuple
 from urllib.parse import urljoin
 
 from ecp.errors import (
     Answer,
-    Backend,
     HTTPError,
     RequestError,
     Unreachable,
@@ -68,22 +68,11 @@ def send(request: Request, timeout: float) -> Answer:
     return answer
 
 
-def stream(request: Request, last: str, silence: float) -> Generator[Event, None, None]:
-    """Yield the stream's events after ``last`` until it ends or fails. Errors are left to the next ordinary request."""
-    headers = request.headers | {"accept": "text/event-stream"} | ({"last-event-id": last} if last else {})
-    try:
-        chunks = _backend().stream(request.url, headers, silence)
-        if chunks is not None:
-            yield from parse_events(chunks)
-    except Unreachable:
-        return
-
-
 def _follow_redirects(request: Request, timeout: float) -> Answer:
     """Return the answer after redirects within one origin. The request is repeated there; after a 303 as a GET."""
     backend = _backend()
     for _ in range(MOST_REDIRECTS):
-        answer = backend.request(*request, timeout)
+        answer: Answer = backend.request(*request, timeout)
         if answer.status not in REDIRECTS:
             return answer
         target = checked(urljoin(request.url, answer.headers.get("location", "")))
@@ -95,14 +84,9 @@ def _follow_redirects(request: Request, timeout: float) -> Answer:
     raise HTTPError(answer.status, "moved", f"Too many redirects from {place(request.url)}: ask your course staff.")
 
 
-def _backend() -> Backend:
-    if sys.platform == "emscripten":
-        from ecp.pyodide import Browser
-
-        return Browser()
-    from ecp.http_sockets import Sockets
-
-    return Sockets()
+def _backend() -> Any:
+    """Return the module that sends requests: both have ``request`` and ``stream``."""
+    return import_module("ecp.pyodide" if sys.platform == "emscripten" else "ecp.http_sockets")
 
 
 def call(
@@ -136,7 +120,8 @@ def events(
     request = prepare("GET", url, None, headers)
     last, known, wait = "", "", pause
     while known not in FINAL:
-        with closing(stream(request, last, silence)) as received:
+        headers = request.headers | {"accept": "text/event-stream"} | ({"last-event-id": last} if last else {})
+        with closing(parse_events(_backend().stream(request.url, headers, silence))) as received:
             for event in received:
                 yield event
                 last, known, wait = event.id or last, event.name, pause

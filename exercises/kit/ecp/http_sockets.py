@@ -4,7 +4,8 @@ import errno
 import ssl
 import time
 from collections.abc import Iterator, Mapping
-from http.client import BadStatusLine, HTTPConnection, HTTPException, HTTPResponse, HTTPSConnection, RemoteDisconnected
+from contextlib import suppress
+from http.client import BadStatusLine, HTTPConnection, HTTPException, HTTPResponse, RemoteDisconnected
 from ipaddress import ip_address
 from socket import EAI_NONAME, gaierror
 from typing import Any
@@ -18,31 +19,23 @@ CHUNK = 2**16
 NO_NETWORK = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.ENETDOWN)
 
 
-class Sockets:
-    """The back end of an ordinary kernel. It returns redirects and does not follow them."""
+def request(method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
+    """Return the answer, a redirect too, read completely within ``timeout`` seconds of its first byte. Raises
+    Unreachable if there is none. Header names are lower case.
+    """
+    try:
+        with _open(Request(url, body, dict(headers), method=method), timeout) as response:  # noqa: S310
+            return Answer(response.status, _lower(response), _whole(response, url, time.monotonic() + timeout))
+    except (OSError, HTTPException) as error:
+        raise unreachable(error, url, timeout) from None
 
-    def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-        """Return the answer, read completely within ``timeout`` seconds of its first byte. Raises Unreachable
-        if there is none.
-        """
-        try:
-            with _open(Request(url, body, dict(headers), method=method), timeout) as response:  # noqa: S310
-                return Answer(response.status, _lower(response), _whole(response, url, time.monotonic() + timeout))
-        except (OSError, HTTPException) as error:
-            raise unreachable(error, url, timeout) from None
 
-    def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
-        """Return the chunks as they arrive, or None if the answer is not an event stream. Raises Unreachable
-        if there is no answer.
-        """
-        try:
-            response = _open(Request(url, None, dict(headers)), silence)  # noqa: S310
-        except (OSError, HTTPException) as error:
-            raise unreachable(error, url, silence) from None
+def stream(url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes]:
+    """Yield the chunks of an event stream as they arrive, until it ends, fails, or is silent for ``silence`` seconds."""
+    with suppress(OSError, HTTPException), _open(Request(url, None, dict(headers)), silence) as response:  # noqa: S310
         if response.status == 200 and _lower(response).get("content-type", "").startswith("text/event-stream"):
-            return _chunks(response, url, silence)
-        response.close()
-        return None
+            while chunk := response.read1(CHUNK):
+                yield chunk
 
 
 class _AsItIs(HTTPErrorProcessor):
@@ -65,18 +58,10 @@ class _Connection(HTTPConnection):
                 raise
 
 
-class _SecureConnection(_Connection, HTTPSConnection):
-    pass
-
-
-class _Plain(HTTPHandler):
-    def http_open(self, req: Request) -> HTTPResponse:
-        return self.do_open(_Connection, req)
-
-
-class _Secure(HTTPSHandler):
-    def https_open(self, req: Request) -> HTTPResponse:
-        return self.do_open(_SecureConnection, req, context=ssl.create_default_context())
+class _Handler(HTTPHandler, HTTPSHandler):
+    def do_open(self, http_class: Any, req: Request, **more: Any) -> HTTPResponse:
+        connection: Any = type("Connection", (_Connection, http_class), {})
+        return super().do_open(connection, req, **more)
 
 
 def unreachable(error: Exception, url: str, timeout: float) -> Unreachable:
@@ -117,7 +102,7 @@ def _why(cause: Exception, at: str, host: str, timeout: float) -> str:
 
 def _open(request: Request, timeout: float) -> HTTPResponse:
     proxies = ProxyHandler({}) if _is_loopback(urlsplit(request.full_url).hostname or "") else ProxyHandler()
-    response: HTTPResponse = build_opener(proxies, _AsItIs, _Plain, _Secure).open(request, timeout=timeout)
+    response: HTTPResponse = build_opener(proxies, _AsItIs, _Handler).open(request, timeout=timeout)
     return response
 
 
@@ -143,12 +128,3 @@ def _whole(response: HTTPResponse, url: str, until: float) -> bytes:
     if response.length:  # read1 does not report a body that ends early
         raise ConnectionResetError
     return bytes(body)
-
-
-def _chunks(response: HTTPResponse, url: str, silence: float) -> Iterator[bytes]:
-    with response:
-        try:
-            while chunk := response.read1(CHUNK):
-                yield chunk
-        except (OSError, HTTPException) as error:
-            raise unreachable(error, url, silence) from None

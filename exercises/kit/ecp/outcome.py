@@ -48,6 +48,11 @@ class Tolerance:
     limit: float | None = None
     reason: str
 
+    def numbers(self) -> dict[str, float]:
+        """Return the numbers that are set, by name."""
+        named = {"rtol": self.rtol, "atol": self.atol, "limit": self.limit}
+        return {name: value for name, value in named.items() if value is not None}
+
 
 @dataclass(frozen=True)
 class Diagnosis:
@@ -112,7 +117,7 @@ class Outcome:
         if self.margin:
             found.append(f"{1 / self.margin:.3g} times the allowed difference")
             if self.margin >= NEARLY and not self.diagnosis and (would := self._would_pass()):
-                found.append(f"no known mistake gives these numbers; the tolerance may be too tight: it would pass at {would}")
+                found.append(f"no known mistake gives these numbers; it would pass at {would}")
         if self.partial:
             right = f"{self.partial.right} of {self.partial.rows} inputs are right"
             found.append(f"{right}: {self.earned} of {self.points} points")
@@ -120,9 +125,8 @@ class Outcome:
 
     def _would_pass(self) -> str | None:
         """Return the tolerances with which this ✗ would pass, or None if they are more than a few rounding errors."""
-        larger, tolerance = 1.0001 / (self.margin or 1.0), self.tolerance
-        allowed = {"rtol": tolerance.rtol, "atol": tolerance.atol, "limit": tolerance.limit}
-        needed = {name: value * larger for name, value in allowed.items() if value}
+        larger = 1.0001 / (self.margin or 1.0)
+        needed = {name: value * larger for name, value in self.tolerance.numbers().items() if value}
         if not needed or max(needed.values()) > SMALL:
             return None
         return ", ".join(f"{name} = {value:.2g}" for name, value in needed.items())

@@ -6,50 +6,38 @@ removes the token for another origin.
 """
 
 import asyncio
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any
 
 from ecp.errors import MOST_BYTES, Answer, Unreachable, moved, place, same_origin, too_long
 
 OWN = ("user-agent",)  # browsers drop it, reject it, or send a preflight request for it
 
 
-class Browser:
-    """The back end of a kernel in a web worker."""
-
-    def request(self, method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
-        """Return the answer. Raises Unreachable if there is none or the browser blocks it; the browser does
-        not say which.
-        """
-        sent = {name: value for name, value in headers.items() if name not in OWN}
-        send = _fetch if _can_wait() else _synchronous
-        try:
-            response = send(_Request(method, url, body, sent, timeout))
-        except (OSError, import_module("pyodide.ffi").JsException) as error:
-            raise _unreachable(error, url, timeout) from None
-        if response.at and not same_origin(response.at, url):
-            raise moved(response.answer.status, url, response.at)
-        if len(response.answer.body) > MOST_BYTES:
-            raise too_long(url)
-        return response.answer
-
-    def stream(self, url: str, headers: Mapping[str, str], silence: float) -> Iterator[bytes] | None:
-        """Return None: a synchronous request returns its answer only when it is complete."""
-        return None
+def request(method: str, url: str, body: bytes | None, headers: Mapping[str, str], timeout: float) -> Answer:
+    """Return the answer. Raises Unreachable if there is none or the browser blocks it; the browser does not say
+    which. Header names are lower case.
+    """
+    sent = {name: value for name, value in headers.items() if name not in OWN}
+    try:
+        if _can_wait():
+            fetching = asyncio.wait_for(_fetch(method, url, body, sent), timeout)
+            answer, final = import_module("pyodide.ffi").run_sync(fetching)
+        else:
+            answer, final = _synchronous(method, url, body, sent, timeout)
+    except (OSError, import_module("pyodide.ffi").JsException) as error:
+        raise _unreachable(error, url, timeout) from None
+    if final and not same_origin(final, url):
+        raise moved(answer.status, url, final)
+    if len(answer.body) > MOST_BYTES:
+        raise too_long(url)
+    return answer
 
 
-class _Request(NamedTuple):
-    method: str
-    url: str
-    body: bytes | None
-    headers: dict[str, str]
-    timeout: float
-
-
-class _Response(NamedTuple):
-    answer: Answer
-    at: str  # the address after redirects
+def stream(url: str, headers: Mapping[str, str], silence: float) -> Iterable[bytes]:
+    """Return nothing: a synchronous request returns its answer only when it is complete."""
+    return ()
 
 
 def _can_wait() -> bool:
@@ -59,37 +47,29 @@ def _can_wait() -> bool:
         return False
 
 
-def _fetch(request: _Request) -> _Response:
-    got: _Response = import_module("pyodide.ffi").run_sync(asyncio.wait_for(_fetch_async(request), request.timeout))
-    return got
-
-
-async def _fetch_async(request: _Request) -> _Response:
-    options: dict[str, Any] = {"method": request.method, "headers": request.headers, "cache": "no-store"}
-    if request.body is not None:
-        options["body"] = request.body
-    response = await import_module("pyodide.http").pyfetch(request.url, **options)
+async def _fetch(method: str, url: str, body: bytes | None, sent: dict[str, str]) -> tuple[Answer, str]:
+    """Return the answer and its address after redirects."""
+    options: dict[str, Any] = {"method": method, "headers": sent, "cache": "no-store"} | ({} if body is None else {"body": body})
+    response = await import_module("pyodide.http").pyfetch(url, **options)
     headers = {name.lower(): value for name, value in dict(response.headers).items()}
-    body = await response.js_response.arrayBuffer()  # response.bytes() of Pyodide 314 fails by itself if this is cut off
-    return _Response(Answer(response.status, headers, body.to_bytes()), response.url)
+    whole = await response.js_response.arrayBuffer()  # response.bytes() of Pyodide 314 fails by itself if this is cut off
+    return Answer(response.status, headers, whole.to_bytes()), response.url
 
 
-def _synchronous(request: _Request) -> _Response:
+def _synchronous(method: str, url: str, body: bytes | None, sent: dict[str, str], timeout: float) -> tuple[Answer, str]:
+    """Return the answer and its address after redirects."""
     xhr = import_module("js").XMLHttpRequest.new()
-    xhr.open(request.method, request.url, False)
+    xhr.open(method, url, False)
     xhr.responseType = "arraybuffer"
-    xhr.timeout = int(1000 * request.timeout)
-    for name, value in request.headers.items():
+    xhr.timeout = int(1000 * timeout)
+    for name, value in sent.items():
         xhr.setRequestHeader(name, value)
-    if request.body is None:
-        xhr.send()
-    else:
-        xhr.send(import_module("pyodide.ffi").to_js(request.body))
+    xhr.send(*([] if body is None else [import_module("pyodide.ffi").to_js(body)]))
     if xhr.status == 0:
         raise ConnectionError
     lines = (line.partition(":") for line in xhr.getAllResponseHeaders().splitlines())
     headers = {name.strip().lower(): value.strip() for name, _, value in lines}
-    return _Response(Answer(xhr.status, headers, xhr.response.to_bytes()), xhr.responseURL)
+    return Answer(xhr.status, headers, xhr.response.to_bytes()), xhr.responseURL
 
 
 def _unreachable(error: Exception, url: str, timeout: float) -> Unreachable:

@@ -1,15 +1,16 @@
-"""A report as HTML in a notebook: causes, lines, figures and the graded source. Colours follow JupyterLab's
-and VS Code's themes.
+"""A report as HTML: causes and lines, which the web page shows too, and for a notebook figures and the graded source.
+Colours there follow JupyterLab's and VS Code's themes.
 """
 
 import base64
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 
 from ecp import grouped
 from ecp.grouped import Cause
-from ecp.outcome import ExerciseReport, Outcome, Picture
+from ecp.judge import Verdict
+from ecp.outcome import Diagnosis, ExerciseReport, Outcome, Picture
 from ecp.report import OWN_CHECKS, Report
 
 # Light by default; dark if the front end says so, or if it says nothing and the system is dark.
@@ -24,10 +25,12 @@ ol{padding:0 0 0 1.6em;margin:.2em 0}
 li{margin:0 0 .15em}
 h4{margin:.6em 0 .2em;font-size:1em;font-weight:600}
 code{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace);white-space:pre-wrap;background:none;padding:0;color:inherit}
-li>code{display:block;padding-left:3ch;text-indent:-3ch}
-.pass>code{color:var(--p)}
-.fail>code{color:var(--f)}
-.unmeasured>code,small,figcaption{color:var(--q)}
+.line{display:block;padding-left:3ch;text-indent:-3ch;white-space:pre-wrap}
+.line{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace)}
+.pass>.line{color:var(--p)}
+.fail>.line{color:var(--f)}
+.unmeasured>.line,.quiet,.badge,small,figcaption{color:var(--q)}
+.badge{margin-left:2em;font-size:.85em}
 p{margin:0 0 0 2em}
 figure{margin:.6em 0}
 img{max-width:100%;background:#fff}
@@ -44,17 +47,20 @@ td,th{text-align:left;vertical-align:top}}
 def html(report: Report) -> str:
     """Return the report as one self-contained HTML fragment."""
     causes = report.causes()
-    parts = [_causes(causes)] if causes else []
+    parts = []
+    if causes:
+        head = grouped.header(causes)
+        parts.append(f"{f'<h4>{escape(head)}</h4>' if head else ''}{cause_list(causes)}")
     parts += [_exercise(report, e, grouped.numbers(causes)) for e in report.exercises if e.outcomes]
     if report.notebook_checks:
-        lines = [f'<li class="{c.verdict.value}"><code>{escape(c.line)}</code></li>' for c in report.notebook_checks]
+        lines = [item(check.verdict, check.line, [check.cell]) for check in report.notebook_checks]
         parts.append(f"<h4>{escape(OWN_CHECKS)}</h4><ul>{''.join(lines)}</ul>")
     parts += [
         f"<details open><summary>{escape(e.scene)}: {escape(e.sentence)}</summary><pre>{escape(e.traceback)}</pre></details>"
         for e in report.scene_ends
         if e.traceback
     ]
-    parts.append(f"<small>{escape(report.summary())}. {escape(report.remark)}{_link(report)}</small>")
+    parts.append(f"<small>{escape(report.summary())}. {escape(report.remark)}{_page(report)}</small>")
     if report.sent is not None:
         parts.append(_sent(report))
     return fragment("".join(parts))
@@ -65,34 +71,59 @@ def fragment(inner: str) -> str:
     return f'<div class="polhode"><style>{_STYLE}</style>{inner}</div>'
 
 
-def _causes(causes: list[Cause]) -> str:
-    items = [
-        f"<li>{cause.likely}<b>{escape(cause.diagnosis.code)}</b>: {escape(cause.diagnosis.sentence)}"
-        f"{''.join(f'<p><small>{escape(where)}</small></p>' for where in cause.where())}</li>"
-        for cause in causes
-    ]
-    head = grouped.header(causes)
-    return f"{f'<h4>{escape(head)}</h4>' if head else ''}<ol>{''.join(items)}</ol>"
+def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
+    """Return the causes as a list. With ``links`` each is an anchor, and its checks are links to theirs."""
+    items = []
+    for cause in causes:
+        below = ""
+        for number, outcomes in cause.explains.items():
+            labels = [_link(f"#check-{o.id}", o.label, links) for o in outcomes]
+            below += f'<p class="quiet">exercise {escape(number)}: {"; ".join(labels)}</p>'
+        anchor = f' id="cause-{cause.number}"' if links else ""
+        items.append(f"<li{anchor}>{cause.likely}{_diagnosis(cause.diagnosis)}{below}</li>")
+    return f"<ol>{''.join(items)}</ol>"
+
+
+def outcome_item(outcome: Outcome, numbers: Mapping[str, int], *, links: bool = False, staff: str = "") -> str:
+    """Return the outcome as a list item: line, badges, notes, likely causes and hints.
+
+    ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for them. With
+    ``links`` it is an anchor and has links to those causes. ``staff`` is a remark for the staff, who also see whether
+    the check is hidden.
+    """
+    badges = [f"{outcome.earned} of {outcome.points} points"] if outcome.counted and outcome.points > 1 else []
+    badges += ["hidden"] if staff and outcome.hidden else []
+    badges += ["self-reported, no points"] if outcome.self_reported else [] if outcome.counted else ["not counted"]
+    below = [escape(note) for note in outcome.notes()]
+    for d in outcome.causes():
+        number = numbers.get(d.sentence)
+        above = _link(f"#cause-{number}", f"cause {number}", links)
+        below.append(f"likely {_diagnosis(d)}" if number is None else f"{above}: <b>{escape(d.code)}</b>")
+    below += [f"hint: {escape(hint)}" for hint in outcome.hints]
+    text = "".join(f"<p>{one}</p>" for one in below) + (f'<p class="tolerance">{escape(staff)}</p>' if staff else "")
+    return item(outcome.verdict, outcome.line, badges, text, f"check-{outcome.id}" if links else "")
+
+
+def item(verdict: Verdict, line: str, badges: Iterable[str], below: str = "", anchor: str = "") -> str:
+    """Return a ✓/✗ line as a list item with its badges, and HTML ``below`` it."""
+    id = f' id="{escape(anchor)}"' if anchor else ""
+    shown = "".join(f' <span class="badge">{escape(badge)}</span>' for badge in badges)
+    return f'<li class="{verdict.value}"{id}><span class="line">{escape(line)}</span>{shown}{below}</li>'
+
+
+def _diagnosis(diagnosis: Diagnosis) -> str:
+    return f"<b>{escape(diagnosis.code)}</b>: {escape(diagnosis.sentence)}"
+
+
+def _link(address: str, text: str, links: bool) -> str:
+    return f'<a href="{escape(address)}">{escape(text)}</a>' if links else escape(text)
 
 
 def _exercise(report: Report, exercise: ExerciseReport, numbers: Mapping[str, int]) -> str:
-    items = [_outcome(outcome, numbers) for outcome in exercise.outcomes]
+    items = [outcome_item(outcome, numbers) for outcome in exercise.outcomes]
     pictures = [p for p in [*report.animations, *report.figures] if p.exercise == exercise.number]
     shown = "".join(_picture(report, picture) for picture in pictures)
     return f"<h4>Exercise {escape(exercise.number)}. {escape(exercise.title)}</h4><ul>{''.join(items)}</ul>{shown}"
-
-
-def _outcome(outcome: Outcome, numbers: Mapping[str, int]) -> str:
-    notes = outcome.notes() + [f"hint: {hint}" for hint in outcome.hints]
-    below = [f"<p>{escape(note)}</p>" for note in notes]
-    below += [
-        f"<p>cause {numbers[d.sentence]}: <b>{escape(d.code)}</b></p>"
-        if d.sentence in numbers
-        else f"<p>likely <b>{escape(d.code)}</b>: {escape(d.sentence)}</p>"
-        for d in outcome.causes()
-    ]
-    worth = f"<small>{outcome.earned} of {outcome.points} points</small>" if outcome.points > 1 else ""
-    return f'<li class="{outcome.verdict.value}"><code>{escape(outcome.line)}</code>{worth}{"".join(below)}</li>'
 
 
 def _picture(report: Report, picture: Picture) -> str:
@@ -105,7 +136,7 @@ def _picture(report: Report, picture: Picture) -> str:
     return f'<figure><img src="{data}" alt="{escape(picture.alt, quote=True)}"><figcaption>{caption}</figcaption></figure>'
 
 
-def _link(report: Report) -> str:
+def _page(report: Report) -> str:
     if report.address is None:
         return ""
     return f' <a href="{escape(report.address, quote=True)}" target="_blank" rel="noopener">View on the server</a>'

@@ -1,7 +1,7 @@
 """Server-sent events, parsed from the bytes of a stream."""
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from typing import Any, NamedTuple
 
 LONGEST_LINE = 2**20
@@ -15,7 +15,7 @@ class Event(NamedTuple):
     data: dict[str, Any]
 
 
-def parse_events(chunks: Iterable[bytes]) -> Iterator[Event]:
+def parse_events(chunks: Iterable[bytes]) -> Generator[Event, None, None]:
     """Yield the events whose data is a JSON object.
 
     An event that is cut off is dropped. A line longer than LONGEST_LINE bytes ends the stream.

@@ -7,11 +7,11 @@ import types
 import warnings
 from typing import Any
 
+from ecp.notebook.cells import DEFINITION, without_magics
+
 MARK = re.compile(r"^# %%", re.MULTILINE)
 MOST_PIECES = 500
-DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)
-# A cell magic that only measures or captures leaves Python below it; any other means the cell is not Python.
-TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
+DEFINITIONS = (*DEFINITION, ast.Import, ast.ImportFrom)
 
 
 def runnable(source: str, name: str) -> types.CodeType:
@@ -31,10 +31,10 @@ def _compiled(source: str, name: str, flags: int) -> Any:
     try:
         return compile(source, name, "exec", flags)
     except SyntaxError:
-        cleaned = _without_magics(source)
-        if cleaned == source:
+        python = without_magics(source, answer="None")
+        if python == source:
             raise
-        return compile(cleaned, name, "exec", flags)
+        return compile("\n" * (source.count("\n") - python.count("\n")) + python, name, "exec", flags)
 
 
 def pieces(source: str) -> list[str]:
@@ -62,16 +62,3 @@ def _is_python(source: str) -> bool:
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         return False
     return True
-
-
-def _without_magics(source: str) -> str:
-    first, _, rest = source.lstrip().partition("\n")
-    if first.startswith("%%"):
-        return "\n" + _without_magics(rest) if first.split()[0] in TRANSPARENT else ""
-    return "\n".join(_blank(line) for line in source.split("\n"))
-
-
-def _blank(line: str) -> str:
-    """Replace a line magic or shell command by ``pass``, which keeps line numbers and indentation."""
-    bare = line.lstrip()
-    return line[: len(line) - len(bare)] + "pass" if bare.startswith(("%", "!")) else line

@@ -3,24 +3,25 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import Row, insert
-from sqlalchemy.ext.asyncio import AsyncConnection
+from psycopg.types.json import Jsonb
+from sqlalchemy import Row
 
-from service.store.database import Database
-from service.store.tables import audit as audit_table
+from service.store.database import Connection, Database
 
 MOST = 200
 
 
-async def record(connection: AsyncConnection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
+async def record(connection: Connection, actor: str, action: str, subject: str, detail: Mapping[str, Any]) -> None:
     """Add an entry to the audit log: ``actor`` did ``action`` to ``subject``."""
-    await connection.execute(insert(audit_table).values(actor=actor, action=action, subject=subject, detail=dict(detail)))
+    await connection.execute(_RECORD, {"actor": actor, "action": action, "subject": subject, "detail": Jsonb(detail)})
 
 
 async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:
     """Return the latest MOST entries, newest first, of all or one subject, with ids below ``before``."""
     return await database.rows(_ENTRIES, {"subject": subject, "before": before})
 
+
+_RECORD = "INSERT INTO audit (actor, action, subject, detail) VALUES (:actor, :action, :subject, :detail)"
 
 _ENTRIES = f"""
 SELECT id, at, actor, action, subject, detail FROM audit

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, text
-from sqlalchemy.ext.asyncio import AsyncConnection
+from sqlalchemy import Row
 
 from service.store.course import audit, people, tokens
-from service.store.database import Database
+from service.store.database import Connection, Database
 
 
 class NameTaken(Exception):
@@ -17,34 +16,33 @@ class NameTaken(Exception):
 
 async def about(database: Database, name: str) -> Row[Any] | None:
     """Return profile, ``has_password`` and ``issuer`` of the linked account as a row, or None."""
-    rows = await database.rows(_ABOUT, {"name": name})
-    return rows[0] if rows else None
+    return await database.first(_ABOUT, {"name": name})
 
 
 async def password(database: Database, name: str) -> str | None:
     """Return the hash of the person's password; None without a password or for an unknown person."""
-    rows = await database.rows("SELECT password FROM person WHERE name = :name", {"name": name})
-    return rows[0].password if rows else None
+    row = await database.first("SELECT password FROM person WHERE name = :name", {"name": name})
+    return None if row is None else row.password
 
 
-async def set_password(connection: AsyncConnection, name: str, new_hash: str, *, by: str, but: UUID | None = None) -> bool:
+async def set_password(connection: Connection, name: str, new_hash: str, *, by: str, but: UUID | None = None) -> bool:
     """Set the password's hash and end the person's sessions except ``but``.
 
     ``by`` is the actor in the audit log. Return False for an unknown person.
     """
-    if not (await connection.execute(_SET, {"name": name, "hash": new_hash})).all():
+    if not await connection.rows(_SET, {"name": name, "hash": new_hash}):
         return False
     await tokens.end_sessions(connection, name, but=but)
     await audit.record(connection, by, "set password", name, {})
     return True
 
 
-async def renew_hash(connection: AsyncConnection, name: str, before: str, new_hash: str) -> None:
+async def renew_hash(connection: Connection, name: str, before: str, new_hash: str) -> None:
     """Replace the hash ``before`` by another one of the same password, unless it has changed."""
     await connection.execute(_RENEW, {"name": name, "before": before, "hash": new_hash})
 
 
-async def signed_in(connection: AsyncConnection, account: tuple[str, str], name: str, present: str | None) -> str:
+async def signed_in(connection: Connection, account: tuple[str, str], name: str, present: str | None) -> str:
     """Return the name of the person linked to an account (issuer, subject).
 
     On the first sign-in, link the account to the person ``name``, who is added if unknown. Raises NameTaken
@@ -52,12 +50,12 @@ async def signed_in(connection: AsyncConnection, account: tuple[str, str], name:
     user.
     """
     issuer, subject = account
-    row = (await connection.execute(_OF_SUBJECT, {"issuer": issuer, "subject": subject})).first()
+    row = await connection.first(_OF_SUBJECT, {"issuer": issuer, "subject": subject})
     if row is not None:
         return str(row.name)
     person = await people.add_person(connection, name)
     has_password = (await connection.execute(_LOCK, {"person": person})).scalar_one()
-    others: Sequence[Row[Any]] = (await connection.execute(_OF_PERSON, {"person": person})).all()
+    others: Sequence[Row[Any]] = await connection.rows(_OF_PERSON, {"person": person})
     if [tuple(other) for other in others] == [(issuer, subject)]:  # a concurrent first sign-in has linked it
         return name
     if others:
@@ -69,9 +67,9 @@ async def signed_in(connection: AsyncConnection, account: tuple[str, str], name:
     return name
 
 
-async def unlink(connection: AsyncConnection, name: str, *, by: str) -> bool:
+async def unlink(connection: Connection, name: str, *, by: str) -> bool:
     """Unlink the person's OpenID account and end their sessions. Return False if no account was linked."""
-    if not (await connection.execute(_UNLINK, {"name": name})).all():
+    if not await connection.rows(_UNLINK, {"name": name}):
         return False
     await tokens.end_sessions(connection, name)
     await audit.record(connection, by, "disconnect sign-in", name, {})
@@ -82,12 +80,12 @@ _ABOUT = """
 SELECT p.full_name, p.email, p.student_id, p.password IS NOT NULL AS has_password, s.issuer
 FROM person p LEFT JOIN oidc_account s ON s.person_id = p.id WHERE p.name = :name
 """
-_SET = text("UPDATE person SET password = :hash WHERE name = :name RETURNING id")
-_RENEW = text("UPDATE person SET password = :hash WHERE name = :name AND password = :before")
-_OF_SUBJECT = text("""
+_SET = "UPDATE person SET password = :hash WHERE name = :name RETURNING id"
+_RENEW = "UPDATE person SET password = :hash WHERE name = :name AND password = :before"
+_OF_SUBJECT = """
 SELECT p.name FROM oidc_account s JOIN person p ON p.id = s.person_id WHERE s.issuer = :issuer AND s.subject = :subject
-""")
-_LOCK = text("SELECT password IS NOT NULL FROM person WHERE id = :person FOR UPDATE")
-_OF_PERSON = text("SELECT issuer, subject FROM oidc_account WHERE person_id = :person")
-_LINK = text("INSERT INTO oidc_account (issuer, subject, person_id) VALUES (:issuer, :subject, :person)")
-_UNLINK = text("DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING s.subject")
+"""
+_LOCK = "SELECT password IS NOT NULL FROM person WHERE id = :person FOR UPDATE"
+_OF_PERSON = "SELECT issuer, subject FROM oidc_account WHERE person_id = :person"
+_LINK = "INSERT INTO oidc_account (issuer, subject, person_id) VALUES (:issuer, :subject, :person)"
+_UNLINK = "DELETE FROM oidc_account s USING person p WHERE p.id = s.person_id AND p.name = :name RETURNING s.subject"

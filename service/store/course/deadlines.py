@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Row, text
+from sqlalchemy import Row
 
 from service.store.course import audit
 from service.store.course.people import COURSE
@@ -15,7 +15,7 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
     """Set or replace a person's extension of an assignment. Return False if the person is not in the course."""
     values = {"slug": slug, "name": name, "course": COURSE, "due": due_at, "reason": reason, "by": by}
     async with database.begin() as connection:
-        if (await connection.execute(_EXTEND, values)).first() is None:
+        if await connection.first(_EXTEND, values) is None:
             return False
         detail = {"assignment": slug, "due": due_at.isoformat(), "reason": reason}
         await audit.record(connection, by, "extension", name, detail)
@@ -25,7 +25,7 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
 async def remove_extension(database: Database, slug: str, name: str, by: str) -> bool:
     """Remove a person's extension. Return False if there is none."""
     async with database.begin() as connection:
-        removed = (await connection.execute(_REMOVE, {"slug": slug, "name": name, "course": COURSE})).first() is not None
+        removed = await connection.first(_REMOVE, {"slug": slug, "name": name, "course": COURSE}) is not None
         if removed:
             await audit.record(connection, by, "extension taken back", name, {"assignment": slug})
     return removed
@@ -40,16 +40,16 @@ _OF = """
 FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id
 WHERE x.slug = :slug AND c.slug = :course"""
 
-_EXTEND = text(f"""
+_EXTEND = f"""
 INSERT INTO extension (assignment_id, person_id, due_at, reason, given_by)
 SELECT x.id, p.id, :due, :reason, :by {_OF} AND p.name = :name
 ON CONFLICT (assignment_id, person_id) DO UPDATE SET due_at = :due, reason = :reason, given_by = :by, given_at = now()
 RETURNING person_id
-""")
+"""
 
-_REMOVE = text(f"""
+_REMOVE = f"""
 DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name) RETURNING person_id
-""")
+"""
 
 _LIST = f"""
 SELECT p.name, p.full_name, e.due_at, e.reason, e.given_by, e.given_at

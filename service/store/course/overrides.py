@@ -9,15 +9,12 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, text
-from sqlalchemy.dialects.postgresql import insert
-from sqlalchemy.ext.asyncio import AsyncConnection
+from sqlalchemy import Row
 
 from service.store import runs
 from service.store.course import audit
-from service.store.database import Database
+from service.store.database import Connection, Database, Queries
 from service.store.records import SHOWN
-from service.store.tables import override
 
 LONGEST_REASON = 1000
 
@@ -49,7 +46,7 @@ class OverrideRejected(Exception):
         self.kind = kind
 
 
-async def of_submission(database: Database, submission: UUID) -> Sequence[Override]:
+async def of_submission(database: Queries, submission: UUID) -> Sequence[Override]:
     """Return all overrides of a submission, oldest first, including withdrawn ones."""
     return [Override(**row._mapping) for row in await database.rows(_ALL, {"id": submission})]
 
@@ -69,16 +66,16 @@ async def give(
     """
     async with database.begin() as connection:
         before = await _locked(connection, submission)
-        stored = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
+        stored = await of_submission(connection, submission)
         if seen is not None and seen != revision(stored):
             raise OverrideRejected("changed-meanwhile", "someone else changed these points: reload the page and check them")
-        outcome = (await connection.execute(_OUTCOME, {"grading": before.grading, "check": check})).first()
+        outcome = await connection.first(_OUTCOME, {"grading": before.grading, "check": check})
         _validate(before, outcome, check, points, reason)
         old = next((one for one in stored if one.in_force and one.check == check), None)
         if old is not None:
             await connection.execute(_WITHDRAW, {"submission": submission, "id": old.id, "actor": actor})
-        values = {"submission_id": submission, "check_id": check, "points": points, "reason": reason, "given_by": actor}
-        await connection.execute(insert(override).values(values | {"given_at": text("clock_timestamp()")}))
+        values = {"submission": submission, "check": check, "points": points, "reason": reason, "actor": actor}
+        await connection.execute(_GIVE, values)
         measured = before.score if outcome is None else outcome.earned
         detail = {
             "action": "override",
@@ -99,7 +96,7 @@ async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -
     """
     async with database.begin() as connection:
         before = await _locked(connection, submission)
-        stored = [Override(**row._mapping) for row in (await connection.execute(text(_ALL), {"id": submission})).all()]
+        stored = await of_submission(connection, submission)
         one = next((one for one in stored if one.id == id), None)
         if one is None:
             return False
@@ -124,15 +121,13 @@ def _validate(before: Row[Any], outcome: Row[Any] | None, check: str | None, poi
         raise OverrideRejected("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
 
 
-async def _locked(connection: AsyncConnection, submission: UUID) -> Row[Any]:
+async def _locked(connection: Connection, submission: UUID) -> Row[Any]:
     """Lock the submission's points until the end of the transaction, and return what is shown for it."""
     await connection.execute(_LOCK, {"id": submission})
     return (await connection.execute(_SHOWN, {"id": submission})).one()
 
 
-async def _record_change(
-    connection: AsyncConnection, submission: UUID, before: Row[Any], actor: str, change: dict[str, Any]
-) -> None:
+async def _record_change(connection: Connection, submission: UUID, before: Row[Any], actor: str, change: dict[str, Any]) -> None:
     after = (await connection.execute(_SHOWN, {"id": submission})).one()
     action = change.pop("action")
     detail = {"person": before.person, **change, "points": [before.points, after.points]}
@@ -145,18 +140,23 @@ SELECT id, check_id AS check, points, reason, given_by AS by, given_at AS at, wi
 FROM override WHERE submission_id = :id ORDER BY given_at, id
 """
 
-_LOCK = text("SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE")
+_LOCK = "SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE"
 
-_SHOWN = text(f"""
+_SHOWN = f"""
 SELECT p.name AS person, shown.grading, shown.score, shown.max_score, given.points
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = :id
-""")
+"""
 
-_OUTCOME = text("""
+_OUTCOME = """
 SELECT points, earned FROM outcome WHERE grading_id = :grading AND check_id = CAST(:check AS text) AND counted
-""")
+"""
 
-_WITHDRAW = text("""
+_GIVE = """
+INSERT INTO override (submission_id, check_id, points, reason, given_by, given_at)
+VALUES (:submission, :check, :points, :reason, :actor, clock_timestamp())
+"""
+
+_WITHDRAW = """
 UPDATE override SET withdrawn_by = :actor, withdrawn_at = clock_timestamp()
 WHERE id = :id AND submission_id = :submission AND withdrawn_at IS NULL
-""")
+"""

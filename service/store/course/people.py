@@ -7,12 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 from uuid import UUID
 
-from sqlalchemy import Row, select, text
-from sqlalchemy.dialects.postgresql import insert
-from sqlalchemy.ext.asyncio import AsyncConnection
+from sqlalchemy import Row
 
-from service.store.database import Database
-from service.store.tables import course, member, person
+from service.store.database import Connection, Database
 
 COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
@@ -35,21 +32,20 @@ def normalize_name(name: str) -> str:
     return name
 
 
-async def add_person(connection: AsyncConnection, name: str) -> UUID:
+async def add_person(connection: Connection, name: str) -> UUID:
     """Return the id of the person of that name; an unknown person is added as a student."""
-    await connection.execute(insert(person).values(name=name).on_conflict_do_nothing())
-    id: UUID = (await connection.execute(select(person.c.id).where(person.c.name == name))).scalar_one()
-    home = (await connection.execute(select(course.c.id).where(course.c.slug == COURSE))).scalar_one()
-    await connection.execute(insert(member).values(course_id=home, person_id=id, role="student").on_conflict_do_nothing())
+    for statement in _ENTER_ALL, _MEMBERS:
+        await connection.execute(statement, {"name": [name], "course": COURSE})
+    id: UUID = (await connection.execute("SELECT id FROM person WHERE name = :name", {"name": name})).scalar_one()
     return id
 
 
-async def is_member(connection: AsyncConnection, name: str) -> bool:
+async def is_member(connection: Connection, name: str) -> bool:
     """Return whether a person of that name is in the course."""
-    return (await connection.execute(_ROLE_OF, {"name": name, "course": COURSE})).first() is not None
+    return await connection.first(_ROLE_OF, {"name": name, "course": COURSE}) is not None
 
 
-async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | None]]) -> None:
+async def enroll(connection: Connection, roster: Iterable[Sequence[str | None]]) -> None:
     """Add or update people, each given as (name, role, full name, email, student id).
 
     All but the name may be missing or None: known people keep these fields, and new people become students.
@@ -63,8 +59,8 @@ async def enroll(connection: AsyncConnection, roster: Iterable[Sequence[str | No
 
 async def role(database: Database, name: str) -> str:
     """Return the person's role, which is "student" for an unknown person."""
-    rows = await database.rows(_ROLE_OF, {"name": name, "course": COURSE})
-    return str(rows[0].role) if rows else "student"
+    row = await database.first(_ROLE_OF, {"name": name, "course": COURSE})
+    return "student" if row is None else str(row.role)
 
 
 async def everybody(database: Database) -> Sequence[Row[Any]]:
@@ -77,27 +73,27 @@ async def secret(database: Database, name: str) -> bytes:
     return str((await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value).encode()
 
 
-_ENTER_ALL = text("INSERT INTO person (name) SELECT unnest(CAST(:name AS text[])) ON CONFLICT DO NOTHING")
-_MEMBERS = text("""
+_ENTER_ALL = "INSERT INTO person (name) SELECT unnest(CAST(:name AS text[])) ON CONFLICT DO NOTHING"
+_MEMBERS = """
 INSERT INTO member (course_id, person_id, role) SELECT c.id, p.id, 'student' FROM course c, person p
 WHERE c.slug = :course AND p.name = ANY(CAST(:name AS text[])) ON CONFLICT DO NOTHING
-""")
-_ROLES = text("""
+"""
+_ROLES = """
 UPDATE member m SET role = entry.role
 FROM unnest(CAST(:name AS text[]), CAST(:role AS text[])) AS entry (name, role) JOIN person p USING (name), course c
 WHERE m.person_id = p.id AND m.course_id = c.id AND c.slug = :course AND entry.role IS NOT NULL
-""")
-_ABOUT = text("""
+"""
+_ABOUT = """
 UPDATE person p SET full_name = coalesce(entry.full_name, p.full_name), email = coalesce(entry.email, p.email),
     student_id = coalesce(entry.student_id, p.student_id)
 FROM unnest(CAST(:name AS text[]), CAST(:full_name AS text[]), CAST(:email AS text[]), CAST(:student_id AS text[]))
     AS entry (name, full_name, email, student_id)
 WHERE p.name = entry.name AND coalesce(entry.full_name, entry.email, entry.student_id) IS NOT NULL
-""")
-_ROLE_OF = text("""
+"""
+_ROLE_OF = """
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
 WHERE p.name = :name AND c.slug = :course
-""")
+"""
 _EVERYBODY = """
 SELECT p.name, p.full_name, p.email, p.student_id, m.role, coalesce(sent.n, 0) AS submissions, sent.last,
     p.password IS NOT NULL AS password, coalesce(given.n, 0) AS tokens

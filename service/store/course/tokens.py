@@ -1,17 +1,16 @@
 """Opaque tokens, stored as their SHA-256, and device logins (after RFC 8628)."""
 
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, text
-from sqlalchemy.ext.asyncio import AsyncConnection
+from sqlalchemy import Row
 
 from service.store.course.people import add_person
-from service.store.database import Database
+from service.store.database import Connection, Database
 
 PREFIX, SESSION = "polhode_", "session_"
 SCOPES = ("submit", "read", "login")
@@ -36,28 +35,32 @@ class LoginOver(Exception):
     """The login was refused, already collected or not confirmed in time."""
 
 
-async def create(connection: AsyncConnection, name: str, *, label: str, scopes: Sequence[str], seconds: float) -> str:
+async def create(
+    connection: Connection, name: str, *, label: str, scopes: Sequence[str], seconds: float, prefix: str = PREFIX
+) -> str:
     """Return a new token of the person, who is added if unknown. Only its digest is stored."""
-    return await _new(connection, name, PREFIX, {"label": label, "scopes": list(scopes), "seconds": seconds})
+    await add_person(connection, name)
+    ((_, token),) = await create_all(connection, [name], label=label, scopes=scopes, seconds=seconds, prefix=prefix)
+    return token
 
 
 async def create_all(
-    connection: AsyncConnection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float
+    connection: Connection, names: Sequence[str], *, label: str, scopes: Sequence[str], seconds: float, prefix: str = PREFIX
 ) -> list[tuple[str, str]]:
-    """Return (name, new token) for each of these people, who must exist."""
-    given = [(name, PREFIX + secrets.token_urlsafe(32)) for name in names]
+    """Return (name, new token) for each of these people, who must exist. Only the tokens' digests are stored."""
+    given = [(name, prefix + secrets.token_urlsafe(32)) for name in names]
     values = {
         "names": list(names),
         "digests": [_digest(token) for _, token in given],
         "prefixes": [t[:SHOWN_CHARACTERS] for _, t in given],
     }
-    await connection.execute(_INSERT_ALL, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
+    await connection.execute(_INSERT, values | {"label": label, "scopes": list(scopes), "seconds": seconds})
     return given
 
 
-async def create_session(connection: AsyncConnection, name: str, *, label: str, seconds: float) -> str:
+async def create_session(connection: Connection, name: str, *, label: str, seconds: float) -> str:
     """Return the secret of a new browser session of the person. The API does not accept it as a token."""
-    return await _new(connection, name, SESSION, {"label": label, "scopes": list(BROWSER), "seconds": seconds})
+    return await create(connection, name, label=label, scopes=BROWSER, seconds=seconds, prefix=SESSION)
 
 
 async def find(database: Database, token: str) -> TokenInfo | None:
@@ -65,33 +68,32 @@ async def find(database: Database, token: str) -> TokenInfo | None:
 
     Record its use, to the hour.
     """
-    rows = await database.rows(_FIND, {"digest": _digest(token)})
-    if not rows:
+    row = await database.first(_FIND, {"digest": _digest(token)})
+    if row is None:
         return None
-    row = rows[0]
     if row.stale:
         async with database.begin() as connection:
-            await connection.execute(text("UPDATE token SET used_at = now() WHERE id = :id"), {"id": row.id})
+            await connection.execute("UPDATE token SET used_at = now() WHERE id = :id", {"id": row.id})
     over = f"was revoked on {row.revoked_at:%Y-%m-%d}" if row.revoked_at else None
     over = over or (f"expired on {row.expires_at:%Y-%m-%d}" if row.expired else None)
     return TokenInfo(row.id, row.name, frozenset(row.scopes), over)
 
 
-async def revoke(connection: AsyncConnection, *, id: UUID | None = None, person: str | None = None) -> int:
+async def revoke(connection: Connection, *, id: UUID | None = None, person: str | None = None) -> int:
     """Revoke one token, or all tokens and pending logins of a person; return the number of tokens."""
     await connection.execute(_DROP_LOGINS, {"person": person})
-    return len((await connection.execute(_REVOKE, {"id": id, "person": person})).all())
+    return len(await connection.rows(_REVOKE, {"id": id, "person": person}))
 
 
-async def revoke_own(connection: AsyncConnection, name: str, id: UUID) -> bool:
+async def revoke_own(connection: Connection, name: str, id: UUID) -> bool:
     """Revoke one token or session of the person. Return False if it is another person's or no longer valid."""
-    return bool((await connection.execute(_REVOKE_OWN, {"id": id, "person": name})).all())
+    return bool(await connection.rows(_REVOKE_OWN, {"id": id, "person": name}))
 
 
-async def end_sessions(connection: AsyncConnection, name: str, *, but: UUID | None = None) -> int:
+async def end_sessions(connection: Connection, name: str, *, but: UUID | None = None) -> int:
     """End the person's sessions except ``but``, and pending logins; return the number of sessions."""
     await connection.execute(_DROP_LOGINS, {"person": name})
-    return len((await connection.execute(_END, {"person": name, "but": but})).all())
+    return len(await connection.rows(_END, {"person": name, "but": but}))
 
 
 async def all_of(database: Database, person: str | None = None) -> Sequence[Row[Any]]:
@@ -115,8 +117,8 @@ async def create_login(database: Database, label: str) -> tuple[str, str]:
 
 async def find_login(database: Database, code: str) -> str | None:
     """Return the label of the pending login with that code, or None."""
-    rows = await database.rows(_OPEN, {"code": _tidy(code)})
-    return str(rows[0].label) if rows else None
+    row = await database.first(_OPEN, {"code": _tidy(code)})
+    return None if row is None else str(row.label)
 
 
 async def confirm_login(database: Database, code: str, name: str | None) -> bool:
@@ -127,7 +129,7 @@ async def confirm_login(database: Database, code: str, name: str | None) -> bool
     async with database.begin() as connection:
         person = None if name is None else await add_person(connection, name)
         values = {"code": _tidy(code), "person": person, "refused": person is None}
-        return bool((await connection.execute(_CONFIRM, values)).all())
+        return bool(await connection.rows(_CONFIRM, values))
 
 
 async def collect_login(database: Database, device: str, days: float) -> tuple[str, str] | None:
@@ -136,19 +138,12 @@ async def collect_login(database: Database, device: str, days: float) -> tuple[s
     The token is valid for ``days`` days. Raises LoginOver if the login was refused, collected or has expired.
     """
     async with database.begin() as connection:
-        row = (await connection.execute(_COLLECT, {"digest": _digest(device)})).first()
+        row = await connection.first(_COLLECT, {"digest": _digest(device)})
         if row is not None:
             return await create(connection, row.name, label=row.label, scopes=NOTEBOOK, seconds=days * DAY_S), str(row.name)
     if not await database.rows(_PENDING, {"digest": _digest(device)}):
         raise LoginOver
     return None
-
-
-async def _new(connection: AsyncConnection, name: str, prefix: str, terms: Mapping[str, Any]) -> str:
-    token = prefix + secrets.token_urlsafe(32)
-    values = {"person": await add_person(connection, name), "digest": _digest(token), "prefix": token[:SHOWN_CHARACTERS]}
-    await connection.execute(_INSERT, {**terms, **values})
-    return token
 
 
 def _digest(token: str) -> str:
@@ -160,56 +155,52 @@ def _tidy(code: str) -> str:
     return "".join(letters[:4]) + "-" + "".join(letters[4:])
 
 
-_INSERT = text("""
-INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
-VALUES (:person, :digest, :prefix, :label, :scopes, now() + make_interval(secs => :seconds))
-""")
-_INSERT_ALL = text("""
+_INSERT = """
 INSERT INTO token (person_id, digest, prefix, label, scopes, expires_at)
 SELECT p.id, new.digest, new.prefix, :label, :scopes, now() + make_interval(secs => :seconds)
 FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS text[])) AS new (name, digest, prefix)
     JOIN person p USING (name)
-""")
-_FIND = text("""
+"""
+_FIND = """
 SELECT t.id, p.name, t.scopes, t.revoked_at, t.expires_at, t.expires_at < now() AS expired,
     coalesce(t.used_at < now() - interval '1 hour', true) AS stale
 FROM token t JOIN person p ON p.id = t.person_id WHERE t.digest = :digest
-""")
-_REVOKE = text("""
+"""
+_REVOKE = """
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND (t.id = CAST(:id AS uuid) OR p.name = CAST(:person AS text)) RETURNING t.id
-""")
-_REVOKE_OWN = text("""
+"""
+_REVOKE_OWN = """
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND t.id = :id AND p.name = :person RETURNING t.id
-""")
-_END = text(f"""
+"""
+_END = f"""
 UPDATE token t SET revoked_at = now() FROM person p
 WHERE p.id = t.person_id AND t.revoked_at IS NULL AND t.expires_at > now() AND p.name = :person
     AND starts_with(t.prefix, '{SESSION}') AND t.id IS DISTINCT FROM CAST(:but AS uuid) RETURNING t.id
-""")
-_DROP_LOGINS = text("DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)")
+"""
+_DROP_LOGINS = "DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND p.name = CAST(:person AS text)"
 _LIST = """
 SELECT t.id, p.name, t.prefix, t.label, t.scopes, t.created_at, t.expires_at, t.used_at, t.revoked_at,
     t.expires_at < now() AS expired
 FROM token t JOIN person p ON p.id = t.person_id WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY t.created_at DESC
 """
-_BEGIN = text("""
+_BEGIN = """
 INSERT INTO device_login (device_digest, user_code, label, expires_at)
 VALUES (:digest, :code, :label, now() + make_interval(secs => :seconds))
-""")
-_DROP_OLD = text("""
+"""
+_DROP_OLD = """
 DELETE FROM device_login WHERE expires_at < now() OR device_digest IN (
     SELECT device_digest FROM device_login WHERE person_id IS NULL ORDER BY created_at DESC OFFSET :most
 )
-""")
+"""
 _OPEN = "SELECT label FROM device_login WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused"
-_CONFIRM = text("""
+_CONFIRM = """
 UPDATE device_login SET person_id = :person, refused = :refused
 WHERE user_code = :code AND expires_at > now() AND person_id IS NULL AND NOT refused RETURNING user_code
-""")
-_COLLECT = text("""
+"""
+_COLLECT = """
 DELETE FROM device_login l USING person p WHERE p.id = l.person_id AND l.device_digest = :digest AND l.expires_at > now()
 RETURNING p.name, l.label
-""")
+"""
 _PENDING = "SELECT 1 FROM device_login WHERE device_digest = :digest AND expires_at > now() AND NOT refused"

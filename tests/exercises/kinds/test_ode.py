@@ -9,7 +9,7 @@ from exercises.kinds.ode import ode
 from exercises.question_errors import question_errors
 from service.grading import charts
 from service.grading.grade import grade
-from service.grading.grader import sweep
+from service.grading.grader import Grader
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged, mistaken, question_of, right
 
@@ -108,7 +108,7 @@ def test_a_wrong_answer_has_its_reason(toolbox, sandbox, source, sentence):
 
 
 def test_speed_against_accuracy_follows_from_a_closed_form(toolbox, sandbox):
-    swept = sweep(Submission(right(toolbox)), toolbox.assignment, sandbox)
+    swept = Grader(sandbox).sweep(Submission(right(toolbox)), toolbox.assignment)
     errors = {(p.method, p.rtol): p.error for p in swept.points}
     assert errors["DOP853", 1e-11] < 1e-9 < errors["DOP853", 1e-3] and "fewest calls" in swept.line
     chart = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()

@@ -6,16 +6,15 @@ import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
 
-from service.grading import grader
 from service.settings import Settings
 from service.workers.worker import Worker
 from tests.support.app import App
 from tests.support.database import run, sql
+from tests.support.grader import WHY, NoSandbox
 from tests.support.submissions import graded
 
 
-def test_a_sweep_that_fails_runs_once_for_many_requests(database_url, monkeypatch):
-    monkeypatch.setattr(grader, "_sandbox", None)
+def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
     id = graded(database_url, "local", "+")
     app = App(database_url=database_url, identity="local")
 
@@ -28,6 +27,7 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url, monkeypatc
     async def work(database):
         """Run the sweeps that are queued, as a worker does, until the requests are answered."""
         worker = Worker(Settings(database_url=database_url), "w1")
+        worker._grader = NoSandbox()
         while not all(request.done() for request in requests):
             for row in await database.rows("SELECT args->>'attempt' AS grading FROM procrastinate_jobs WHERE task_name = 'sweep'"):
                 await worker._sweep(row.grading)
@@ -41,7 +41,7 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url, monkeypatc
         run(database_url, work)
     answers = [request.result() for request in requests] + [get("svg")]
     app.stop()
-    sentence = "polhode failed to measure speed vs accuracy: the sandbox of this process was not started; ask the course staff"
+    sentence = f"polhode failed to measure speed vs accuracy: {WHY}; ask the course staff"
     assert answers == [(409, sentence)] * 3
     assert sql(database_url, "SELECT count(*) FROM grading_artefact WHERE name LIKE 'sweep.run._'") == [(1,)]
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from ecp.document import document
-from service.grading import grader
+from service.grading import rendering
 from service.grading.charts import draw_work_precision, load_work_precision
-from service.grading.grader import SweepFailed, sweep
+from service.grading.grader import Grader, SweepFailed
 from service.grading.submission import Submission
 from service.sandbox.isolation import process_isolation
 from service.sandbox.result import SystemFault
@@ -18,7 +18,7 @@ RIGHT = "def euler_eqs(t, w, I):\n    return np.cross(I * w, w) / I\n"
 
 @pytest.fixture(scope="module")
 def swept(rigid_body, sandbox):
-    return sweep(Submission(RIGHT), rigid_body, sandbox)
+    return Grader(sandbox).sweep(Submission(RIGHT), rigid_body)
 
 
 @pytest.mark.slow
@@ -40,10 +40,8 @@ def test_the_chart_shows_yours_over_the_others(swept):
 
 @pytest.mark.slow  # test_routes.py sweeps a submission too
 def test_wrong_equations_reach_nothing(rigid_body, sandbox):
-    wrong = sweep(
-        Submission(RIGHT + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    return -right(t, w, I)\n"), rigid_body, sandbox
-    )
-    assert "no solver reaches an error of 1e-08" in wrong.line
+    wrong = Submission(RIGHT + "right = euler_eqs\ndef euler_eqs(t, w, I):\n    return -right(t, w, I)\n")
+    assert "no solver reaches an error of 1e-08" in Grader(sandbox).sweep(wrong, rigid_body).line
 
 
 @pytest.mark.parametrize(
@@ -51,7 +49,7 @@ def test_wrong_equations_reach_nothing(rigid_body, sandbox):
 )
 def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
     with pytest.raises(SweepFailed, match=why):
-        sweep(Submission(source), rigid_body, sandbox)
+        Grader(sandbox).sweep(Submission(source), rigid_body)
 
 
 COUNTED = """import sys
@@ -83,27 +81,20 @@ def euler_eqs(t, w, I):
 def test_impossible_calls_and_seconds_are_refused(source, number, rigid_body, sandbox):
     """Seconds are compared with the host's clock too: 18 runs of 2 s in less than that."""
     with pytest.raises(SweepFailed, match=r"number of calls is not|time is not between|impossible numbers of calls or seconds"):
-        sweep(Submission(source.replace("NUMBER", number)), rigid_body, sandbox)
+        Grader(sandbox).sweep(Submission(source.replace("NUMBER", number)), rigid_body)
 
 
 @pytest.mark.slow
 def test_a_class_is_drawn_without_the_sweeps_whose_numbers_cannot_be(swept):
     wild = replace(swept, points=[replace(point, calls=10**400, seconds=-1.0) for point in swept.points])
-    assert b"class, DOP853" in grader.draw_class([document(wild), document(swept)])
-    assert grader.draw_class([document(wild)]).startswith(b"<?xml")
+    assert b"class, DOP853" in rendering.draw_class([document(wild), document(swept)])
+    assert rendering.draw_class([document(wild)]).startswith(b"<?xml")
 
 
-def test_a_sandbox_with_a_hole_is_not_ready(monkeypatch):
+def test_a_sandbox_with_a_hole_is_not_ready():
     holed = Sandbox(process_isolation(["landlock", "limits"]))
-    monkeypatch.setattr(grader, "_sandbox", holed)
     try:
         with pytest.raises(SystemFault, match=r"a submission could .*open a socket"):
-            grader.ready()
+            Grader(holed).ready()
     finally:
         holed.close()
-
-
-def test_a_worker_that_was_not_started_has_none(monkeypatch):
-    monkeypatch.setattr(grader, "_sandbox", None)
-    with pytest.raises(SystemFault, match="not started"):
-        grader.ready()

@@ -6,7 +6,6 @@ import uuid
 
 import psycopg
 import pytest
-from sqlalchemy import text
 
 from ecp.report import Provenance, Report
 from service.store import records, runs, workers
@@ -219,7 +218,7 @@ def test_a_result_and_a_new_submission_of_the_same_person_take_turns(database_ur
 
     async def at_once(database):
         async with database.begin() as accepting:
-            await accepting.execute(text("SELECT pg_advisory_xact_lock(hashtextextended(person_id::text, 0)) FROM submission"))
+            await accepting.execute("SELECT pg_advisory_xact_lock(hashtextextended(person_id::text, 0)) FROM submission")
             writing = asyncio.create_task(runs.finish(database, claimed, report(), {}))
             await asyncio.sleep(0.3)
             assert not writing.done()

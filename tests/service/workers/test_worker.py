@@ -8,13 +8,14 @@ from dataclasses import replace
 
 import pytest
 
-from service.grading import grader
+from service.grading.grader import Grader
 from service.sandbox.select import IsolationUnavailable
 from service.settings import Settings
 from service.store import sweeps, workers
 from service.store.records import find_artefact
 from service.workers import worker
 from tests.support.database import jump, run, sql
+from tests.support.grader import WHY, NoSandbox
 from tests.support.submissions import submitted
 
 SLOW = "def euler_eqs(t, w, I):\n    while True: pass\n"  # its scene is stopped after 2 s
@@ -35,8 +36,9 @@ def waiting(database_url):
 
 
 @contextlib.asynccontextmanager
-async def worker_on(url, **settings):
+async def worker_on(url, grader=None, **settings):
     one = worker.Worker(Settings(database_url=url, **settings), "w1")
+    one._grader = grader
     try:
         yield one
     finally:
@@ -44,29 +46,27 @@ async def worker_on(url, **settings):
         await one._database.close()
 
 
-def grade(url, grading):
+def grade(url, grading, grader):
     """Run the job of the grading."""
 
     async def graded(database):
-        async with worker_on(url) as worker:
+        async with worker_on(url, grader) as worker:
             await worker._grade(str(grading))
 
     run(url, graded)
 
 
 @pytest.mark.slow
-def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_url, waiting, sandbox, monkeypatch):
-    monkeypatch.setattr(grader, "_sandbox", sandbox)
-    grade(database_url, waiting)
+def test_a_slow_submission_is_graded_while_its_run_tells_how_far_it_is(database_url, waiting, sandbox):
+    grade(database_url, waiting, Grader(sandbox))
     ((end_reason, phase, _),) = sql(database_url, RUNS, waiting)
     assert end_reason == "finished" and phase in ("playing", "judging"), "the run was begun as 'starting'"
     assert sql(database_url, "SELECT score FROM result WHERE grading_id = %s", waiting) == [(0,)]
 
 
-def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting, monkeypatch):
-    monkeypatch.setattr(grader, "_sandbox", None)
-    grade(database_url, waiting)
-    assert sql(database_url, RUNS, waiting) == [("failed", "starting", "the sandbox of this process was not started")]
+def test_a_grading_that_cannot_be_graded_is_given_back(database_url, waiting):
+    grade(database_url, waiting, NoSandbox())
+    assert sql(database_url, RUNS, waiting) == [("failed", "starting", WHY)]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
 
 
@@ -76,16 +76,15 @@ def test_a_worker_whose_grading_hangs_gives_it_back_and_ends(database_url, waiti
         raise Left
 
     async def hung(database):
-        async with worker_on(database_url) as one:
+        async with worker_on(database_url, Grader(sandbox)) as one:
             one._longest_s = 0.3
             with pytest.raises(Left):
                 await one._grade(str(waiting))
 
-    monkeypatch.setattr(grader, "_sandbox", sandbox)
     monkeypatch.setattr(os, "_exit", leave)
     run(database_url, hung)
     ((end_reason, _, note),) = sql(database_url, RUNS, waiting)
-    assert end_reason == "failed" and note == "grade_one did not return within 0.3 s: this worker stops"
+    assert end_reason == "failed" and note == "grade_and_pack did not return within 0.3 s: this worker stops"
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)]
 
 
@@ -105,7 +104,7 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
         raise Left
 
     async def stopped(database):
-        async with worker_on(database_url, drain=0) as worker:
+        async with worker_on(database_url, Grader(sandbox), drain=0) as worker:
             grading = asyncio.create_task(worker._grade(str(waiting)))
             taking = asyncio.create_task(_stubborn(grading))
             while not worker._claimed:
@@ -116,7 +115,6 @@ def test_a_stopped_worker_gives_back_what_it_has_in_hand_and_that_is_no_failure(
             await grading  # a process would have ended before
             return given_back
 
-    monkeypatch.setattr(grader, "_sandbox", sandbox)
     monkeypatch.setattr(os, "_exit", leave)
     assert [row.end_reason for row in run(database_url, stopped)] == ["released"]
     assert sql(database_url, JOBS, str(waiting)) == [("todo",)] and sql(database_url, "SELECT 1 FROM result") == []
@@ -138,26 +136,23 @@ def test_a_worker_without_a_sandbox_says_why_and_takes_nothing(database_url, mon
     assert run(database_url, started) == ((None, "isolation level namespaces is not available"), False)
 
 
-def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_url, waiting, monkeypatch):
-    monkeypatch.setattr(grader, "_sandbox", None)
-
+def test_a_sweep_that_fails_is_stored_and_not_queued_by_later_requests(database_url, waiting):
     async def swept(database):
-        async with worker_on(database_url) as worker:
+        async with worker_on(database_url, NoSandbox()) as worker:
             await worker._sweep(str(waiting))
         return [await sweeps.request(database, waiting) for _ in range(3)]
 
-    assert run(database_url, swept) == ["the sandbox of this process was not started"] * 3
+    assert run(database_url, swept) == [WHY] * 3
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
 
 
 @pytest.mark.slow
-def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(database_url, sandbox, monkeypatch):
+def test_a_sweep_of_a_submission_that_cannot_be_measured_is_refused_once(database_url, sandbox):
     _, grading = submitted(database_url, source="x = 1")
-    monkeypatch.setattr(grader, "_sandbox", sandbox)
     sandbox.close()  # a guest ends with the thread that started it, here another worker's
 
     async def swept(database):
-        async with worker_on(database_url) as worker:
+        async with worker_on(database_url, Grader(sandbox)) as worker:
             await worker._sweep(str(grading))
         return await sweeps.request(database, grading), (await find_artefact(database, grading, sweeps.REFUSED))[0]
 

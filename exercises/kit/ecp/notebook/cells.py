@@ -49,20 +49,42 @@ class Statement:
         return self.binds(name) and not isinstance(self.node, BLOCK) and name not in self.names.now
 
 
-def python_of(cell: str) -> str | None:
-    """Return the cell's Python, line for line, with magics replaced by ``pass``. None if the cell is not Python."""
-    read = _read(cell)
-    return read[0] if read else None
+def without_magics(cell: str, answer: str = SHELL_ANSWER) -> str:
+    """Return the cell, line for line from its first line of Python, with magics and shell lines replaced by ``pass``.
+
+    ``answer`` replaces the shell line from which a statement takes its value. A syntax error of the Python stays. Empty for
+    a cell magic whose text is not Python.
+    """
+    first, _, rest = cell.lstrip().partition("\n")
+    if first.startswith("%%"):
+        return without_magics(rest, answer) if first.split()[0] in TRANSPARENT else ""
+    lines = (textwrap.dedent(cell) if cell.lstrip("\n").startswith((" ", "\t")) else cell).split("\n")
+    for _ in lines:
+        try:
+            ast.parse("\n".join(lines))
+            break
+        except (SyntaxError, ValueError) as error:
+            # Only the line at which Python stopped can be a magic: a % may also continue an expression or stand in a string.
+            if not _replace_magic(lines, (getattr(error, "lineno", None) or 1) - 1, answer):
+                break
+    return "\n".join(lines)
+
+
+def python_of(cell: str, answer: str = SHELL_ANSWER) -> str | None:
+    """Return the cell ``without_magics``, None if it is not Python."""
+    text = without_magics(cell, answer)
+    try:
+        ast.parse(text)
+    except (SyntaxError, ValueError):
+        return None
+    return None if cell.strip() and not text else text
 
 
 @lru_cache(maxsize=2048)
 def statements_of(cell: str) -> tuple[Statement, ...]:
     """Return the top-level statements of a cell; empty if it is not Python."""
-    read = _read(cell)
-    if read is None:
-        return ()
-    lines = read[0].split("\n")
-    found = tuple(Statement(_cut(lines, node), node) for node in read[1].body)
+    text = python_of(cell) or ""
+    found = tuple(Statement(_cut(text.split("\n"), node), node) for node in ast.parse(text).body)
     measured_only = cell.lstrip().startswith("%%timeit")  # binds nothing in the notebook
     return tuple(s for s in found if isinstance(s.node, DEFINITION)) if measured_only else found
 
@@ -77,35 +99,18 @@ def unfold(statement: Statement) -> Iterator[Statement]:
         yield Statement(_cut(lines, node), node)
 
 
-@lru_cache(maxsize=2048)
-def _read(cell: str) -> tuple[str, ast.Module] | None:
-    first, _, rest = cell.lstrip().partition("\n")
-    if first.startswith("%%"):
-        return _read(rest) if first.split()[0] in TRANSPARENT else None
-    lines = (textwrap.dedent(cell) if cell.lstrip("\n").startswith((" ", "\t")) else cell).split("\n")
-    for _ in range(len(lines) + 1):
-        try:
-            text = "\n".join(lines)
-            return text, ast.parse(text)
-        except (SyntaxError, ValueError) as error:
-            # Only the line at which Python stopped can be a magic: a % may also continue an expression or stand in a string.
-            if not _replace_magic(lines, (getattr(error, "lineno", None) or 1) - 1):
-                return None
-    return None
-
-
-def _replace_magic(lines: list[str], at: int) -> bool:
+def _replace_magic(lines: list[str], at: int, answer: str) -> bool:
     """Replace the magic in that line by Python. Return False if there is none."""
     line = lines[at] if at < len(lines) else ""
     bare = line.lstrip()
     indent = line[: len(line) - len(bare)]
-    answer = re.match(r"([^=!%'\"#()]+=)\s*[!%]", bare)
+    asked = re.match(r"([^=!%'\"#()]+=)\s*[!%]", bare)
     if bare.startswith("%time "):
         lines[at] = indent + bare.removeprefix("%time ").lstrip()
     elif bare.startswith(("%", "!", "?")) or bare.rstrip().endswith("?"):
         lines[at] = indent + "pass"
-    elif answer:
-        lines[at] = f"{indent}{answer[1]} {SHELL_ANSWER}"
+    elif asked:
+        lines[at] = f"{indent}{asked[1]} {answer}"
     else:
         return False
     while line.endswith("\\") and at + 1 < len(lines):

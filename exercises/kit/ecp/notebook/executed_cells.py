@@ -1,24 +1,20 @@
-"""All cells that ran, as one text for a server that handles line magics."""
+"""All cells that ran, as Python."""
 
 import ast
 from collections.abc import Sequence
 
-from ecp.notebook.cells import SHELL_ANSWER, python_of, statements_of
+from ecp.notebook.cells import python_of, statements_of
 
 
 def whole(cells: Sequence[str]) -> list[str]:
-    """Return the cells that ran as texts that a server can read one by one or joined.
+    """Return the cells that ran as Python texts that run one by one or joined.
 
     Of a cell that ran several times only the last run counts, unless it builds on its own results, as ``k = 2
-    * k`` does. Magics stay if a server can replace their lines by ``pass``. Cells that are not Python become
-    comments.
+    * k`` does. Magics, and cells that are not Python, become comments.
     """
     modules = {n for c in cells for s in statements_of(c) if isinstance(s.node, ast.Import | ast.ImportFrom) for n in s.names.bound}
     counts = [cell not in cells[place + 1 :] or _builds_on_itself(cell, modules) for place, cell in enumerate(cells)]
-    last = [cell for cell, kept in zip(cells, counts, strict=True) if kept and cell.strip()]
-    # A server finds magics by their first character, which must then not begin a line of ordinary Python.
-    keep = not any(_looks_magic(line) for cell in last for line in (python_of(cell) or "").split("\n"))
-    return [_readable(cell, keep) for cell in last]
+    return [_readable(cell) for cell, kept in zip(cells, counts, strict=True) if kept and cell.strip()]
 
 
 def _builds_on_itself(cell: str, modules: set[str]) -> bool:
@@ -33,28 +29,10 @@ def _builds_on_itself(cell: str, modules: set[str]) -> bool:
     return False
 
 
-def _readable(cell: str, keep_magics: bool) -> str:
-    python = python_of(cell)
+def _readable(cell: str) -> str:
+    raw, python = cell.split("\n"), python_of(cell, answer="None")
     if python is None:
-        return "\n".join(["# This cell is not Python, so it does not run here:", *(f"# {line}" for line in cell.split("\n"))])
-    lines = python.split("\n")
-    raw = cell.split("\n")
-    heads = raw[: len(raw) - len(lines)]
-    kept = [head if keep_magics and _looks_magic(head) else _comment(head) for head in heads]
-    return "\n".join(kept + [_line(*pair, keep_magics) for pair in zip(raw[len(heads) :], lines, strict=True)])
-
-
-def _line(raw: str, python: str, keep_magics: bool) -> str:
-    if python.endswith(SHELL_ANSWER) and SHELL_ANSWER not in raw:
-        return f"{python.removesuffix(SHELL_ANSWER)}None  # {raw.strip()}"
-    if python.strip() != "pass" or raw.strip() == python.strip():
-        return python
-    return raw if keep_magics and _looks_magic(raw) and not raw.endswith("\\") else f"{python}  {_comment(raw)}".rstrip()
-
-
-def _looks_magic(line: str) -> bool:
-    return line.lstrip().startswith(("%", "!"))
-
-
-def _comment(line: str) -> str:
-    return f"# {line.strip()}" if line.strip() else ""
+        return "\n".join(["# This cell is not Python, so it does not run here:", *(f"# {line}" for line in raw)])
+    pairs = zip([""] * (cell.count("\n") - python.count("\n")) + python.split("\n"), raw, strict=True)
+    changed = [(line, "" if line.strip() == typed.strip() else f"# {typed.strip()}") for line, typed in pairs]
+    return "\n".join("  ".join(filter(None, pair)) for pair in changed)

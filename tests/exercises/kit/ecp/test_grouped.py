@@ -1,7 +1,10 @@
 """Failures grouped by diagnosis: what is counted, in which order, and how lines refer to it."""
 
+import re
+
+from ecp.judge import RowsRight
 from ecp.outcome import Diagnosis
-from ecp.report_html import html
+from ecp.report_html import cause_list, html, outcome_item
 from tests.support.reports import outcome, report
 
 SIGN = Diagnosis("sign-flipped", "ω̇₂ has the opposite sign", 1.0)
@@ -56,3 +59,22 @@ def test_the_html_states_each_cause_once_and_escapes_it():
     page = html(report([failed("a", ORDER), failed("b", ORDER)]))
     assert page.count("One cause explains 2 failures:") == page.count("ω̇₁ &amp; ω̇₂ are swapped") == 1
     assert page.index("cyclic-order") < page.index("Exercise 1.") and page.count("cause 1: <b>cyclic-order</b>") == 2
+
+
+def test_the_html_marks_what_a_line_is_worth():
+    lines = [outcome("a", "fail", points=4, partial=RowsRight(1, 2)), outcome("b", counted=False), outcome("c", self_reported=True)]
+    page = html(report(lines))
+    badges = re.findall(r'<span class="badge">(.*?)</span>', page)
+    assert badges == ["2 of 4 points", "not counted", "self-reported, no points"] and "hidden" not in page
+
+
+def test_only_a_web_page_has_anchors_and_only_staff_see_what_is_hidden():
+    one = failed("a<b>", SIGN, hidden=True)
+    causes = report([one]).causes()
+    plain = cause_list(causes) + outcome_item(one, {})
+    assert "<a " not in plain and "id=" not in plain
+    linked = cause_list(causes, links=True)
+    assert '<li id="cause-1">' in linked and '<a href="#check-a&lt;b&gt;">' in linked
+    shown = outcome_item(one, {SIGN.sentence: 1}, links=True, staff="allowed <1>")
+    assert '<li class="fail" id="check-a&lt;b&gt;">' in shown and '<a href="#cause-1">cause 1</a>: <b>sign-flipped</b>' in shown
+    assert '<span class="badge">hidden</span>' in shown and '<p class="tolerance">allowed &lt;1&gt;</p>' in shown

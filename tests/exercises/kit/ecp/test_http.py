@@ -467,7 +467,7 @@ def test_a_name_lost_with_the_network_is_waited_for_once_the_server_was_there(mo
             return step
 
         def stream(self, *_):
-            return None
+            return ()
 
     monkeypatch.setattr("ecp.http._backend", Flaky)
     assert [e.name for e in events("http://a.example/v1/submissions/7/events", pause=0.01)] == ["queued", "graded"]

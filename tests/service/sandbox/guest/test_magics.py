@@ -20,6 +20,8 @@ def run(source):
         ("if True:\n    %time\n    x = 1", {"x": 1}),
         ("text = '''\n%not a magic\n'''", {"text": "\n%not a magic\n"}),
         ("x = 7 \\\n% 4", {"x": 3}),
+        ("%time x = 1\nfiles = !ls\nx?\n!pip install \\\n   numpy\ny = (7\n  % 4)", {"x": 1, "files": None, "y": 3}),
+        ("    x = 1\n    %pwd", {"x": 1}),
     ],
 )
 def test_magics(source, names):

@@ -6,12 +6,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import reference
 from exercises.assignment import Inputs
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 UNEQUAL = 8  # boxes with no two moments nearly equal
@@ -50,7 +50,7 @@ def tensors(rng: np.random.Generator) -> Inputs:
     return {"tensors": np.array(given)}
 
 
-def tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
+def tilted(boxes: Array, rng: np.random.Generator) -> Inputs:
     """Return the tensors of boxes (m, a, b, c) (n, 4), each turned at random."""
     return {"tensors": [reference.box_tensor(m, a, b, c, _rotation(rng)).tolist() for m, a, b, c in boxes]}
 

@@ -9,14 +9,11 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from exercises.assignment import Inputs
-from exercises.rigid_body.draws import body
-
-Array = NDArray[np.float64]
-Rng = np.random.Generator
+from exercises.rigid_body.draws import Rng, body
+from exercises.rigid_body.public.quantities import Array
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
 PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random; repeated; at another time; along each motion

@@ -36,19 +36,16 @@ def packages(more: Collection[str] = ()) -> list[str]:
     A requirement that is not installed is left out: many are for another system or another version of Python.
     """
     names: set[str] = set()
-    todo, done = [*SANDBOX, *more], set()
+    todo, done = {*SANDBOX, *more}, set()
     while todo:
         name = todo.pop()
-        if name in done:
-            continue
         done.add(name)
         try:
             distribution = metadata.distribution(name)
         except metadata.PackageNotFoundError:
             continue
-        for requirement in distribution.requires or []:
-            if "extra ==" not in requirement:
-                todo.append(re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower())
+        required = [requirement for requirement in distribution.requires or [] if "extra ==" not in requirement]
+        todo |= {re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower() for requirement in required} - done
         tops = {file.parts[0] for file in distribution.files or [] if len(file.parts) > 1 or file.suffix == ".py"}
         names |= {top for top in tops if top not in ("..", "__pycache__") and not top.endswith(".dist-info")}
     return sorted(name for name in names if (SITE_PACKAGES / name).exists())

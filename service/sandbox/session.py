@@ -48,11 +48,6 @@ class ChildExit(NamedTuple):
             raise OSError("the sandbox process stopped unexpectedly")
         return cls(*REAPED.unpack(data))
 
-    @property
-    def signal(self) -> int:
-        """The signal that ended the child, or 0."""
-        return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
-
 
 class NoAnswer(BaseException):
     """The child will not answer a question because the scene has ended. Not an Exception, so that a driver does not catch it."""
@@ -225,9 +220,10 @@ class PlaySession:
         assert self.ended is not None
         if os.waitstatus_to_exitcode(self.ended.reference) == MALFORMED:
             return Ended.PROTOCOL
-        if self.ended.signal == signal.SIGXCPU or (self.ended.signal and not self.budget.cpu_left()):
+        ended_by = -os.waitstatus_to_exitcode(self.ended.status)  # a signal, if positive
+        if ended_by == signal.SIGXCPU or (ended_by > 0 and not self.budget.cpu_left()):
             return Ended.TIMED_OUT
-        if self.ended.signal:
+        if ended_by > 0:
             return Ended.KILLED
         return None if self.reader.done else Ended.EXITED
 

@@ -55,11 +55,8 @@ class Recorder:
                 module.watchers.clear()
 
     @contextmanager
-    def in_place(self, student: dict[str, Any], *, published: bool) -> Iterator[None]:
-        """Let a ``published`` cell that runs inside the ``with`` block find the private copy of ``ecp.validate``."""
-        if not published:
-            yield
-            return
+    def in_place(self, student: dict[str, Any]) -> Iterator[None]:
+        """Let a published cell that runs inside the ``with`` block find the private copy of ``ecp.validate``."""
         theirs = student.get("validate", validate)
         student["validate"] = ecp.validate = self.validate
         sys.modules |= {"ecp": ecp, "ecp.validate": self.validate}

@@ -6,6 +6,7 @@ import signal
 import sys
 import types
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from time import monotonic, process_time
@@ -208,7 +209,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
         for piece in pieces(source):
             if budget.left():
                 before = animate.shown[:]
-                with recorder.in_place(student, published=published):
+                with recorder.in_place(student) if published else nullcontext():
                     ended = _run_limited(partial(_execute, piece, name, student, kept), budget)
                 recorder.send(write)
                 if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):

@@ -17,6 +17,7 @@ from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import LoginRateLimiter
+from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
@@ -63,8 +64,8 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
     """
     if settings.database_url is None:
         raise ValueError("create_app needs settings.database_url; polhode serve starts an embedded database for it")
-    app = FastAPI(title="polhode", version="1", lifespan=_lifespan, docs_url=None, redoc_url=None)
-    app.state.settings, app.state.oidc, app.state.find_loss = settings, oidc.provider(settings), find_loss
+    app = FastAPI(title="polhode", version="1", lifespan=partial(_lifespan, find_loss=find_loss), docs_url=None, redoc_url=None)
+    app.state.held = {Settings: settings, oidc.Provider: oidc.Provider(settings)}
     errors.install(app)
     openapi.install(app)
     roles.install(app)
@@ -73,7 +74,8 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
         app.add_middleware(
             CORSMiddleware, allow_origins=origins, allow_methods=methods, allow_headers=ALLOWED, expose_headers=EXPOSED
         )
-    middleware.install(app)
+    https = (settings.public_url or "").startswith("https://")
+    app.add_middleware(middleware.RequestMiddleware, https=https)
     for router in ROUTERS:
         app.include_router(router)
     for router in PAGES:
@@ -83,32 +85,28 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
 
 
 @asynccontextmanager
-async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    settings: Settings = app.state.settings
+async def _lifespan(app: FastAPI, find_loss: Callable[[], str | None]) -> AsyncIterator[None]:
+    settings: Settings = app.state.held[Settings]
     assert settings.database_url is not None
-    app.state.database = database = Database(
-        settings.database_url, "polhode web", connections=10, wait_s=settings.database_wait, find_loss=app.state.find_loss
-    )
+    wait_s = settings.database_wait
+    database = Database(settings.database_url, "polhode web", connections=10, wait_s=wait_s, find_loss=find_loss)
     valid, invalid = load_catalogue()
     await register(database, valid.values())
     for broken in invalid.values():
         log.error("%s", broken)
-    app.state.secret = await secret(database, "forms")
-    app.state.hub = Hub(settings.hub_api_url, settings.hub_service)
-    app.state.password_checker, app.state.login_limiter = PasswordChecker(database), LoginRateLimiter()
-    app.state.worker_status = health.WorkerStatus(database)
-    app.state.listener, app.state.renderer = Listener(database), Renderer()
-    app.state.large_bodies = parse_submission.LargeBodies(settings)
-    app.state.listener.start()
-    app.state.queue = ChangeFeed(
-        app.state.listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease)
-    )
+    listener, renderer, hub = Listener(database), Renderer(), Hub(settings.hub_api_url, settings.hub_service)
+    checker, large_bodies = PasswordChecker(database), parse_submission.LargeBodies(settings)
+    overview = ChangeFeed(listener, lambda: queue_overview.snapshot(database), partial(queue.snapshot, lease_s=settings.lease))
+    signing, limiter, workers = Secret(await secret(database, "forms")), LoginRateLimiter(), health.WorkerStatus(database)
+    for one in (database, listener, renderer, hub, checker, large_bodies, overview, signing, limiter, workers):
+        app.state.held[type(one)] = one
+    listener.start()
     try:
         yield
     finally:
-        app.state.renderer.stop()
-        app.state.large_bodies.process.stop()
-        app.state.hub.stop()
-        app.state.password_checker.stop()
-        await app.state.listener.stop()
+        renderer.stop()
+        large_bodies.process.stop()
+        hub.stop()
+        checker.stop()
+        await listener.stop()
         await database.close()

@@ -3,12 +3,13 @@
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Request
+from fastapi import APIRouter, Header
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.api.submissions import find_submission
+from service.api.submissions import Submission
 from service.http.live import Listener
 from service.http.openapi import PERSON, problems
+from service.http.state import Db, Held
 from service.store import records
 from service.store.database import is_outage
 from service.store.records import SubmissionRecord
@@ -19,19 +20,17 @@ LONGEST_S = 3600.0
 
 @router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse, responses=problems(PERSON | {404: "not-found"}))
 async def events(
-    request: Request,
-    stored: Annotated[SubmissionRecord, Depends(find_submission)],
-    last_event_id: Annotated[str | None, Header()] = None,
+    stored: Submission, database: Db, listener: Held[Listener], last_event_id: Annotated[str | None, Header()] = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Send ``queued`` with its position, ``running`` with scene k of n, then ``graded`` or ``faulted``, and close the stream.
 
     No event is sent during a database outage. A client reopens a stream that ends early, at any server of the installation. An
     event's id encodes its content, so a client that sends ``Last-Event-ID`` does not receive the same event twice.
     """
-    sent, listener = last_event_id, request.app.state.listener
+    sent = last_event_id
     async for _ in listener.wait_for_changes(str(stored.id), LONGEST_S):
         try:
-            progress = await _progress(request, stored, listener)
+            progress = await _progress(database, stored, listener)
         except Exception as error:
             if not is_outage(error):
                 raise
@@ -44,8 +43,8 @@ async def events(
             return
 
 
-async def _progress(request: Request, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
-    row = await records.state(request.app.state.database, stored.id)
+async def _progress(database: Db, stored: SubmissionRecord, listener: Listener) -> dict[str, Any]:
+    row = await records.state(database, stored.id)
     assert row is not None
     progress = {"status": row.status, "attempt": row.number}
     if row.finished:

@@ -6,18 +6,19 @@ from datetime import UTC, datetime
 from typing import Literal
 from urllib.parse import quote
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 from fastapi.responses import StreamingResponse
 
 from exercises.assignment import Assignment
 from exercises.validation_cells import is_self_reported
 from service.api.archive import course_archive
-from service.api.submissions import find_assignment
+from service.api.submissions import Assigned
 from service.auth.roles import Staff
 from service.formats import gradebooks
 from service.formats import grades as grade_files
 from service.formats.filenames import safe_filename
 from service.formats.grade_row import GradeRow
+from service.http.state import Db
 from service.store.course.grades import grades, roster
 
 router = APIRouter()
@@ -30,45 +31,43 @@ GRADEBOOKS: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
 
 
 @router.get("/grades.csv")
-async def course_csv(request: Request, person: Staff) -> Response:
+async def course_csv(person: Staff, database: Db) -> Response:
     """Export the course: one row per student with points and maximum points of every assignment."""
-    rows = await grades(request.app.state.database)
+    rows = await grades(database)
     return _file("course-grades.csv", CSV, await asyncio.to_thread(grade_files.course_csv, rows))
 
 
 @router.get("/assignments/{slug}/grades.csv")
-async def assignment_csv(slug: str, request: Request, person: Staff) -> Response:
+async def assignment_csv(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Export an assignment: one row per student with the state of every check."""
-    assignment = find_assignment(slug)
-    rows = await grades(request.app.state.database, slug)
-    return _file(f"{slug}-grades.csv", CSV, await asyncio.to_thread(_csv, assignment, rows))
+    rows = await grades(database, assignment.slug)
+    return _file(f"{assignment.slug}-grades.csv", CSV, await asyncio.to_thread(_csv, assignment, rows))
 
 
 @router.get("/assignments/{slug}/grades.json")
-async def assignment_json(slug: str, request: Request, person: Staff) -> Response:
+async def assignment_json(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Export an assignment as JSON."""
-    assignment = find_assignment(slug)
-    rows = await grades(request.app.state.database, slug)
-    return _file(f"{slug}-grades.json", "application/json", await asyncio.to_thread(_json, assignment, rows))
+    rows = await grades(database, assignment.slug)
+    return _file(f"{assignment.slug}-grades.json", "application/json", await asyncio.to_thread(_json, assignment, rows))
 
 
 @router.get("/assignments/{slug}/grades/{form}.csv")
-async def gradebook_csv(slug: str, form: Literal["nbgrader", "canvas", "moodle"], request: Request, person: Staff) -> Response:
+async def gradebook_csv(
+    person: Staff, assignment: Assigned, form: Literal["nbgrader", "canvas", "moodle"], database: Db
+) -> Response:
     """Export an assignment as CSV for another gradebook."""
-    assignment = find_assignment(slug)
-    rows = await grades(request.app.state.database, slug)
-    return _file(f"{slug}-{form}.csv", CSV, await asyncio.to_thread(GRADEBOOKS[form], rows, assignment))
+    rows = await grades(database, assignment.slug)
+    return _file(f"{assignment.slug}-{form}.csv", CSV, await asyncio.to_thread(GRADEBOOKS[form], rows, assignment))
 
 
 @router.get("/assignments/{slug}/all.zip")
-async def all_zip(slug: str, request: Request, person: Staff) -> Response:
+async def all_zip(person: Staff, assignment: Assigned, database: Db) -> Response:
     """Stream a zip of every submission with its report, the grades, the roster and the audit log."""
-    assignment, database = find_assignment(slug), request.app.state.database
-    rows, people = await grades(database, slug), await roster(database)
+    rows, people = await grades(database, assignment.slug), await roster(database)
     own_csv, own_json = await asyncio.gather(*(asyncio.to_thread(form, assignment, rows) for form in (_csv, _json)))
     files = {"grades.csv": own_csv, "grades.json": own_json}
-    parts = course_archive(database, slug, files, people)
-    return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{slug}-all.zip"))
+    parts = course_archive(database, assignment.slug, files, people)
+    return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-all.zip"))
 
 
 def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:

@@ -1,23 +1,24 @@
-"""Pictures of a report: figures rendered on first request, contact sheets, and the speed vs accuracy
+"""Renderer of a report: figures rendered on first request, contact sheets, and the speed vs accuracy
 sweep.
 """
 
 from collections.abc import Awaitable, Callable
-from typing import Annotated, Literal
+from typing import Literal
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Request, Response
 
-from service.api.figure_renderer import RenderFailed
-from service.api.submissions import find_assignment, find_submission
+from service.api.figure_renderer import Renderer, RenderFailed
+from service.api.submissions import Submission, find_assignment
 from service.grading.rendering import FORMATS
 from service.grading.rendering import find as find_figure
 from service.http.errors import Problem
+from service.http.live import Listener
 from service.http.openapi import PERSON, media, problems
+from service.http.state import Db, Held
 from service.store import sweeps
 from service.store.records import SubmissionRecord, find_artefact, store_artefacts
 
 router = APIRouter()
-Submission = Annotated[SubmissionRecord, Depends(find_submission)]
 SWEEP_WAIT_S = 50.0
 NOT_MODIFIED = {304: {"description": "Not modified"}}
 PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: ("assignment-broken", "busy")}
@@ -28,27 +29,27 @@ PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: ("assignment-
     response_class=Response,
     responses=media(*FORMATS.values()) | NOT_MODIFIED | problems(PICTURE),
 )
-async def figure(stored: Submission, name: str, form: Literal["png", "svg"], request: Request) -> Response:
+async def figure(
+    stored: Submission, name: str, form: Literal["png", "svg"], request: Request, database: Db, renderer: Held[Renderer]
+) -> Response:
     """Return a figure of the report; render it on the first request and store it."""
     names = {f.name for f in stored.report.figures} if stored.report else set()
-    if name not in names or find_figure(find_assignment(stored.assignment), name) is None:
+    if name not in names or find_figure(await find_assignment(stored.assignment), name) is None:
         raise Problem(404, "not-found", f"the report has no figure {name[:80]}: check the address")
 
     async def render(packed: bytes) -> bytes:
-        image: bytes = await request.app.state.renderer.figure(stored, name, packed, form)
-        return image
+        return await renderer.figure(stored, name, packed, form)
 
-    return await cached_artefact(request, stored, f"figures/{name}.{form}", FORMATS[form], render)
+    return await cached_artefact(request, database, stored, f"figures/{name}.{form}", FORMATS[form], render)
 
 
 async def cached_artefact(
-    request: Request, stored: SubmissionRecord, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
+    request: Request, database: Db, stored: SubmissionRecord, name: str, media_type: str, make: Callable[[bytes], Awaitable[bytes]]
 ) -> Response:
     """Return the stored artefact ``name``; the first request makes it from the grading's packed arrays and stores it.
 
     Raises Problem 404 if the arrays are gone or cannot be drawn, and 503 if rendering fails.
     """
-    database = request.app.state.database
     if (found := await find_artefact(database, stored.grading, name)) is None:
         packed = await find_artefact(database, stored.grading, "arrays.npz")
         if packed is None:
@@ -72,14 +73,15 @@ async def cached_artefact(
     response_class=Response,
     responses=media("application/json", FORMATS["svg"]) | NOT_MODIFIED | problems(PICTURE | {409: "not-ready"}),
 )
-async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"], request: Request) -> Response:
+async def speed_against_accuracy(
+    stored: Submission, form: Literal["json", "svg"], request: Request, database: Db, listener: Held[Listener]
+) -> Response:
     """Return the speed vs accuracy sweep of the submission's function; a worker runs it on the first
     request.
     """
     if stored.report is None:
         raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
-    database = request.app.state.database
-    async for _ in request.app.state.listener.wait_for_changes(str(stored.id), SWEEP_WAIT_S):
+    async for _ in listener.wait_for_changes(str(stored.id), SWEEP_WAIT_S):
         if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))
         if failure := await find_artefact(database, stored.grading, sweeps.REFUSED):
@@ -94,10 +96,9 @@ async def speed_against_accuracy(stored: Submission, form: Literal["json", "svg"
     response_class=Response,
     responses=media(FORMATS["png"]) | NOT_MODIFIED | problems(PERSON | {404: "not-found"}),
 )
-async def animation(stored: Submission, name: str, request: Request) -> Response:
+async def animation(stored: Submission, name: str, request: Request, database: Db) -> Response:
     """Return the contact sheet of an animation."""
     names = {a.name for a in stored.report.animations} if stored.report else set()
-    database = request.app.state.database
     found = await find_artefact(database, stored.grading, f"animations/{name}.png") if name in names else None
     if found is None:
         raise Problem(404, "not-found", f"the report has no animation {name[:80]}: check the address")

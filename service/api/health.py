@@ -2,12 +2,13 @@
 
 import time
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
 from exercises.catalogue import load_catalogue
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
+from service.http.state import Db, Held
 from service.store.database import MISSING_TABLES, Database, DatabaseLost, is_loss
 
 router = APIRouter()
@@ -17,43 +18,6 @@ _WORKERS = """
 SELECT name, isolation, unavailable_reason FROM worker WHERE seen_at BETWEEN now() - interval '10 s' AND now() + interval '10 s'
 ORDER BY unavailable_reason IS NOT NULL, name
 """
-
-
-@router.get("/livez", responses=problems({}))
-async def livez() -> dict[str, str]:
-    """Report that the process is alive."""
-    return {"status": "alive"}
-
-
-@router.get("/readyz", responses=problems({}) | also(503, "Not ready"))
-async def readyz(request: Request) -> JSONResponse:
-    """Report whether submissions can be graded, with the result of each check."""
-    checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}
-    # A broken assignment does not make the server unready: the others can be graded.
-    broken = load_catalogue().invalid
-    invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
-    try:
-        database = request.app.state.database
-        if missing := [row.name for row in await database.rows(MISSING_TABLES)]:
-            raise DatabaseLost(f"tables are missing: {', '.join(missing)}")
-        isolation, reason = await request.app.state.worker_status.current()
-        checks["isolation"] = isolation or reason or checks["isolation"]
-    except Exception as error:
-        isolation, checks = None, {"isolation": "unknown", "database": _reason(error)}
-    checks["walls"] = checks["isolation"]  # the name of API v1
-    if isolation is None:
-        return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
-    return JSONResponse({"status": "ready", "checks": checks | invalid})
-
-
-def _reason(error: Exception) -> str:
-    return f"lost: {str(getattr(error, 'orig', error)).splitlines()[0]}" if is_loss(error) else type(error).__name__
-
-
-@router.get("/metrics", response_class=Response, responses=media("text/plain") | problems({503: "busy"}))
-async def metrics(request: Request) -> Response:
-    """Return all metrics for Prometheus."""
-    return Response(await exposition(request.app.state.database), media_type="text/plain; version=0.0.4")
 
 
 class WorkerStatus:
@@ -76,3 +40,39 @@ class WorkerStatus:
             )
             self._read_at = now
         return self._current
+
+
+@router.get("/livez", responses=problems({}))
+async def livez() -> dict[str, str]:
+    """Report that the process is alive."""
+    return {"status": "alive"}
+
+
+@router.get("/readyz", responses=problems({}) | also(503, "Not ready"))
+async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
+    """Report whether submissions can be graded, with the result of each check."""
+    checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}
+    # A broken assignment does not make the server unready: the others can be graded.
+    broken = load_catalogue().invalid
+    invalid = {"assignments": f"broken: {', '.join(broken)}"} if broken else {}
+    try:
+        if missing := [row.name for row in await database.rows(MISSING_TABLES)]:
+            raise DatabaseLost(f"tables are missing: {', '.join(missing)}")
+        isolation, reason = await status.current()
+        checks["isolation"] = isolation or reason or checks["isolation"]
+    except Exception as error:
+        isolation, checks = None, {"isolation": "unknown", "database": _reason(error)}
+    checks["walls"] = checks["isolation"]  # the name of API v1
+    if isolation is None:
+        return JSONResponse({"status": "not ready", "checks": checks | invalid}, 503, {"Retry-After": "5"})
+    return JSONResponse({"status": "ready", "checks": checks | invalid})
+
+
+def _reason(error: Exception) -> str:
+    return f"lost: {str(getattr(error, 'orig', error)).splitlines()[0]}" if is_loss(error) else type(error).__name__
+
+
+@router.get("/metrics", response_class=Response, responses=media("text/plain") | problems({503: "busy"}))
+async def metrics(database: Db) -> Response:
+    """Return all metrics for Prometheus."""
+    return Response(await exposition(database), media_type="text/plain; version=0.0.4")

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from itertools import zip_longest
 from typing import Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 
 from ecp.judge import MARKS, Verdict
-from service.api.submissions import find_assignment
-from service.auth.identity import authenticate
+from service.api.submissions import Assigned
+from service.auth.identity import Reader
 from service.http.openapi import PERSON, problems
+from service.http.state import Db
 from service.store.history import PastSubmission, past_submissions
 
 router = APIRouter()
@@ -20,17 +21,16 @@ router = APIRouter()
 @router.get(
     "/v1/assignments/{slug}/submissions", responses=problems(PERSON | {404: "not-found", 503: ("assignment-broken", "busy")})
 )
-async def list_own(slug: str, request: Request) -> dict[str, Any]:
+async def list_own(assignment: Assigned, person: Reader, database: Db) -> dict[str, Any]:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
     and the best and last ids.
     """
-    find_assignment(slug)
-    person = await authenticate(request)
-    found = await past_submissions(request.app.state.database, person.name, slug)
+    found = await past_submissions(database, person.name, assignment.slug)
     listed = await asyncio.to_thread(_to_json, found)
     graded = [one for one in listed if one["points"] is not None]
     best = max(graded, key=lambda one: one["points"], default=None)  # the newest of equals
-    return {"assignment": slug, "submissions": listed, "best": best and best["id"], "last": listed[0]["id"] if listed else None}
+    last = listed[0]["id"] if listed else None
+    return {"assignment": assignment.slug, "submissions": listed, "best": best and best["id"], "last": last}
 
 
 def _to_json(found: Sequence[PastSubmission]) -> list[dict[str, Any]]:

@@ -2,21 +2,21 @@
 
 import asyncio
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 
 from exercises import wheel
 from exercises.catalogue import assignments
-from service.api.submissions import find_assignment
+from service.api.submissions import Assigned
 from service.http.errors import Problem
 from service.http.openapi import media, problems
-from service.http.requests import public_address
+from service.http.requests import PublicAddress
 
 router = APIRouter()
 WHEEL, NOTEBOOK = "application/zip", "application/x-ipynb+json"
 
 
 @router.get("/kit/{name}", response_class=Response, responses=media(WHEEL) | problems({404: "not-found"}))
-async def kit(name: str, request: Request) -> Response:
+async def kit(name: str, server: PublicAddress) -> Response:
     """Return the student kit of an assignment as a wheel for ``%pip install``.
 
     Its name changes only if old notebooks stop working with it. The name without a slug, which notebooks of
@@ -26,7 +26,7 @@ async def kit(name: str, request: Request) -> Response:
     slugs[wheel.filename()] = None
     if name not in slugs:
         raise Problem(404, "not-found", f"there is no kit {name}: GET /v1/assignments/SLUG returns the path of an assignment's kit")
-    content = await asyncio.to_thread(wheel.wheel, slugs[name], public_address(request))
+    content = await asyncio.to_thread(wheel.wheel, slugs[name], server)
     headers = {"Cache-Control": "no-cache", "ETag": f'"{wheel.build(slugs[name])}"'}
     return Response(content, media_type=WHEEL, headers=headers)
 
@@ -36,9 +36,9 @@ async def kit(name: str, request: Request) -> Response:
     response_class=Response,
     responses=media(NOTEBOOK) | problems({404: "not-found", 503: "assignment-broken"}),
 )
-async def notebook(slug: str, request: Request) -> Response:
+async def notebook(assignment: Assigned, server: PublicAddress) -> Response:
     """Return the assignment's notebook, ready to run against this server."""
-    assignment, server = find_assignment(slug), public_address(request)
+    slug = assignment.slug
     content = wheel.notebook(assignment, server, f"{server}/kit/{wheel.filename(slug)}")
     headers = {"Content-Disposition": f'attachment; filename="{slug}.ipynb"', "Cache-Control": "no-cache"}
     return Response(content, media_type=NOTEBOOK, headers=headers)

@@ -30,14 +30,14 @@ class LargeBodies:
         self.process = SeparateProcess(PARSE_S, functools.partial(submission_body.start_process, self.limits))
 
 
-async def parse_submission(request: Request, assignment: Assignment) -> ParsedSubmission:
+async def parse_submission(request: Request, assignment: Assignment, large: LargeBodies) -> ParsedSubmission:
     """Return the submission in ``request``. Raises Problem with a 4xx status if it is invalid, 503 while too many are large."""
     content_type = request.headers.get("content-type", "")
     kind = content_type.split(";")[0].strip().lower()
     if kind not in (submission_body.FORM, submission_body.JSON):
         raise Problem(415, "unsupported-media-type", f"send application/json or multipart/form-data, not {kind or 'nothing'}")
     try:
-        parsed = await _parse(request, kind)
+        parsed = await _parse(request, kind, large)
     except TooLarge as error:
         raise Problem(413, "too-large", str(error), error.pointer) from error
     except BadDocument as error:
@@ -51,9 +51,8 @@ async def parse_submission(request: Request, assignment: Assignment) -> ParsedSu
     return parsed
 
 
-async def _parse(request: Request, kind: str) -> ParsedSubmission:
-    content_type, large = request.headers["content-type"], request.app.state.large_bodies
-    limits = large.limits
+async def _parse(request: Request, kind: str, large: LargeBodies) -> ParsedSubmission:
+    content_type, limits = request.headers["content-type"], large.limits
     async with contextlib.AsyncExitStack() as stack:
         chunks, size = [], 0
         async for chunk in request.stream():
@@ -78,10 +77,9 @@ async def _parse(request: Request, kind: str) -> ParsedSubmission:
             )
         chunks.clear()
         try:
-            parsed: ParsedSubmission = await large.process.call(submission_body.parse, content_type, body, limits)
+            return await large.process.call(submission_body.parse, content_type, body, limits)
         except ProcessLost as error:
             raise Problem(503, "busy", "reading the submission took too long: try again in a minute", retry_after=60) from error
-        return parsed
 
 
 async def _take_place(large: LargeBodies, stack: contextlib.AsyncExitStack) -> None:

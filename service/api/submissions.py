@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Request
+from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from ecp.document import document
@@ -20,15 +20,18 @@ from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from exercises.validation_cells import is_self_reported
 from service.api import parse_submission
-from service.auth.identity import STAFF, Person, authenticate, role
+from service.api.health import WorkerStatus
+from service.auth.identity import STAFF, Person, Reader, Submitter
 from service.formats import junit
 from service.grading.author_errors import FAULT
 from service.grading.result import GradedFile
 from service.http.errors import Problem
+from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
+from service.http.state import Config, Db, Held
 from service.store import records
 from service.store.course import overrides
-from service.store.database import Database, is_loss, is_outage
+from service.store.database import is_loss, is_outage
 from service.store.records import NewSubmission, SubmissionRecord
 from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
 
@@ -38,6 +41,38 @@ OPEN_RETRY_S = 10
 SHARED = 10  # times as many open submissions for the person that all users of a server without logins share
 
 
+async def find_assignment(slug: str) -> Assignment:
+    """Return the assignment.
+
+    Raises Problem 404 if it does not exist, and 503 if its declaration is invalid.
+    """
+    try:
+        return find(slug)
+    except InvalidAssignment:
+        raise Problem(
+            503, "assignment-broken", f"the assignment {slug} is broken (our error): contact the course staff", retry_after=60
+        ) from None
+    except NoAssignment:
+        raise Problem(404, "not-found", f"no assignment {slug[:80]}: check the address") from None
+
+
+async def _submission(id: str, person: Reader, database: Db) -> SubmissionRecord:
+    """Return the submission.
+
+    Raises Problem 404 if it does not exist, and 403 if another student sent it.
+    """
+    stored = await records.read(database, parsed) if (parsed := _uuid(id)) else None
+    if stored is None:
+        raise Problem(404, "not-found", f"no submission {id[:80]}: check the address")
+    if stored.person != person.name and person.role not in STAFF:
+        raise Problem(403, "not-allowed", "you don't have permission: another student sent this submission")
+    return _visible(person, stored)
+
+
+Assigned = Annotated[Assignment, Depends(find_assignment)]
+Submission = Annotated[SubmissionRecord, Depends(_submission)]
+
+
 @router.get("/v1/assignments", responses=problems({}))
 async def list_assignments() -> list[dict[str, str]]:
     """Return slug, title and version of every assignment."""
@@ -45,11 +80,11 @@ async def list_assignments() -> list[dict[str, str]]:
 
 
 @router.get("/v1/assignments/{slug}", responses=problems({404: "not-found", 503: "assignment-broken"}))
-async def show_assignment(slug: str) -> dict[str, Any]:
+async def show_assignment(assignment: Assigned) -> dict[str, Any]:
     """Return the exercises with their functions and checks; each check has its tolerance, the reason
     for it, and ``hidden``.
     """
-    assignment = find_assignment(slug)
+    slug = assignment.slug
     sections = [
         {
             "number": e.number,
@@ -124,25 +159,31 @@ SUBMIT_PROBLEMS: dict[int, Kinds] = {
     openapi_extra={"requestBody": SUBMIT_BODY},
 )
 async def submit(
-    slug: str,
     request: Request,
+    assignment: Assigned,
+    person: Submitter,
+    database: Db,
+    settings: Config,
+    listener: Held[Listener],
+    workers: Held[WorkerStatus],
+    large: Held[parse_submission.LargeBodies],
     prefer: Annotated[str | None, Header()] = None,
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
 ) -> JSONResponse:
     """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
     wait=SECONDS``.
     """
-    arrived, assignment = time.monotonic(), find_assignment(slug)
-    person = await authenticate(request, "submit")
-    isolation, reason = await request.app.state.worker_status.current()
+    arrived = time.monotonic()
+    isolation, reason = await workers.current()
     if reason and not isolation:
         raise Problem(
             503, "no-walls", f"the sandbox is unavailable, so submissions are not accepted: contact the course staff ({reason})"
         )
-    parsed = await parse_submission.parse_submission(request, assignment)
-    new = NewSubmission(uuid.uuid4(), slug, person.name, parsed.submission, parsed.exercises, secrets.randbits(48), arrived)
+    parsed = await parse_submission.parse_submission(request, assignment, large)
+    source, drawn = parsed.submission, secrets.randbits(48)
+    new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, source, parsed.exercises, drawn, arrived)
     try:
-        accepted = await _accept(request, person, new, idempotency_key or None)
+        accepted = await _accept(database, settings.open_submissions, person, new, idempotency_key or None)
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
@@ -154,7 +195,7 @@ async def submit(
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return JSONResponse(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
-        stored = await _visible(request, person, await _wait(request, accepted.id, wait_s))
+        stored = _visible(person, await _wait(database, listener, accepted.id, wait_s))
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
@@ -164,59 +205,29 @@ async def submit(
     return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
 
 
-async def _accept(request: Request, person: Person, new: NewSubmission, key: str | None) -> Accepted:
+async def _accept(database: Db, most: int, person: Person, new: NewSubmission, key: str | None) -> Accepted:
     """Store the submission. Raises Problem 429 if too many of a student's submissions wait for their reports."""
-    database, most = _database(request), request.app.state.settings.open_submissions * (SHARED if person.single_user else 1)
+    most *= SHARED if person.single_user else 1
     try:
         return await accept(database, new, key, most_open=most)
     except TooManyOpen:
-        if not person.single_user and await role(request, person) in STAFF:
+        if not person.single_user and person.role in STAFF:
             return await accept(database, new, key)
     detail = f"{most} of your submissions are waiting for their reports, the most that may: submit again when one has its report"
     raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 
 
 @router.get("/v1/submissions/{id}", responses=problems(PERSON | {404: "not-found"}))
-async def show_submission(id: str, request: Request) -> dict[str, Any]:
+async def show_submission(stored: Submission, database: Db) -> dict[str, Any]:
     """Return the status of a submission, its report if graded, and an instructor's overrides."""
-    stored = await find_submission(request, id)
-    in_force = [one for one in await overrides.of_submission(_database(request), stored.id) if one.in_force]
+    in_force = [one for one in await overrides.of_submission(database, stored.id) if one.in_force]
     listed = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in in_force]
     return _document(stored) | ({"points": stored.points, "overrides": listed} if listed else {})
 
 
-def find_assignment(slug: str) -> Assignment:
-    """Return the assignment.
-
-    Raises Problem 404 if it does not exist, and 503 if its declaration is invalid.
-    """
-    try:
-        return find(slug)
-    except InvalidAssignment:
-        raise Problem(
-            503, "assignment-broken", f"the assignment {slug} is broken (our error): contact the course staff", retry_after=60
-        ) from None
-    except NoAssignment:
-        raise Problem(404, "not-found", f"no assignment {slug[:80]}: check the address") from None
-
-
-async def find_submission(request: Request, id: str) -> SubmissionRecord:
-    """Return the submission.
-
-    Raises Problem 404 if it does not exist, and 403 if another student sent it.
-    """
-    person = await authenticate(request)
-    stored = await records.read(_database(request), parsed) if (parsed := _uuid(id)) else None
-    if stored is None:
-        raise Problem(404, "not-found", f"no submission {id[:80]}: check the address")
-    if stored.person != person.name and await role(request, person) not in STAFF:
-        raise Problem(403, "not-allowed", "you don't have permission: another student sent this submission")
-    return await _visible(request, person, stored)
-
-
-async def _visible(request: Request, person: Person, stored: SubmissionRecord) -> SubmissionRecord:
+def _visible(person: Person, stored: SubmissionRecord) -> SubmissionRecord:
     """Return the submission as the person may see it: only the staff see where an assignment's own code failed."""
-    if FAULT.format(slug=stored.assignment, error="") not in (stored.fault or "") or await role(request, person) in STAFF:
+    if FAULT.format(slug=stored.assignment, error="") not in (stored.fault or "") or person.role in STAFF:
         return stored
     return replace(stored, fault=FAULT.format(slug=stored.assignment, error="the course staff can see where"))
 
@@ -239,21 +250,15 @@ def _summary(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, 
     return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late, "sha256": sha256}
 
 
-async def _wait(request: Request, id: uuid.UUID, seconds: float) -> SubmissionRecord:
+async def _wait(database: Db, listener: Listener, id: uuid.UUID, seconds: float) -> SubmissionRecord:
     """Return the submission when it has its result, at latest after ``seconds``."""
-    database = _database(request)
-    async for _ in request.app.state.listener.wait_for_changes(str(id), seconds):
+    async for _ in listener.wait_for_changes(str(id), seconds):
         row = await records.state(database, id)
         if row is None or row.finished:
             break
     stored = await records.read(database, id)
     assert stored is not None
     return stored
-
-
-def _database(request: Request) -> Database:
-    database: Database = request.app.state.database
-    return database
 
 
 def _seconds(prefer: str | None) -> float:
@@ -266,10 +271,9 @@ def _seconds(prefer: str | None) -> float:
     response_class=PlainTextResponse,
     responses=problems(PERSON | {404: "not-found", 409: "not-ready"}),
 )
-async def report_text(id: str, request: Request) -> PlainTextResponse:
+async def report_text(stored: Submission) -> PlainTextResponse:
     """Return the report as text, as the notebook prints it."""
-    _, report = await _graded(request, id)
-    return PlainTextResponse(report.text())
+    return PlainTextResponse(_report(stored).text())
 
 
 @router.get(
@@ -278,17 +282,17 @@ async def report_text(id: str, request: Request) -> PlainTextResponse:
     responses=media("application/xml")
     | problems(PERSON | {404: "not-found", 409: "not-ready", 503: ("assignment-broken", "busy")}),
 )
-async def report_junit(id: str, request: Request) -> Response:
+async def report_junit(stored: Submission) -> Response:
     """Return the report as JUnit XML for CI systems."""
-    stored, report = await _graded(request, id)
+    report = _report(stored)
     seconds = sum(report.provenance.phases_ms.values()) / 1e3
     file = GradedFile(file=Path(stored.submission.filename), source=stored.submission.source, report=report, seconds=seconds)
-    return Response(await asyncio.to_thread(junit.text, [file], find_assignment(stored.assignment)), media_type="application/xml")
+    assignment = await find_assignment(stored.assignment)
+    return Response(await asyncio.to_thread(junit.text, [file], assignment), media_type="application/xml")
 
 
-async def _graded(request: Request, id: str) -> tuple[SubmissionRecord, Report]:
-    """Return the submission and its report. Raises Problem 409 if it has none."""
-    stored = await find_submission(request, id)
+def _report(stored: SubmissionRecord) -> Report:
+    """Return the submission's report. Raises Problem 409 if it has none."""
     if stored.report is None:
         raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
-    return stored, stored.report
+    return stored.report

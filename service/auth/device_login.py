@@ -9,10 +9,12 @@ from fastapi import APIRouter, Body, Request, Response
 from fastapi.responses import JSONResponse
 from fastapi.routing import APIRoute
 
-from service.auth.identity import authenticate
+from service.auth.identity import Reader
+from service.auth.rate_limit import LoginRateLimiter
 from service.http.errors import Problem
 from service.http.openapi import PERSON, also, problems
-from service.http.requests import public_address, read_capped
+from service.http.requests import PublicAddress, read_capped
+from service.http.state import Config, Db, Held
 from service.store.course import tokens
 
 MOST_BODY = 4096
@@ -43,16 +45,18 @@ ShortText = Annotated[str, Body(embed=True, max_length=120)]
     status_code=201,
     responses=problems({408: "timed-out", 413: "too-large", 422: "invalid-request", 429: "too-many", 503: "busy"}),
 )
-async def start(request: Request, label: ShortText = "a notebook") -> dict[str, object]:
+async def start(
+    request: Request, database: Db, limits: Held[LoginRateLimiter], server: PublicAddress, label: ShortText = "a notebook"
+) -> dict[str, object]:
     """Start a login.
 
     Return the code to show to the student, the address to confirm it at, and the secret that collects
     the token.
     """
-    request.app.state.login_limiter.start(request)
+    limits.start(request)
     label = "".join(c for c in label if c.isprintable())[:LONGEST_LABEL] or "a notebook"
-    device, code = await tokens.create_login(request.app.state.database, label)
-    address = f"{public_address(request)}/login"
+    device, code = await tokens.create_login(database, label)
+    address = f"{server}/login"
     return {
         "device_code": device,
         "user_code": code,
@@ -68,13 +72,12 @@ async def start(request: Request, label: ShortText = "a notebook") -> dict[str, 
     responses=also(202, "Not confirmed yet")
     | problems({408: "timed-out", 413: "too-large", 410: "login-over", 422: "invalid-request", 503: "busy"}),
 )
-async def collect(request: Request, device_code: ShortText) -> JSONResponse:
+async def collect(settings: Config, database: Db, device_code: ShortText) -> JSONResponse:
     """Return the token of a confirmed login: 200, once; 202 while it is unconfirmed; 410 once it is
     refused, used or expired.
     """
-    days = request.app.state.settings.token_days
     try:
-        found = await tokens.collect_login(request.app.state.database, device_code, days)
+        found = await tokens.collect_login(database, device_code, settings.token_days)
     except tokens.LoginOver:
         raise Problem(
             410, "login-over", "this login was refused, already used or not confirmed in time: run ecp.login() again"
@@ -85,19 +88,18 @@ async def collect(request: Request, device_code: ShortText) -> JSONResponse:
 
 
 @router.get("/v1/me", responses=problems(PERSON | {413: "too-large"}))
-async def me(request: Request) -> dict[str, object]:
+async def me(person: Reader) -> dict[str, object]:
     """Return the person and scopes of the request's token. ``local`` is true in single-user mode."""
-    person = await authenticate(request)
     return {"person": person.name, "scopes": sorted(person.scopes), "local": person.single_user}
 
 
 @router.delete("/v1/me/token", status_code=204, responses=problems({401: "nobody", 413: "too-large", 503: "busy"}))
-async def revoke(request: Request) -> Response:
+async def revoke(request: Request, database: Db) -> Response:
     """Revoke the token in the request's Authorization header."""
     token = request.headers.get("authorization", "").partition(" ")[2].strip()
-    info = await tokens.find(request.app.state.database, token)
+    info = await tokens.find(database, token)
     if info is None:
         raise Problem(401, "nobody", "the request has no valid token of this server: run ecp.login()")
-    async with request.app.state.database.begin() as connection:
+    async with database.begin() as connection:
         await tokens.revoke(connection, id=info.id)
     return Response(status_code=204)

@@ -7,69 +7,62 @@ from fastapi import Depends, Request
 from markupsafe import Markup
 from starlette.datastructures import FormData, UploadFile
 
-from service.auth.identity import authenticate, same_origin
-from service.auth.roles import current_user, optional_user
-from service.auth.sessions import anonymous_id
+from service.auth.identity import Person, same_origin
+from service.auth.roles import CurrentUser, OptionalUser
+from service.auth.sessions import BrowserCookies, Cookies
 from service.http.errors import Problem
 from service.http.requests import read_capped
 
 FIELD = "csrf"
 MOST_FORM = 2 * 1024 * 1024
 STALE = "this form has expired: reload the page and submit it again (cookies must be allowed)"
+SameOrigin = Annotated[None, Depends(same_origin)]
 
 
-def csrf_token(request: Request) -> str:
+def csrf_token(person: Person | None, cookies: Cookies) -> str:
     """Return the CSRF token of the session, of the person without a session, or of the anonymous
     browser.
     """
-    if session := getattr(request.state, "session", None):
-        owner = f"session {session.id}"
-    elif person := getattr(request.state, "person", None):
-        owner = f"person {person.name}"
+    if person is None:
+        owner = f"visit {cookies.anonymous_id}"
     else:
-        owner = f"visit {anonymous_id(request)}"
-    return hmac.new(request.app.state.secret, owner.encode(), "sha256").hexdigest()
+        owner = f"session {person.session}" if person.session else f"person {person.name}"
+    return hmac.new(cookies.secret, owner.encode(), "sha256").hexdigest()
 
 
 def csrf_field(request: Request) -> Markup:
     """Return the hidden input element with the CSRF token."""
-    return Markup('<input type="hidden" name="{}" value="{}">').format(FIELD, csrf_token(request))
+    return Markup('<input type="hidden" name="{}" value="{}">').format(
+        FIELD, csrf_token(request.state.person, request.state.cookies)
+    )
 
 
-async def checked_form(request: Request) -> FormData:
-    """Return the form of a logged-in person.
-
-    Raises Problem 403 if the CSRF token is wrong or the person's token may not log in, and 413 if the form is too large.
-    """
-    await current_user(request)
-    await authenticate(request, "login")  # a token limited to reading or submitting may not send forms
-    return await _read(request)
-
-
-async def checked_public_form(request: Request) -> FormData:
+async def checked_public_form(request: Request, person: OptionalUser, cookies: BrowserCookies, origin: SameOrigin) -> FormData:
     """Return the form of a page that needs no login, such as the log-in page.
 
-    Raises Problem as ``checked_form`` does.
+    Raises Problem 403 if the CSRF token is wrong, and 413 if the form is too large.
     """
-    await optional_user(request)
-    return await _read(request)
-
-
-async def _read(request: Request) -> FormData:
-    same_origin(request)
     await read_capped(request, MOST_FORM, f"the form is larger than {MOST_FORM} bytes: send less")
     try:
         form = await request.form(max_files=1, max_fields=200)
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be parsed: {error}") from error
-    if not hmac.compare_digest(raw_field(form, FIELD).encode(), csrf_token(request).encode()):
+    if not hmac.compare_digest(raw_field(form, FIELD).encode(), csrf_token(person, cookies).encode()):
         await form.close()
         raise Problem(403, "not-allowed", STALE)
     return form
 
 
-Form = Annotated[FormData, Depends(checked_form)]
 PublicForm = Annotated[FormData, Depends(checked_public_form)]
+
+
+async def checked_form(person: CurrentUser, form: PublicForm) -> FormData:
+    """Return the form of a logged-in person. Raises Problem 403 if the person's token may not log in."""
+    person.with_scope("login")  # a token limited to reading or submitting may not send forms
+    return form
+
+
+Form = Annotated[FormData, Depends(checked_form)]
 
 
 def field(form: FormData, name: str, most: int = 400) -> str:

@@ -1,18 +1,24 @@
-"""Authentication of requests: bearer token of polhode or JupyterHub, proxy header, session cookie, or
+"""Authentication of requests: bearer token of polhode or Hub, proxy header, session cookie, or
 single-user mode.
 """
 
 import contextlib
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Annotated, Any
+from uuid import UUID
 
-from fastapi import Request
+from fastapi import Depends, Request
 
 from service.auth import sessions
 from service.auth.jupyterhub import Hub
+from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
-from service.http.requests import is_own_host, public_address
+from service.http.requests import PublicAddress, is_own_host
+from service.http.state import Config, Db, Held
 from service.settings import Settings
 from service.store.course import people, tokens
+from service.store.database import Database
 
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = sessions.COOKIE
@@ -21,58 +27,82 @@ STAFF = ("assistant", "instructor")
 
 @dataclass(frozen=True)
 class Person:
-    """An authenticated person and the scopes of their token.
+    """An authenticated person, the scopes of their token, and their role in the course.
 
-    ``single_user`` is true for the local student in single-user mode.
+    ``single_user`` is true for the local student in single-user mode, whose role is instructor. ``session`` is the id
+    of the browser's session.
     """
 
     name: str
     scopes: frozenset[str]
+    role: str = "student"
     single_user: bool = False
+    session: UUID | None = None
+
+    def with_scope(self, scope: str) -> "Person":
+        """Return the person. Raises Problem 403 if the token lacks ``scope``."""
+        if scope not in self.scopes:
+            raise Problem(
+                403, "not-allowed", f"this token does not permit {scope}, only {', '.join(sorted(self.scopes))}: use another token"
+            )
+        return self
 
 
-async def authenticate(request: Request, scope: str = "read") -> Person:
-    """Return the person that sent the request.
+async def identify(
+    request: Request, settings: Config, database: Db, hub: Held[Hub], cookies: BrowserCookies, address: PublicAddress
+) -> Person | Problem:
+    """Return the person that sent the request, or the Problem 401 to raise if the route needs a person.
 
-    Raises Problem 401 if unknown, and 403 if the token lacks ``scope``.
+    Templates find the person and the cookies in ``request.state``.
     """
-    if not hasattr(request.state, "person"):  # cached, because several dependencies of one request need it
-        request.state.person = await _identify(request)
-    person: Person = request.state.person
-    if scope not in person.scopes:
-        raise Problem(
-            403, "not-allowed", f"this token does not permit {scope}, only {', '.join(sorted(person.scopes))}: use another token"
-        )
+    request.state.person, request.state.cookies = None, cookies
+    try:
+        if (person := await _by_authorization(request, settings, database, hub)) is None:
+            person = await _by_header(request, settings, database) or await _by_cookie(cookies, database)
+            person = person or _single_user(request, settings)
+            if request.method != "GET":
+                await same_origin(request, settings, address)  # browsers add cookie and proxy header to cross-site requests too
+    except Problem as problem:
+        if problem.status != 401:
+            raise
+        return problem
+    request.state.person = person
     return person
 
 
-async def role(request: Request, person: Person) -> str:
-    """Return the person's role in the course, cached per request.
-
-    In single-user mode the role is instructor.
-    """
-    if not hasattr(request.state, "role"):
-        request.state.role = "instructor" if person.single_user else await people.role(request.app.state.database, person.name)
-    found: str = request.state.role
-    return found
+Visitor = Annotated[Person | Problem, Depends(identify)]
 
 
-async def by_token(request: Request, token: str) -> Person:
+def permitted(scope: str) -> Any:
+    """Return the dependency on a person whose token has ``scope``. It raises Problem 401 without one, and 403."""
+
+    async def authenticate(visitor: Visitor) -> Person:
+        if isinstance(visitor, Problem):
+            raise visitor
+        return visitor.with_scope(scope)
+
+    return Depends(authenticate)
+
+
+Reader = Annotated[Person, permitted("read")]
+Submitter = Annotated[Person, permitted("submit")]
+
+
+async def by_token(token: str, database: Database, hub: Hub) -> Person:
     """Return the token's owner. Raises Problem 401 with the reason if the token is not valid."""
-    hub: Hub = request.app.state.hub
     if not token.startswith(tokens.PREFIX):
         if (name := await hub.user(token)) is not None:
-            return Person(name, frozenset(tokens.NOTEBOOK))
+            return await _person(database, name, tokens.NOTEBOOK)
         raise Problem(401, "nobody", "this is not a token of this server: check it, or log in again to get a new one")
-    info = await tokens.find(request.app.state.database, token)
+    info = await tokens.find(database, token)
     if info is None:
         raise Problem(401, "nobody", "this token is not valid here: check it, or log in again to get a new one")
     if info.over:
         raise Problem(401, "nobody", f"this token {info.over}: log in again to get a new one")
-    return Person(info.person, info.scopes)
+    return await _person(database, info.person, info.scopes)
 
 
-def same_origin(request: Request) -> None:
+async def same_origin(request: Request, settings: Config, address: PublicAddress) -> None:
     """Raise Problem 403 if a browser sent the request from a page of another site that the settings do
     not allow.
     """
@@ -80,58 +110,52 @@ def same_origin(request: Request) -> None:
     if origin is None:
         allowed = request.headers.get("sec-fetch-site", "none") in ("same-origin", "none")
     else:
-        own = {public_address(request), f"{request.url.scheme}://{request.headers.get('host', '')}"}
-        allowed = origin in own or origin in request.app.state.settings.allowed_origins()
+        own = {address, f"{request.url.scheme}://{request.headers.get('host', '')}"}
+        allowed = origin in own or origin in settings.allowed_origins()
     if not allowed:
         raise Problem(403, "not-allowed", "the request came from a page of another site: open this server's page and try again")
 
 
-async def _identify(request: Request) -> Person:
-    if (person := await _by_authorization(request)) is None:
-        person = _by_header(request) or await _by_cookie(request) or _single_user(request)
-        if request.method != "GET":
-            same_origin(request)  # browsers add the cookie and the proxy its header to cross-site requests too
-    return person
-
-
-async def _by_authorization(request: Request) -> Person | None:
+async def _by_authorization(request: Request, settings: Settings, database: Database, hub: Hub) -> Person | None:
     scheme, _, token = request.headers.get("authorization", "").partition(" ")
-    token, settings = token.strip(), request.app.state.settings
+    token = token.strip()
     if scheme.lower() not in ("bearer", "token") or not token:
         return None
     if not token.startswith(tokens.PREFIX) and settings.identity == "local" and settings.hub_api_url is None:
         return None  # a credential for a proxy in front of the server
-    return await by_token(request, token)
+    return await by_token(token, database, hub)
 
 
-def _by_header(request: Request) -> Person | None:
+async def _by_header(request: Request, settings: Settings, database: Database) -> Person | None:
     """Return the person that the proxy names. Raises Problem 401 if the header is not a valid name."""
-    header = request.app.state.settings.person_header
+    header = settings.person_header
     value = None if header is None else request.headers.get(header)
     if not value:
         return None
     with contextlib.suppress(UnicodeDecodeError):
         value = value.encode("latin-1").decode()  # ASGI servers decode headers as Latin-1, proxies send UTF-8
     try:
-        return Person(people.normalize_name(value), frozenset(tokens.SCOPES))
+        return await _person(database, people.normalize_name(value), tokens.SCOPES)
     except people.InvalidName as error:
         raise Problem(401, "nobody", f"the header {header} does not contain a valid name: {error}") from None
 
 
-async def _by_cookie(request: Request) -> Person | None:
-    if (secret := sessions.read_session(request)) is None:
+async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | None:
+    if (secret := cookies.session()) is None:
         return None
-    info = await tokens.find(request.app.state.database, secret)
+    info = await tokens.find(database, secret)
     if info is None or info.over is not None:
         return None
-    request.state.session = info
-    return Person(info.person, info.scopes)
+    return await _person(database, info.person, info.scopes, info.id)
 
 
-def _single_user(request: Request) -> Person:
-    settings: Settings = request.app.state.settings
+def _single_user(request: Request, settings: Settings) -> Person:
     if settings.identity != "local" or settings.person_header is not None:
         raise Problem(401, "nobody", "authentication required: run ecp.login() in the notebook, or log in on the web page")
-    if not is_own_host(request):
+    if not is_own_host(request, settings):
         raise Problem(403, "not-allowed", "the request used an unknown host name: set POLHODE_PUBLIC_URL to the server's address")
-    return Person(LOCAL, frozenset(tokens.SCOPES), single_user=True)
+    return Person(LOCAL, frozenset(tokens.SCOPES), "instructor", single_user=True)
+
+
+async def _person(database: Database, name: str, scopes: Iterable[str], session: UUID | None = None) -> Person:
+    return Person(name, frozenset(scopes), await people.role(database, name), session=session)

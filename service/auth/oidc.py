@@ -8,16 +8,17 @@ import importlib.util
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import RedirectResponse
 from itsdangerous import BadData
 
-from service.auth import sessions
 from service.auth.roles import OptionalUser
+from service.auth.sessions import BrowserCookies
 from service.http.errors import Problem
-from service.http.requests import LONGEST_PATH, local_path, public_address
+from service.http.requests import LONGEST_PATH, PublicAddress, local_path
+from service.http.state import Config, Db, Held
 from service.settings import Settings
 from service.store.course import credentials, people
 
@@ -54,45 +55,63 @@ def provider(settings: Settings) -> Any | None:
     )
 
 
+class Provider:
+    """The sign-in provider; ``client`` is authlib's, None without one in the settings."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.client = provider(settings)
+
+
+async def _client(provider: Held[Provider]) -> Any:
+    if provider.client is None:
+        raise Problem(404, "not-found", "this server has no sign-in provider: log in with a password or token")
+    return provider.client
+
+
+Client = Annotated[Any, Depends(_client)]
+
+
 @router.get("/oidc/login")
-async def start(request: Request, next: str = "") -> Response:
+async def start(
+    request: Request, client: Client, settings: Config, cookies: BrowserCookies, server: PublicAddress, next: str = ""
+) -> Response:
     """Redirect the browser to the provider."""
-    client, request.scope["session"] = _client(request), {}
+    request.scope["session"] = {}
     with _provider_errors():
-        await _metadata(request)
-        response: Response = await client.authorize_redirect(request, f"{public_address(request)}{PATH}/callback")
-    state = sessions.serializer(request, "sign-in").dumps([request.scope["session"], local_path(next[:LONGEST_PATH])])
-    sessions.set_cookie(request, response, COOKIE, state, max_age=SIGN_IN_S, path=PATH)
+        await _metadata(client, settings)
+        response: Response = await client.authorize_redirect(request, f"{server}{PATH}/callback")
+    state = cookies.serializer("sign-in").dumps([request.scope["session"], local_path(next[:LONGEST_PATH])])
+    cookies.set(response, COOKIE, state, max_age=SIGN_IN_S, path=PATH)
     return response
 
 
 @router.get("/oidc/callback")
-async def finish(request: Request, user: OptionalUser) -> Response:
+async def finish(
+    request: Request, user: OptionalUser, client: Client, settings: Config, database: Db, cookies: BrowserCookies
+) -> Response:
     """Log in the person that the provider names, and redirect to the page they requested."""
-    _client(request)
     try:
         cookie = request.cookies.get(COOKIE, "")
-        request.scope["session"], back = sessions.serializer(request, "sign-in").loads(cookie, max_age=SIGN_IN_S)
+        request.scope["session"], back = cookies.serializer("sign-in").loads(cookie, max_age=SIGN_IN_S)
     except BadData:
         raise Problem(403, "not-allowed", START_AGAIN) from None
     with _provider_errors():
-        claims = await _verified_claims(request)
+        claims = await _verified_claims(request, client, settings)
     account, logged_in = (str(claims["iss"]), str(claims["sub"])), None if user is None else user.name
     try:
-        async with request.app.state.database.begin() as connection:
-            name = await credentials.signed_in(connection, account, _name(request, claims), logged_in)
+        async with database.begin() as connection:
+            name = await credentials.signed_in(connection, account, _name(settings.oidc_claim, claims), logged_in)
     except credentials.NameTaken as error:
         raise Problem(403, "not-allowed", str(error)) from None
     response = RedirectResponse(back or "/", 303)
     response.delete_cookie(COOKIE, path=PATH)
-    await sessions.start_session(request, response, name, request.app.state.settings.oidc_name)
+    await cookies.start_session(response, name, settings.oidc_name)
     return response
 
 
-async def _verified_claims(request: Request) -> dict[str, Any]:
+async def _verified_claims(request: Request, client: Any, settings: Settings) -> dict[str, Any]:
     """Return the claims of the ID token after verifying signature, issuer, audience, nonce and expiry."""
-    client, metadata = _client(request), await _metadata(request)
-    claim = request.app.state.settings.oidc_claim
+    metadata, claim = await _metadata(client, settings), settings.oidc_claim
     options = {"iss": {"essential": True, "value": metadata["issuer"]}, "aud": {"essential": True, "value": client.client_id}}
     try:
         token = await client.authorize_access_token(request, claims_options=options)
@@ -107,8 +126,7 @@ async def _verified_claims(request: Request) -> dict[str, Any]:
     return dict(claims)
 
 
-def _name(request: Request, claims: dict[str, Any]) -> str:
-    claim = request.app.state.settings.oidc_claim
+def _name(claim: str, claims: dict[str, Any]) -> str:
     if claim == "email" and claims.get("email_verified") is not True:
         raise Problem(
             403, "not-allowed", "the sign-in provider has not verified your email address: verify it there, then sign in again"
@@ -121,24 +139,18 @@ def _name(request: Request, claims: dict[str, Any]) -> str:
         ) from None
 
 
-async def _metadata(request: Request) -> dict[str, Any]:
+async def _metadata(client: Any, settings: Settings) -> dict[str, Any]:
     """Return the provider's metadata, loaded once.
 
     Raises Problem 503 if its issuer is not the one in the settings.
     """
-    metadata: dict[str, Any] = await _client(request).load_server_metadata()
-    if str(metadata.get("issuer")).rstrip("/") != request.app.state.settings.oidc_issuer.rstrip("/"):
+    metadata: dict[str, Any] = await client.load_server_metadata()
+    if str(metadata.get("issuer")).rstrip("/") != (settings.oidc_issuer or "").rstrip("/"):
         metadata.pop("_loaded_at", None)
         raise Problem(503, "busy", "the sign-in provider's issuer differs from POLHODE_OIDC_ISSUER: correct the setting")
     offered = metadata.get("id_token_signing_alg_values_supported") or []
     metadata["id_token_signing_alg_values_supported"] = [name for name in offered if name in SIGNED] or ["RS256"]
     return metadata
-
-
-def _client(request: Request) -> Any:
-    if (client := request.app.state.oidc) is None:
-        raise Problem(404, "not-found", "this server has no sign-in provider: log in with a password or token")
-    return client
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from limits import RateLimitItem, RateLimitItemPerMinute
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
-from service.auth.sessions import known_browser
+from service.auth.sessions import Cookies
 from service.http.errors import Problem
 from service.http.requests import network
 
@@ -69,9 +69,9 @@ class LoginRateLimiter:
             raise Problem(429, "too-many", detail, retry_after=wait_s)
 
 
-def keys_of(request: Request, name: str) -> list[Key]:
+def keys_of(request: Request, cookies: Cookies, name: str) -> list[Key]:
     """Return the keys that count a login as ``name`` from this browser."""
-    if (browser := known_browser(request, name)) is not None:
+    if (browser := cookies.known_browser(name)) is not None:
         return [(BY_NAME, "browser", browser)]
     return [(BY_NAME, "name", name), (BY_ADDRESS, "address", _address(request))]
 

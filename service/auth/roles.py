@@ -6,60 +6,47 @@ from urllib.parse import quote
 from fastapi import Depends, FastAPI, Request
 from fastapi.responses import RedirectResponse, Response
 
-from service.auth.identity import STAFF, Person, authenticate, role
+from service.auth.identity import STAFF, Person, Visitor
 from service.http.errors import Problem
+from service.http.state import Config
 
 
 class LoginRequired(Exception):
     """A browser without a session requested a page; it is redirected to the log-in page."""
 
 
-async def current_user(request: Request) -> Person:
-    """Return the logged-in person and set ``request.state.role``.
-
-    Raises LoginRequired for a browser without a session.
-    """
-    try:
-        person = await authenticate(request)
-    except Problem as problem:
-        has_credentials = "authorization" in request.headers or request.app.state.settings.person_header is not None
-        if problem.status != 401 or has_credentials:
-            raise
-        raise LoginRequired from None
-    await role(request, person)
-    return person
+async def current_user(request: Request, settings: Config, visitor: Visitor) -> Person:
+    """Return the logged-in person. Raises LoginRequired for a browser without a session."""
+    if isinstance(visitor, Person):
+        return visitor.with_scope("read")
+    if "authorization" in request.headers or settings.person_header is not None:
+        raise visitor
+    raise LoginRequired
 
 
-async def optional_user(request: Request) -> Person | None:
-    """Return the logged-in person and set ``request.state.role``, or return None without a login."""
-    try:
-        person = await authenticate(request)
-    except Problem as problem:
-        if problem.status != 401:
-            raise
-        return None
-    await role(request, person)
-    return person
+async def optional_user(visitor: Visitor) -> Person | None:
+    """Return the logged-in person, or None without a login."""
+    return visitor.with_scope("read") if isinstance(visitor, Person) else None
 
 
-async def staff(request: Request) -> Person:
+CurrentUser = Annotated[Person, Depends(current_user)]
+OptionalUser = Annotated[Person | None, Depends(optional_user)]
+
+
+async def staff(person: CurrentUser) -> Person:
     """Return the person if they are an assistant or instructor; otherwise raise Problem 403."""
-    person = await current_user(request)
-    if request.state.role not in STAFF:
+    if person.role not in STAFF:
         raise Problem(403, "not-allowed", "you don't have permission: only course staff can do this")
     return person
 
 
-async def instructor(request: Request) -> Person:
+async def instructor(person: CurrentUser) -> Person:
     """Return the person if they are an instructor; otherwise raise Problem 403."""
-    person = await current_user(request)
-    if request.state.role != "instructor":
+    if person.role != "instructor":
         raise Problem(403, "not-allowed", "you don't have permission: only instructors can do this")
     return person
 
 
-OptionalUser = Annotated[Person | None, Depends(optional_user)]
-CurrentUser = Annotated[Person, Depends(current_user)]
 Staff = Annotated[Person, Depends(staff)]
 Instructor = Annotated[Person, Depends(instructor)]
 

@@ -5,13 +5,16 @@ before a login.
 import hashlib
 import re
 import secrets
-from typing import Any
+from functools import cached_property
+from typing import Annotated, Any
 
-from fastapi import Request, Response
+from fastapi import Depends, Request, Response
 from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
-from service.http.requests import public_address
+from service.http.requests import PublicAddress
+from service.http.state import Db, Held
 from service.store.course import audit, tokens
+from service.store.database import Database
 
 COOKIE = "polhode_session"  # the session's secret, signed
 KNOWN = "polhode_known"  # the person that last logged in with this browser
@@ -20,83 +23,86 @@ SESSION_S = 12 * 3600
 KNOWN_S = 180 * 24 * 3600
 
 
-def read_session(request: Request) -> str | None:
-    """Return the secret of the browser's session, or None without a valid cookie.
-
-    The session itself, which the database holds, expires after twelve hours. The cookie's time is not
-    checked, as a cookie from the future, signed before the clock went back, would be refused.
-    """
-    try:
-        return _signer(request).unsign(request.cookies.get(COOKIE, "")).decode()
-    except (BadData, UnicodeDecodeError):
-        return None
+class Secret(bytes):
+    """The key that signs cookies and forms, the same on all servers."""
 
 
-async def start_session(request: Request, response: Response, name: str, method: str) -> None:
-    """Start a session for the person, replacing the browser's previous session.
+class Cookies:
+    """The cookies of the browser that sent ``request``. With ``secure``, it returns them over https only."""
 
-    ``method`` is how they logged in.
-    """
-    database, previous = request.app.state.database, read_session(request)
-    info = None if previous is None else await tokens.find(database, previous)
-    async with database.begin() as connection:
-        if info is not None:
-            await tokens.revoke(connection, id=info.id)
-        label = f"{_browser(request)}, by {method}"
-        secret = await tokens.create_session(connection, name, label=label, seconds=SESSION_S)
-        if method == "password":
-            await audit.record(connection, name, "log in", name, {"by": method})
-    set_cookie(request, response, COOKIE, _signer(request).sign(secret).decode(), max_age=SESSION_S)
-    set_cookie(request, response, KNOWN, serializer(request, "known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S)
-    response.delete_cookie(VISIT)
+    def __init__(self, request: Request, secret: bytes, database: Database, *, secure: bool) -> None:
+        self._request, self.secret, self._database, self._secure = request, secret, database, secure
+        self._signer = TimestampSigner(secret, salt="polhode session", **_SHA256)
+
+    def session(self) -> str | None:
+        """Return the secret of the browser's session, or None without a valid cookie.
+
+        The session itself, which the database holds, expires after twelve hours. The cookie's time is not
+        checked, as a cookie from the future, signed before the clock went back, would be refused.
+        """
+        try:
+            return self._signer.unsign(self._request.cookies.get(COOKIE, "")).decode()
+        except (BadData, UnicodeDecodeError):
+            return None
+
+    async def start_session(self, response: Response, name: str, method: str) -> None:
+        """Start a session for the person, replacing the browser's previous session.
+
+        ``method`` is how they logged in.
+        """
+        previous = self.session()
+        info = None if previous is None else await tokens.find(self._database, previous)
+        async with self._database.begin() as connection:
+            if info is not None:
+                await tokens.revoke(connection, id=info.id)
+            label = f"{_browser(self._request)}, by {method}"
+            secret = await tokens.create_session(connection, name, label=label, seconds=SESSION_S)
+            if method == "password":
+                await audit.record(connection, name, "log in", name, {"by": method})
+        self.set(response, COOKIE, self._signer.sign(secret).decode(), max_age=SESSION_S)
+        self.set(response, KNOWN, self.serializer("known").dumps([name, secrets.token_hex(8)]), max_age=KNOWN_S)
+        response.delete_cookie(VISIT)
+
+    def known_browser(self, name: str) -> str | None:
+        """Return the browser's identifier if the person has logged in with it before, otherwise None."""
+        try:
+            owner, id = self.serializer("known").loads(self._request.cookies.get(KNOWN, ""), max_age=KNOWN_S)
+        except BadData:
+            return None
+        return str(id) if owner == name else None
+
+    @cached_property
+    def anonymous_id(self) -> str:
+        """The secret that identifies a browser before a login; ``store_anonymous_id`` saves a new one as a cookie."""
+        cookie = self._request.cookies.get(VISIT, "")
+        return cookie if re.fullmatch(r"[\w-]{43}", cookie, re.ASCII) else secrets.token_urlsafe(32)
+
+    def store_anonymous_id(self, response: Response) -> None:
+        """Set the cookie of the anonymous id if it is used and new."""
+        if self.__dict__.get("anonymous_id", cookie := self._request.cookies.get(VISIT)) != cookie:
+            self.set(response, VISIT, self.anonymous_id)
+
+    def set(self, response: Response, name: str, value: str, **options: Any) -> None:
+        """Set a cookie that scripts cannot read and that forms of other sites do not send."""
+        response.set_cookie(name, value, httponly=True, samesite="lax", secure=self._secure, **options)
+
+    def serializer(self, purpose: str) -> URLSafeTimedSerializer:
+        """Return a serializer that signs with a key derived for ``purpose``, the same on all servers."""
+        return URLSafeTimedSerializer(self.secret, salt=f"polhode {purpose}", signer_kwargs=_SHA256)
+
+
+async def cookies(request: Request, secret: Held[Secret], database: Db, address: PublicAddress) -> Cookies:
+    """Return the cookies of the request's browser."""
+    return Cookies(request, secret, database, secure=address.startswith("https://"))
+
+
+BrowserCookies = Annotated[Cookies, Depends(cookies)]
 
 
 def clear_session(response: Response) -> Response:
     """Delete the session cookie with this response and return it."""
     response.delete_cookie(COOKIE)
     return response
-
-
-def known_browser(request: Request, name: str) -> str | None:
-    """Return the browser's identifier if the person has logged in with it before, otherwise None."""
-    try:
-        owner, id = serializer(request, "known").loads(request.cookies.get(KNOWN, ""), max_age=KNOWN_S)
-    except BadData:
-        return None
-    return str(id) if owner == name else None
-
-
-def anonymous_id(request: Request) -> str:
-    """Return the secret that identifies a browser before a login; ``store_anonymous_id`` saves a new
-    one as a cookie.
-    """
-    cookie = request.cookies.get(VISIT, "")
-    if re.fullmatch(r"[\w-]{43}", cookie, re.ASCII):
-        return cookie
-    if not hasattr(request.state, "visit"):
-        request.state.visit = secrets.token_urlsafe(32)
-    return str(request.state.visit)
-
-
-def store_anonymous_id(request: Request, response: Response) -> None:
-    """Set the cookie of the anonymous id if it is new."""
-    if hasattr(request.state, "visit"):
-        set_cookie(request, response, VISIT, request.state.visit)
-
-
-def set_cookie(request: Request, response: Response, name: str, value: str, **options: Any) -> None:
-    """Set a cookie that scripts cannot read and that forms of other sites do not send."""
-    secure = public_address(request).startswith("https://")
-    response.set_cookie(name, value, httponly=True, samesite="lax", secure=secure, **options)
-
-
-def serializer(request: Request, purpose: str) -> URLSafeTimedSerializer:
-    """Return a serializer that signs with a key derived for ``purpose``, the same on all servers."""
-    return URLSafeTimedSerializer(request.app.state.secret, salt=f"polhode {purpose}", signer_kwargs=_SHA256)
-
-
-def _signer(request: Request) -> TimestampSigner:
-    return TimestampSigner(request.app.state.secret, salt="polhode session", **_SHA256)
 
 
 def _browser(request: Request) -> str:

@@ -21,6 +21,7 @@ from service.api.health import WorkerStatus
 from service.app import create_app
 from service.auth import oidc
 from service.http.connections import ACCEPTED, Connection, Connections, raise_open_file_limit
+from service.http.live import Listener
 from service.settings import Settings
 from service.store.database import WrongSchema, is_outage
 from service.store.postgres.os_user import DatabaseUnavailable
@@ -96,7 +97,7 @@ class _Server(uvicorn.Server):
         if self.started and self._announce:
             assert isinstance(self.config.app, FastAPI)
             _print(f"listening on {', '.join(map(_address, sockets or []))}")
-            self._announcement = asyncio.create_task(_announce_isolation(self.config.app.state.worker_status))
+            self._announcement = asyncio.create_task(_announce_isolation(self.config.app.state.held[WorkerStatus]))
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         if self._announcement is not None:
@@ -105,7 +106,7 @@ class _Server(uvicorn.Server):
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         assert isinstance(self.config.app, FastAPI)
-        if (listener := getattr(self.config.app.state, "listener", None)) is not None:
+        if (listener := self.config.app.state.held.get(Listener)) is not None:
             listener.leave()
         super().handle_exit(sig, frame)
 

@@ -3,6 +3,7 @@
 import logging
 import time
 from collections.abc import Mapping
+from functools import partial
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -71,9 +72,9 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _problem)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
-    app.state.outages_logged = {}
+    logged: dict[str, float] = {}
     for outage in (DBAPIError, NoConnection, ConnectorException, DatabaseLost):
-        app.add_exception_handler(outage, _outage)
+        app.add_exception_handler(outage, partial(_outage, logged))
 
 
 def problem_response(
@@ -128,13 +129,13 @@ async def _validation(request: Request, error: Exception) -> Response:
     return _respond(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
 
 
-async def _outage(request: Request, error: Exception) -> Response:
+async def _outage(logged: dict[str, float], request: Request, error: Exception) -> Response:
     # Any database error that is not an outage is a bug: the middleware logs it and returns 500.
     if not is_outage(error):
         raise error
     loss = is_loss(error)
     reason = str(getattr(error, "orig", error)).split("\n")[0] if loss else type(error).__name__
-    logged, now = request.app.state.outages_logged, time.monotonic()
+    now = time.monotonic()
     if now - logged.get(reason, float("-inf")) > LOG_EVERY_S:
         logged[reason] = now
         log.error("database unavailable: %s", reason)

@@ -4,7 +4,6 @@ import logging
 import time
 import uuid
 
-from fastapi import FastAPI
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -26,11 +25,6 @@ SECURITY_HEADERS = {
     "x-content-type-options": "nosniff",
     "referrer-policy": "same-origin",
 }
-
-
-def install(app: FastAPI) -> None:
-    """Add the middleware to ``app``."""
-    app.add_middleware(RequestMiddleware, https=(app.state.settings.public_url or "").startswith("https://"))
 
 
 class RequestMiddleware:

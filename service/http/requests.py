@@ -2,19 +2,25 @@
 
 import ipaddress
 import re
+from typing import Annotated
 from urllib.parse import urlsplit
 
-from fastapi import Request
+from fastapi import Depends, Request
 
 from service.http.errors import Problem
+from service.http.state import Config
+from service.settings import Settings
 
 LONGEST_PATH = 1000
 HOST = re.compile(r"([A-Za-z0-9._~!$&'()*+,;=%-]*|\[[0-9A-Fa-f:.]+\])(:[0-9]*)?")
 
 
-def public_address(request: Request) -> str:
+async def public_address(request: Request, settings: Config) -> str:
     """Return the URL at which students reach this server, without a trailing slash."""
-    return str(request.app.state.settings.public_url or request.base_url).rstrip("/")
+    return str(settings.public_url or request.base_url).rstrip("/")
+
+
+PublicAddress = Annotated[str, Depends(public_address)]
 
 
 def local_path(path: str) -> str:
@@ -43,12 +49,11 @@ def network(address: str) -> str:
     return str(ip)
 
 
-def is_own_host(request: Request) -> bool:
+def is_own_host(request: Request, settings: Settings) -> bool:
     """Return whether the Host header is an IP address, localhost or a configured name of this server.
 
     Rejecting other names prevents DNS rebinding.
     """
-    settings = request.app.state.settings
     header = request.headers.get("host", "")
     host = ("" if "@" in header else urlsplit(f"//{header}").hostname) or ""
     public_name = urlsplit(settings.public_url or "").hostname

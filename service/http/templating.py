@@ -54,7 +54,8 @@ def format_duration(took: timedelta) -> str:
 
 
 def _common_context(request: Request) -> dict[str, Any]:
-    return {"me": getattr(request.state, "person", None), "role": getattr(request.state, "role", None)}
+    person = getattr(request.state, "person", None)
+    return {"me": person, "role": person and person.role}
 
 
 ENVIRONMENT.filters |= {"moment": format_time, "duration": format_duration}

@@ -9,13 +9,15 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from ecp.checks import Check
 from exercises.catalogue import assignments
 from exercises.validation_cells import is_self_reported
+from service.api.health import WorkerStatus
 from service.api.history import list_own
-from service.api.submissions import find_assignment
+from service.api.submissions import Assigned
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
 from service.auth.roles import CurrentUser, Instructor, Staff
 from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem
+from service.http.state import Db, Held
 from service.http.templating import templates
 from service.store.course import audit, gradebook, people, tokens
 from service.store.course.audit import MOST, entries
@@ -28,10 +30,10 @@ MOST_PEOPLE = 5000
 
 
 @router.get("/", response_class=HTMLResponse)
-async def index(request: Request, person: CurrentUser) -> Response:
+async def index(request: Request, person: CurrentUser, database: Db, workers: Held[WorkerStatus]) -> Response:
     """Show the assignments and the latest submissions: all of them to staff, their own to students."""
-    database, staff = request.app.state.database, request.state.role in STAFF
-    isolation, reason = await request.app.state.worker_status.current()
+    staff = person.role in STAFF
+    isolation, reason = await workers.current()
     order = list(assignments())
     overview = [row for row in await gradebook.overview(database) if row.slug in order]
     overview.sort(key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug)))
@@ -54,10 +56,9 @@ def _self_reported(checks: Sequence[Check]) -> str:
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
-async def own_submissions(slug: str, request: Request, person: CurrentUser) -> Response:
+async def own_submissions(request: Request, person: CurrentUser, assignment: Assigned, database: Db) -> Response:
     """Show the person's submissions to an assignment and the changes between them."""
-    assignment = find_assignment(slug)
-    history = await list_own(slug, request)
+    history = await list_own(assignment, person, database)
     by_id = {one["id"]: one for one in history["submissions"]}
     context = {"assignment": assignment, "person": person.name, "history": history}
     context |= {"best": by_id.get(history["best"]), "last": by_id.get(history["last"]), "session": COOKIE in request.cookies}
@@ -65,14 +66,16 @@ async def own_submissions(slug: str, request: Request, person: CurrentUser) -> R
 
 
 @router.get("/people", response_class=HTMLResponse)
-async def show_people(request: Request, person: Staff, entered: Annotated[int | None, Query(ge=0)] = None) -> Response:
+async def show_people(
+    request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
+) -> Response:
     """Show all people of the course, and to instructors the roster import."""
-    rows = await people.everybody(request.app.state.database)
+    rows = await people.everybody(database)
     return templates.TemplateResponse(request, "people.html", {"rows": rows, "imported": entered, "columns": people.COLUMNS})
 
 
 @router.post("/people")
-async def import_roster(request: Request, person: Instructor, form: forms.Form) -> Response:
+async def import_roster(person: Instructor, form: forms.Form, database: Db) -> Response:
     """Import people from a CSV file. Return their new tokens as a CSV file if requested."""
     file, content = await forms.file(form, "roster")
     try:
@@ -89,7 +92,7 @@ async def import_roster(request: Request, person: Instructor, form: forms.Form) 
             "/roster",
         )
     names = [entry.name for entry in entries] if forms.field(form, "tokens") else []
-    async with request.app.state.database.begin() as connection:
+    async with database.begin() as connection:
         await people.enroll(connection, entries)
         options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
         created = await tokens.create_all(connection, names, **options) if names else []
@@ -106,11 +109,12 @@ def _tokens_file(created: list[tuple[str, str]]) -> Response:
 async def audit_log(
     request: Request,
     person: Staff,
+    database: Db,
     subject: Annotated[str, Query(max_length=200)] = "",
     before: Annotated[int | None, Query(ge=0, le=2**62)] = None,
 ) -> Response:
     """Show the latest entries, optionally of one person or subject."""
     subject = subject.strip().replace("\x00", "")
-    rows = await entries(request.app.state.database, subject or None, before)
+    rows = await entries(database, subject or None, before)
     context = {"rows": rows, "subject": subject, "older": rows[-1].id if len(rows) == MOST else None}
     return templates.TemplateResponse(request, "audit.html", context)

@@ -9,11 +9,13 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 from pydantic import BaseModel, Field
 from starlette.datastructures import FormData
 
-from service.api.submissions import find_assignment
+from service.api.figure_renderer import Renderer
+from service.api.submissions import Assigned
 from service.auth import forms
 from service.auth.roles import Instructor, Staff
 from service.grading import result
 from service.http.errors import Problem
+from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages import class_stats
 from service.store import queue_overview, sweeps
@@ -34,9 +36,11 @@ class SubmissionFilter(BaseModel):
 
 
 @router.get("/assignments/{slug}/class", response_class=HTMLResponse)
-async def class_page(slug: str, request: Request, person: Staff, sort: Literal["name", "points"] = "name") -> Response:
+async def class_page(
+    request: Request, person: Staff, assignment: Assigned, database: Db, sort: Literal["name", "points"] = "name"
+) -> Response:
     """Show the results of all students by check, and statistics."""
-    assignment, database = find_assignment(slug), request.app.state.database
+    slug = assignment.slug
     students = await gradebook.student_rows(database, slug)
     if sort == "points":
         students.sort(key=lambda s: -1 if s.points is None else s.points, reverse=True)
@@ -62,12 +66,11 @@ async def class_page(slug: str, request: Request, person: Staff, sort: Literal["
 
 @router.get("/assignments/{slug}/class/submissions", response_class=HTMLResponse)
 async def filtered_submissions(
-    slug: str, request: Request, person: Staff, selection: Annotated[SubmissionFilter, Query()]
+    request: Request, person: Staff, assignment: Assigned, database: Db, selection: Annotated[SubmissionFilter, Query()]
 ) -> Response:
     """Show the counted submissions that match a check, its state or a cause."""
-    assignment = find_assignment(slug)
     check, state, cause = selection.check, selection.state, selection.cause
-    students = await gradebook.student_rows(request.app.state.database, slug)
+    students = await gradebook.student_rows(database, assignment.slug)
     found = [s for s in students if _matches(s, check, state, cause)]
     label = next((c.label for c in assignment.checks() if c.id == check), check)
     context = {"assignment": assignment, "students": found, "total": len(students), "check": check, "label": label}
@@ -76,45 +79,39 @@ async def filtered_submissions(
 
 
 @router.get("/assignments/{slug}/class/sweep.svg")
-async def class_sweep(slug: str, request: Request, person: Staff) -> Response:
+async def class_sweep(person: Staff, assignment: Assigned, database: Db, renderer: Held[Renderer]) -> Response:
     """Return the speed vs accuracy chart of the class's measured functions and the reference methods."""
-    find_assignment(slug)
-    database = request.app.state.database
-    documents = await sweeps.documents(database, await gradebook.students(database, slug))
+    documents = await sweeps.documents(database, await gradebook.students(database, assignment.slug))
     if not documents:
         raise Problem(404, "not-found", "no submission has been measured yet: start the measurement on the class page")
-    return Response(await request.app.state.renderer.class_sweep(documents), media_type="image/svg+xml")
+    return Response(await renderer.class_sweep(documents), media_type="image/svg+xml")
 
 
 @router.post("/assignments/{slug}/class/sweep")
-async def sweep_class(slug: str, request: Request, person: Staff, form: forms.Form) -> Response:
+async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Queue the speed vs accuracy sweep of all counted submissions, after all waiting gradings."""
-    find_assignment(slug)
-    database = request.app.state.database
-    await sweeps.request_class(database, await gradebook.students(database, slug))
-    return RedirectResponse(f"/assignments/{slug}/class#speed", 303)
+    await sweeps.request_class(database, await gradebook.students(database, assignment.slug))
+    return RedirectResponse(f"/assignments/{assignment.slug}/class#speed", 303)
 
 
 @router.post("/assignments/{slug}/rules")
-async def set_rules(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
+async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Set deadline, grace period, submission limit and weight. An empty field means no limit, and the weight 1."""
-    find_assignment(slug)
     grace = _number(form, "grace", 0, MOST_GRACE_MIN) or 0.0
     most = _number(form, "most", 1, MOST_ALLOWED)
     weight = _number(form, "weight", 0, MOST_WEIGHT)
     rules = queue_overview.Rules(
         _datetime(form, "due"), 60.0 * grace, None if most is None else int(most), 1.0 if weight is None else weight
     )
-    await queue_overview.set_rules(request.app.state.database, slug, rules, person.name)
-    return RedirectResponse(f"/assignments/{slug}/class", 303)
+    await queue_overview.set_rules(database, assignment.slug, rules, person.name)
+    return RedirectResponse(f"/assignments/{assignment.slug}/class", 303)
 
 
 @router.post("/assignments/{slug}/extensions")
-async def extend(slug: str, request: Request, person: Instructor, form: forms.Form) -> Response:
+async def extend(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Give one person a new deadline with a reason. An empty deadline removes the extension."""
-    find_assignment(slug)
+    slug = assignment.slug
     name, due, reason = forms.field(form, "name"), _datetime(form, "due"), forms.field(form, "reason")
-    database = request.app.state.database
     if due is None:
         if not await deadlines.remove_extension(database, slug, name, person.name):
             raise Problem(422, "invalid-request", f"{name or 'this person'} has no extension to remove: check the name", "/name")

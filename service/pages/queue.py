@@ -12,58 +12,59 @@ from sqlalchemy import Row
 from service.auth.forms import Form
 from service.auth.roles import Staff
 from service.http.errors import Problem
+from service.http.live import ChangeFeed
+from service.http.state import Db, Held
 from service.http.templating import templates
 from service.settings import LEASE_S
 from service.store import gradings
 from service.store.queue_overview import MOST_PLACES, QueueSnapshot, regrade
 
 router = APIRouter()
+Queue = Held[ChangeFeed[Any]]
 LONG_S = 5.0  # time in one scene that suggests an endless loop; most scenes take a tenth of it
 SILENT_S = 5.0  # workers send a heartbeat every three seconds
 
 
 @router.get("/queue", response_class=HTMLResponse)
-async def page(request: Request, person: Staff) -> Response:
+async def page(request: Request, person: Staff, queue: Queue) -> Response:
     """Show the queue."""
-    return templates.TemplateResponse(
-        request, "queue.html", {"queue": await request.app.state.queue.current(), "most": MOST_PLACES}
-    )
+    return templates.TemplateResponse(request, "queue.html", {"queue": await queue.current(), "most": MOST_PLACES})
 
 
 @router.get("/queue/events", response_class=EventSourceResponse)
 async def events(
-    request: Request, person: Staff, last_event_id: Annotated[str | None, Header()] = None
+    person: Staff, queue: Queue, last_event_id: Annotated[str | None, Header()] = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Send an event whenever the page's data changes, at most once per second."""
-    async for event in request.app.state.queue.events(last_event_id):
+    async for event in queue.events(last_event_id):
         yield event
 
 
 @router.post("/queue/{grading}/cancel")
-async def cancel(grading: str, request: Request, person: Staff, form: Form) -> Response:
+async def cancel(grading: str, person: Staff, form: Form, database: Db, queue: Queue) -> Response:
     """Cancel a waiting or running grading. It does not count against the student."""
     try:
-        found = await gradings.cancel(request.app.state.database, identifier(grading), person.name)
+        found = await gradings.cancel(database, identifier(grading), person.name)
     except gradings.AlreadyFinished:
         raise Problem(
             409, "changed-meanwhile", "the grading already has a result and cannot be cancelled: reload the page"
         ) from None
     if found is None:
         raise Problem(404, "not-found", "no such grading: reload the queue")
-    request.app.state.queue.invalidate()
+    queue.invalidate()
     return RedirectResponse("/queue", 303)
 
 
 @router.post("/queue/{submission}/retry")
-async def retry(submission: str, request: Request, person: Staff, form: Form) -> Response:
+async def retry(submission: str, person: Staff, form: Form, database: Db, queue: Queue) -> Response:
     """Queue a new grading of a submission whose last one failed or was cancelled."""
-    if not await regrade(request.app.state.database, [identifier(submission)], person.name, faults=True):
+    if not await regrade(database, [identifier(submission)], person.name, faults=True):
         raise Problem(
             409,
             "changed-meanwhile",
             "nothing to retry: the submission has a report, is being graded or does not exist; reload the queue",
         )
-    request.app.state.queue.invalidate()
+    queue.invalidate()
     return RedirectResponse("/queue", 303)
 
 

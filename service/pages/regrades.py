@@ -12,14 +12,15 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from sqlalchemy import Row
 
 from exercises.assignment import Assignment
-from service.api.submissions import find_assignment
+from service.api.submissions import Assigned, find_assignment
 from service.auth.forms import Form, field
 from service.auth.roles import Instructor, Staff
 from service.grading.result import MARKS, WORDS
 from service.http.errors import Problem
-from service.http.live import ChangeFeed
+from service.http.live import ChangeFeed, Listener
+from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages.queue import identifier
+from service.pages.queue import Queue, identifier
 from service.store import records, regrades
 from service.store.regrades import BEST, EVERY, Regrade
 
@@ -29,8 +30,8 @@ GROUPS = ("gains", "loses", "unchanged", "faults", "overtaken")
 MOST_CHANGED = 12
 
 
-async def _find(request: Request, id: str) -> Regrade:
-    found = await regrades.find(request.app.state.database, identifier(id))
+async def _find(id: str, database: Db) -> Regrade:
+    found = await regrades.find(database, identifier(id))
     if found is None:
         raise Problem(404, "not-found", "no such regrade: check the address")
     return found
@@ -40,36 +41,34 @@ Found = Annotated[Regrade, Depends(_find)]
 
 
 @router.get("/assignments/{slug}/regrades", response_class=HTMLResponse)
-async def list_regrades(slug: str, request: Request, person: Staff) -> Response:
+async def list_regrades(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show the regrades of an assignment and the form that starts one."""
-    assignment = find_assignment(slug)
     context = {"assignment": assignment, "labels": check_labels(assignment)}
-    context["regrades"] = await regrades.of_assignment(request.app.state.database, slug)
+    context["regrades"] = await regrades.of_assignment(database, assignment.slug)
     return templates.TemplateResponse(request, "regrades.html", context)
 
 
 @router.post("/assignments/{slug}/regrades")
-async def create(slug: str, request: Request, person: Staff, form: Form) -> Response:
+async def create(person: Staff, form: Form, assignment: Assigned, database: Db, queue: Queue) -> Response:
     """Start a preview regrade of the selected submissions. Shown results do not change."""
-    which, check, description = await _selection(request, find_assignment(slug), field(form, "which"), field(form, "check"))
+    which, check, description = await _selection(database, assignment, field(form, "which"), field(form, "check"))
     try:
-        id = await regrades.create(request.app.state.database, slug, which, person.name, check=check, description=description)
+        id = await regrades.create(database, assignment.slug, which, person.name, check=check, description=description)
     except regrades.NothingToGrade:
         raise Problem(
             409, "not-ready", f"nothing to regrade ({description}): no submission matches, or all are being graded"
         ) from None
-    request.app.state.queue.invalidate()
+    queue.invalidate()
     return RedirectResponse(f"/regrades/{id}", 303)
 
 
 @router.get("/regrades/{id}", response_class=HTMLResponse)
-async def page(request: Request, person: Staff, regrade: Found) -> Response:
+async def page(request: Request, person: Staff, regrade: Found, database: Db) -> Response:
     """Show the regrade's progress and changes."""
-    database = request.app.state.database
     pairs, flips = await regrades.score_changes(database, regrade.id), await regrades.check_changes(database, regrade.id)
-    assignment = find_assignment(regrade.assignment)
+    assignment = await find_assignment(regrade.assignment)
     context: dict[str, Any] = {"regrade": regrade, "assignment": assignment, "diff": diff(pairs, flips, check_labels(assignment))}
-    role = request.state.role
+    role = person.role
     context["may_drop"] = regrade.decided is None and (role == "instructor" or person.name == regrade.requested_by)
     context["may_apply"] = regrade.decided is None and role == "instructor" and regrade.finished == regrade.total
     return templates.TemplateResponse(request, "regrade.html", context)
@@ -77,18 +76,18 @@ async def page(request: Request, person: Staff, regrade: Found) -> Response:
 
 @router.get("/regrades/{id}/events", response_class=EventSourceResponse)
 async def events(
-    request: Request, person: Staff, regrade: Found, last_event_id: Annotated[str | None, Header()] = None
+    person: Staff, regrade: Found, database: Db, listener: Held[Listener], last_event_id: Annotated[str | None, Header()] = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Send an event whenever the regrade progresses or is decided, at most once per second."""
-    async for event in _feed(request, regrade.id).events(last_event_id):
+    async for event in _feed(database, listener, regrade.id).events(last_event_id):
         yield event
 
 
 @router.post("/regrades/{id}/apply")
-async def apply(request: Request, person: Instructor, form: Form, regrade: Found) -> Response:
+async def apply(person: Instructor, form: Form, regrade: Found, database: Db) -> Response:
     """Make the new results the shown ones."""
     try:
-        await regrades.apply(request.app.state.database, regrade.id, person.name)
+        await regrades.apply(database, regrade.id, person.name)
     except regrades.RegradeIncomplete as error:
         raise Problem(409, "not-ready", f"the regrade cannot be applied yet: {error}") from None
     except regrades.RegradeClosed as error:
@@ -97,23 +96,23 @@ async def apply(request: Request, person: Instructor, form: Form, regrade: Found
 
 
 @router.post("/regrades/{id}/drop")
-async def drop(request: Request, person: Staff, form: Form, regrade: Found) -> Response:
+async def drop(person: Staff, form: Form, regrade: Found, database: Db, queue: Queue) -> Response:
     """Drop a regrade and keep the shown results."""
-    if request.state.role != "instructor" and person.name != regrade.requested_by:
+    if person.role != "instructor" and person.name != regrade.requested_by:
         raise Problem(
             403,
             "not-allowed",
             "you don't have permission: only instructors and the person who requested the regrade can drop it",
         )
     try:
-        await regrades.drop(request.app.state.database, regrade.id, person.name)
+        await regrades.drop(database, regrade.id, person.name)
     except regrades.RegradeClosed as error:
         raise Problem(409, "changed-meanwhile", str(error)) from None
-    request.app.state.queue.invalidate()
+    queue.invalidate()
     return RedirectResponse(f"/regrades/{regrade.id}", 303)
 
 
-async def _selection(request: Request, assignment: Assignment, which: str, check: str) -> tuple[UUID | str, str | None, str]:
+async def _selection(database: Db, assignment: Assignment, which: str, check: str) -> tuple[UUID | str, str | None, str]:
     """Return the submissions that the form selects, the check that they do not pass (or None), and a
     description.
     """
@@ -125,17 +124,16 @@ async def _selection(request: Request, assignment: Assignment, which: str, check
         return which, None, "each student's best submission" if which == BEST else "all submissions of all students"
     if not which:
         raise Problem(422, "invalid-request", "select submissions: all, every, check, or the id of one", "/which")
-    stored = await records.read(request.app.state.database, identifier(which))
+    stored = await records.read(database, identifier(which))
     if stored is None or stored.assignment != assignment.slug:
         raise Problem(404, "not-found", f"{assignment.slug} has no submission {which[:80]}: check the id")
     return stored.id, None, f"one submission of {stored.person}"
 
 
-def _feed(request: Request, id: UUID) -> ChangeFeed[Regrade | None]:
+def _feed(database: Db, listener: Listener, id: UUID) -> ChangeFeed[Regrade | None]:
     """Return the feed that all viewers of the regrade on this server share."""
-    state, feed = request.app.state, _feeds.get(id)
-    if feed is None:
-        feed = _feeds[id] = ChangeFeed(state.listener, lambda: regrades.find(state.database, id), lambda regrade: regrade)
+    if (feed := _feeds.get(id)) is None:
+        feed = _feeds[id] = ChangeFeed(listener, lambda: regrades.find(database, id), lambda regrade: regrade)
     return feed
 
 

@@ -5,8 +5,10 @@ from typing import Literal
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
+from service.api.figure_renderer import Renderer
 from service.grading import charts
 from service.http.errors import Problem
+from service.http.state import Held
 from service.http.templating import templates
 
 router = APIRouter()
@@ -23,9 +25,9 @@ async def reference(request: Request) -> HTMLResponse:
 
 
 @router.get("/reference/{kind}/{number}.svg")
-async def chart(kind: Literal["work-precision", "stability"], number: int, request: Request) -> Response:
+async def chart(kind: Literal["work-precision", "stability"], number: int, renderer: Held[Renderer]) -> Response:
     """Return a chart of the reference page as SVG."""
     count = len(charts.load_stability()["entries"] if kind == "stability" else charts.scenes(charts.load_work_precision()))
     if not 0 <= number < count:
         raise Problem(404, "not-found", f"no chart {number}: see /reference for the charts")
-    return Response(await request.app.state.renderer.chart(kind, number), media_type="image/svg+xml")
+    return Response(await renderer.chart(kind, number), media_type="image/svg+xml")

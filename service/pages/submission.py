@@ -12,13 +12,14 @@ from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
-from service.api.figures import Submission, cached_artefact
-from service.api.submissions import find_submission
+from service.api.figures import cached_artefact
+from service.api.submissions import Submission
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
 from service.grading import motion_data, rendering, result
 from service.grading.submission import source_locations
 from service.http.errors import Problem
+from service.http.state import Db
 from service.http.templating import templates
 from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
@@ -31,22 +32,20 @@ router = APIRouter()
 
 @router.get("/submissions/{id}", response_class=HTMLResponse)
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
-async def report(id: str, request: Request, person: CurrentUser) -> Response:
+async def report(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show one submission. Staff see more details of the grading than the student."""
-    stored, database = await find_submission(request, id), request.app.state.database
     context = await asyncio.to_thread(_report_context, stored) | {
         "stored": stored,
-        "staff": request.state.role in STAFF,
+        "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
         "timeline": await timeline(database, stored.person, stored.assignment),
     }
-    return templates.TemplateResponse(request, "report.html", context | await overrides.context(request, stored))
+    return templates.TemplateResponse(request, "report.html", context | await overrides.context(database, stored))
 
 
 @router.get("/submissions/{id}/diff", response_class=HTMLResponse)
-async def changes(id: str, request: Request, person: CurrentUser) -> Response:
+async def changes(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show the changes of the source since the student's previous submission."""
-    stored, database = await find_submission(request, id), request.app.state.database
     found = await previous(database, stored.id)
     earlier = await records.read(database, found) if found else None
     if earlier is None:
@@ -97,7 +96,7 @@ def _diff(earlier: SubmissionRecord, stored: SubmissionRecord) -> list[list[Chan
 
 
 @router.get("/submissions/{id}/motions/{name}.json")
-async def motion(person: CurrentUser, stored: Submission, name: str, request: Request) -> Response:
+async def motion(request: Request, person: CurrentUser, stored: Submission, name: str, database: Db) -> Response:
     """Return a motion of the report as JSON; compute it on the first request and store it."""
     assignment = assignments().get(stored.assignment)
     available = playable_motions(assignment, stored.report) if assignment and stored.report else {}
@@ -111,7 +110,7 @@ async def motion(person: CurrentUser, stored: Submission, name: str, request: Re
     async def make(packed: bytes) -> bytes:
         return await asyncio.to_thread(compute, packed)
 
-    return await cached_artefact(request, stored, f"motions/{name}.json", "application/json", make)
+    return await cached_artefact(request, database, stored, f"motions/{name}.json", "application/json", make)
 
 
 def playable_motions(assignment: Assignment, report: Report) -> dict[str, list[Motion]]:

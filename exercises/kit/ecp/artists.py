@@ -163,11 +163,8 @@ def _segments(artist: Any) -> Any:
         found = artist.get_segments()
     if found is None:
         return None
-    return np.concatenate([np.empty((0, 3)), *found]) if len(found) and np.shape(found[0])[-1] == 3 else _flat_segments(found)
-
-
-def _flat_segments(found: Any) -> Array:
-    return np.concatenate([np.empty((0, 2)), *found])
+    dimensions = 3 if len(found) and np.shape(found[0])[-1] == 3 else 2
+    return np.concatenate([np.empty((0, dimensions)), *found])
 
 
 def _faces(artist: Any) -> Any:

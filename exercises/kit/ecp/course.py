@@ -61,10 +61,6 @@ class PublicScene:
     returns: Mapping[str, Any] | None = None
 
 
-def _no_diagnosis(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
-    return []
-
-
 @dataclass(frozen=True)
 class PublicAssignment:
     """The public side of an assignment, as of the kit's build. ``hidden`` counts each exercise's hidden checks."""
@@ -75,24 +71,23 @@ class PublicAssignment:
     exercises: tuple[Exercise, ...]
     scenes: Mapping[str, PublicScene]
     plays: Mapping[str, Any]
-    diagnose: Diagnose = _no_diagnosis
+    diagnose_own: Diagnose | None = None
 
     def names(self, scene: str) -> set[str]:
         """Return the notebook's names that a scene, and those it comes after, cannot be played without."""
         found = self.scenes[scene]
         return {found.function, *found.needs} | (self.names(found.after) if found.after is not None else set())
 
+    def diagnose(self, scene: str, seen: Arrays) -> list[Diagnosis]:
+        """Return the likely causes behind what a scene returned: by its question's kind, else by the author's own function."""
+        found = self.scenes[scene]
+        if found.question is not None:
+            return diagnose(found.question, seen, found.truth) or []
+        return self.diagnose_own(scene, found.inputs, seen, found.truth) if self.diagnose_own else []
+
     def variables(self) -> set[str]:
         """Return the names that stand for a value, not for a function."""
         return {name for e in self.exercises for name in e.variables}
-
-
-def _by_kind(scenes: Mapping[str, PublicScene], own: Diagnose) -> Diagnose:
-    def by_kind(scene: str, inputs: Mapping[str, Any], seen: Arrays, truth: Arrays) -> list[Diagnosis]:
-        question = scenes[scene].question
-        return own(scene, inputs, seen, truth) if question is None else diagnose(question, seen, truth) or []
-
-    return by_kind
 
 
 _connected: list[Course] = [Course()]
@@ -235,10 +230,10 @@ def _load(slug: str) -> PublicAssignment:
     plays: dict[str, Any] = {"__name__": "plays"}
     exec(compile((FOLDER / name / "plays.py").read_bytes(), "plays.py", "exec"), plays)
     found = {e["number"]: exercise(e["number"], e["title"], e["questions"], False) for e in declared.get("exercises", ())}
-    own = _no_diagnosis
+    own = None
     if (FOLDER / name / "__init__.py").is_file():  # exercises of the author's own
         module = importlib.import_module(f"ecp.assignments.{name}")
         found |= {e.number: e for e in module.EXERCISES}
-        own = getattr(module, "diagnose", own)
+        own = getattr(module, "diagnose", None)
     exercises = tuple(found[number] for number in declared["hidden"] if number in found)
-    return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays, _by_kind(scenes, own))
+    return PublicAssignment(slug, declared["version"], declared["hidden"], exercises, scenes, plays, own)

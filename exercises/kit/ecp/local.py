@@ -192,7 +192,7 @@ def _diagnosed(known: PublicAssignment, name: str, arrays: Arrays) -> list[Diagn
     """Return the likely causes; none if the diagnosis itself fails, because a report must not depend on it."""
     try:
         with np.errstate(all="ignore"):
-            return known.diagnose(name, known.scenes[name].inputs, arrays, known.scenes[name].truth)
+            return known.diagnose(name, arrays)
     except Exception:
         return []
 

@@ -3,6 +3,7 @@
 import json
 
 from service.store import workers
+from service.store.database import Database
 from tests.support.database import run, sql
 from tests.support.http_client import call, post
 
@@ -38,7 +39,7 @@ def test_missing_tables_are_an_outage_that_is_logged_once(new_app, database_url)
 def test_what_was_written_into_a_lost_folder_is_not_accepted(new_app, database_url):
     """The folder is missing as soon as the submission is in it."""
     app, stored = new_app(database_url=database_url, identity="local"), "SELECT id FROM submission"
-    app.state.database._find_loss = lambda: "postgres is missing" if sql(database_url, stored) else None
+    app.state.held[Database]._find_loss = lambda: "postgres is missing" if sql(database_url, stored) else None
     status, _, body = post(app, {"source": "x = 1"})
     assert status == 503 and json.loads(body)["type"] == "urn:polhode:problem:database-lost"
     assert sql(database_url, "SELECT count(*) FROM submission") == [(1,)], "it was committed"

@@ -8,11 +8,12 @@ import uuid
 
 import psycopg
 import pytest
-from fastapi import FastAPI, Request
+from fastapi import Request
 from psycopg import sql as part
 
 from service.auth import forms
 from service.auth.identity import Person
+from service.auth.sessions import Cookies
 from service.store.course import people, tokens
 from tests.support.database import entered, new_database, run, sql
 
@@ -47,17 +48,12 @@ def form(server, token, fields, file=None):
 
 
 def test_the_token_of_a_form_is_of_one_session_person_or_visit():
-    app = FastAPI()
-    app.state.secret = b"of this course"
+    def token(cookie=b"", person=None):
+        asked = Request({"type": "http", "headers": [(b"cookie", cookie)]})
+        return forms.csrf_token(person, Cookies(asked, b"of this course", None, secure=False))
 
-    def token(cookie=b"", **state):
-        asked = Request({"type": "http", "headers": [(b"cookie", cookie)], "app": app})
-        for name, value in state.items():
-            setattr(asked.state, name, value)
-        return forms.csrf_token(asked)
-
-    sessions = [tokens.TokenInfo(uuid.UUID(int=k), "ann", frozenset(tokens.BROWSER), None) for k in range(2)]
-    people = [{"session": session} for session in sessions] + [{"person": Person(name, frozenset())} for name in ("ann", "ben")]
+    sessions = [Person("ann", frozenset(tokens.BROWSER), session=uuid.UUID(int=k)) for k in range(2)]
+    people = [{"person": person} for person in (*sessions, Person("ann", frozenset()), Person("ben", frozenset()))]
     visits = [{"cookie": b"polhode_visit=" + letter * 43} for letter in (b"a", b"b")]
     assert len({token(**one) for one in [*people, *visits]}) == 6 and all(token(**one) == token(**one) for one in people)
 

@@ -1,5 +1,6 @@
 """Who asks: tokens, logins confirmed in a browser, cookies and the hub, each against a real server."""
 
+import asyncio
 import contextlib
 import csv
 import json
@@ -12,7 +13,7 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from fastapi import FastAPI, Request
+from fastapi import Request
 from itsdangerous import TimestampSigner
 from limits import RateLimitItemPerMinute
 
@@ -332,9 +333,7 @@ def test_roster_and_tokens_by_the_command_line(server, url, tmp_path, monkeypatc
     ],
 )
 def test_only_a_page_of_this_server_or_of_a_named_site_may_send(headers, allowed):
-    app = FastAPI()
-    app.state.settings = Settings(origins="https://lite.example")
     sent = [(name.encode(), value.encode()) for name, value in ({"host": "here.example"} | headers).items()]
-    scope = {"type": "http", "scheme": "http", "method": "POST", "path": "/", "query_string": b"", "headers": sent, "app": app}
+    scope = {"type": "http", "scheme": "http", "method": "POST", "path": "/", "query_string": b"", "headers": sent}
     with contextlib.nullcontext() if allowed else pytest.raises(Problem):
-        same_origin(Request(scope))
+        asyncio.run(same_origin(Request(scope), Settings(origins="https://lite.example"), "http://127.0.0.1:8000"))

@@ -25,7 +25,8 @@ class Bundling:
         self._follow()
         while lost := {name: why for name, source in self._found.items() if (why := self._refusal(source))}:
             # Report the cause first; names that only depend on it are dropped in the next round.
-            causes = [name for name in lost if not self._reached(self._found[name].names.now) & lost.keys() - {name}] or list(lost)
+            runs = {name: self._reached(self._found[name].names.now).keys() - {name} for name in lost}
+            causes = [name for name in lost if not runs[name] & lost.keys()] or list(lost)
             for name in causes:
                 self.missing[name] = lost[name]
                 del self._found[name]
@@ -69,7 +70,7 @@ class Bundling:
 
     def _refusal(self, source: Source) -> str | None:
         """Return why running this text would fail or would not give the current value; None if it would."""
-        runs = self._reached(source.names.now) if source.kind == "statement" else source.names.now
+        runs = self._reached(source.names.now).keys() if source.kind == "statement" else source.names.now
         lost = sorted(name for name in runs if name in self.missing and name not in self._given)
         if lost:
             return f"`{source.name}` is made with `{lost[0]}`, which cannot be sent: {self.missing[lost[0]]}"
@@ -82,32 +83,26 @@ class Bundling:
             return f"`{source.name}` has changed since its cell ran, so it cannot be sent: {_AGAIN}"
         return None
 
-    def _reached(self, names: Iterable[str]) -> set[str]:
-        reached: set[str] = set()
-        waiting = list(names)
-        while waiting:
-            name = waiting.pop()
-            if name not in reached:
-                reached.add(name)
-                waiting += _needs(self._found[name]) if name in self._found else ()
-        return reached
-
-    def _sent(self) -> list[Source]:
-        """Return the sources reached from the requested names, each helper before the functions that use it."""
-        done: dict[str, Source] = {}
+    def _reached(self, names: Iterable[str]) -> dict[str, None]:
+        """Return the names and all they need, each behind what it needs."""
+        done: dict[str, None] = {}
         entered: set[str] = set()
 
         def enter(name: str) -> None:
-            if name in entered or name not in self._found:
-                return
-            entered.add(name)
-            for needed in sorted(_needs(self._found[name])):
-                enter(needed)
-            done[name] = self._found[name]
+            if name not in entered:
+                entered.add(name)
+                for needed in sorted(_needs(self._found[name])) if name in self._found else ():
+                    enter(needed)
+                done[name] = None
 
-        for name in self._requested:
+        for name in names:
             enter(name)
-        return sorted(done.values(), key=lambda source: source.kind != "value")
+        return done
+
+    def _sent(self) -> list[Source]:
+        """Return the sources reached from the requested names, each helper before the functions that use it."""
+        sent = [self._found[name] for name in self._reached(self._requested) if name in self._found]
+        return sorted(sent, key=lambda source: source.kind != "value")
 
     def _in_order(self, sources: list[Source]) -> Iterator[Source]:
         """Yield the sources in the given order, changed only where one must run before another.
@@ -118,7 +113,7 @@ class Bundling:
         first: dict[str, set[str]] = {}
         for s in sources:
             binding = {other.name for other in sources if s.name in other.names.bound and other.text != s.text}
-            first[s.name] = (self._reached(s.names.now) | binding) - {s.name}
+            first[s.name] = (self._reached(s.names.now).keys() | binding) - {s.name}
         while waiting:
             free = (name for name in waiting if not first[name] & waiting.keys())
             name = next(free, None) or next(iter(waiting))

@@ -29,7 +29,7 @@ import psycopg
 
 from exercises.catalogue import assignments
 from service.cli.demo import free_port
-from service.cli.simulate_queue import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
+from service.cli.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from service.store.postgres.server import running_url
 
 SUBMISSIONS = 3

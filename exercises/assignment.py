@@ -189,10 +189,7 @@ class Assignment:
 
     def exercise(self, number: str) -> Exercise:
         """Return the exercise of that number. Raises KeyError if there is none."""
-        for exercise in self.exercises:
-            if exercise.number == number:
-                return exercise
-        raise KeyError(number)
+        return {exercise.number: exercise for exercise in self.exercises}[number]
 
     def checks(self) -> list[Check]:
         """Return the checks of all exercises in order."""

@@ -8,7 +8,7 @@ functions in the same folder.
 import functools
 import inspect
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -178,10 +178,8 @@ class Notebook:
             cells = self._cells(folder)
         except InvalidNotebook as error:
             return [*found, str(error)]
-        functions = [
-            question.solution for question in questions if inspect.isfunction(question.solution) and not question.variables
-        ]
-        parameters = {function.__name__: list(inspect.signature(function).parameters) for function in functions}
+        functions = [q for q in questions if inspect.isfunction(q.solution) and not q.variables]
+        parameters = {q.function: list(inspect.signature(q.solution).parameters) for q in functions}
         wrong = author_notebook.errors(cells, self._names(), parameters) if cells else ()
         found += [f"assignment.py {error}" for error in line_errors(cells, self.sections)]
         return [*found, *(f"{self.notebook}: {error}" for error in wrong)]
@@ -191,6 +189,8 @@ class Notebook:
         slug, cells = folder.name.replace("_", "-"), self._cells(folder)
         setup = author_notebook.setup(cells, self._names()) if cells else self.setup or ""
         plays = folder / "plays.py"
+        documents = {s.number: tuple(question.document for question in s.questions) for s in self.sections}
+        expanded = [s.own or expand_exercise(s.number, s.title, documents[s.number], True) for s in self.sections]
         given = {"diagnose": self.diagnose, "diagnose_function": self.diagnose_function}
         return Assignment(
             slug=slug,
@@ -198,7 +198,7 @@ class Notebook:
             version=self.version,
             folder=folder,
             scenes=(*self.scenes, *(scene for question in self.questions() for scene in question.scenes())),
-            exercises=tuple(reported_exercises(map(_expanded, self.sections), cells, self.sections)),
+            exercises=tuple(reported_exercises(expanded, cells, self.sections)),
             published=published_cells(cells, self._names()) if any(section.lines for section in self.sections) else (),
             setup=setup,
             plays=(plays.read_text(encoding="utf-8") if plays.is_file() else "") + (PLAYS if self.questions() else ""),
@@ -216,14 +216,16 @@ class Notebook:
             made_samples=lambda: (
                 made_samples(self._numbered(), folder / self.notebook if self.notebook else None) if self.questions() else ()
             ),
-            questions={s.number: tuple(map(_document, s.questions)) for s in self.sections if s.questions},
+            questions={number: asked for number, asked in documents.items() if asked},
             **{name: function for name, function in given.items() if function is not None},
         )
 
     def _chart(self) -> Sweep | None:
         """Return the chart of speed against accuracy of the first question that has one, and of the others of its kind."""
-        charted = [question for question in self.questions() if question.sweep]
-        return charted[0].sweep([q for q in charted if q.kind == charted[0].kind]) if charted and charted[0].sweep else None
+        for question in self.questions():
+            if question.sweep:
+                return question.sweep([q for q in self.questions() if q.sweep and q.kind == question.kind])
+        return None
 
     def _cells(self, folder: Path) -> list[Cell]:
         """Return the cells of the author's notebook, none without one. Raises InvalidNotebook."""
@@ -240,11 +242,3 @@ class Notebook:
         numbered = self._numbered()
         k = next(k for k, (_, question) in enumerate(numbered) if question.id == id)
         return numbered[k][1], source_before(numbered, k)
-
-
-def _expanded(section: Section) -> Exercise:
-    return section.own or expand_exercise(section.number, section.title, map(_document, section.questions), True)
-
-
-def _document(question: Question) -> Mapping[str, Any]:
-    return question.document

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ecp.notebook.cells import DEFINITION, python_of, statements_of
+from ecp.notebook.cells import DEFINITION, python_of, statements_of, without_magics
 
 SOLUTION, INSTALL = "solution", "install"  # tags of cells that students must not see, and that install the kit
 _FENCED = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
@@ -40,6 +40,11 @@ class Cell:
         text = _FENCED.sub("", self.source) if self.kind == "markdown" else ""
         return [(len(marks), heading) for marks, heading in _HEADING.findall(text)]
 
+    @property
+    def nodes(self) -> list[ast.AST]:
+        """All nodes of the syntax trees of a code cell's statements."""
+        return [node for s in statements_of(self.source) for node in ast.walk(s.node)] if self.kind == "code" else []
+
     def is_solution(self, names: Collection[str]) -> bool:
         """Return whether the cell is tagged as a solution or binds one of the ``names``."""
         return SOLUTION in self.tags or bool(self.bound() & set(names))
@@ -56,12 +61,10 @@ class Cell:
 def read(path: Path) -> list[Cell]:
     """Return the cells of a notebook, with valid and unique ids. Raises InvalidNotebook."""
     try:
-        text = path.read_text(encoding="utf-8")
+        cells = parse(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         missing = isinstance(error, FileNotFoundError)
         raise InvalidNotebook(f"{path.name} {'is missing' if missing else 'cannot be read as UTF-8 text'}") from error
-    try:
-        cells = parse(text)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise InvalidNotebook(f"{path.name} is not a Jupyter notebook (format 4): save it again with Jupyter") from error
     if not any(cell.kind == "code" for cell in cells):
@@ -147,7 +150,7 @@ def _is_empty(node: ast.AST) -> bool:
 
 def _syntax_error(source: str) -> str:
     try:
-        compile(source, "cell", "exec")
+        compile(without_magics(source), "cell", "exec")
     except (SyntaxError, ValueError) as error:
         return f"line {getattr(error, 'lineno', 1)}: {getattr(error, 'msg', error)}"
     return ""

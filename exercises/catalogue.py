@@ -66,10 +66,7 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
         rule = "use lower-case letters from a to z, digits, and _ between them"
         errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
-    errors += syntax_errors(folder)
-    if errors:
-        return None, errors
-    if errors := _taken(folder):
+    if errors := [*errors, *syntax_errors(folder)] or _taken(folder):
         return None, errors
     notebooks = [value for value in vars(_imported(folder)).values() if isinstance(value, Notebook)]
     if len(notebooks) != 1:

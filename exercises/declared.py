@@ -26,7 +26,8 @@ class _Short(reprlib.Repr):
 
 SHORT = _Short()
 SHORT.maxother = SHORT.maxstring = 90
-Draw = Callable[[np.random.Generator], Any]
+Draw = Callable[..., Any]
+"""A function of a random generator, and of ``row`` if it has such a parameter: the number of the input, from 0."""
 
 
 @dataclass(frozen=True)
@@ -44,18 +45,10 @@ class Rule:
             return False
 
 
-def _is_named(function: Callable[..., Any]) -> bool:
-    return all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(function).parameters.values())
-
-
 def is_numeric(value: Any, kinds: str = "fiu") -> bool:
     """Return whether a value is a finite number or a non-empty array of them, of a dtype of these ``kinds``."""
     array = np.asarray(value)
     return array.dtype.kind in kinds and array.size > 0 and bool(np.all(np.isfinite(array)))
-
-
-def _is_argument(value: Any) -> bool:
-    return np.asarray(value).dtype.kind in ARGUMENTS
 
 
 Positive = Annotated[float, Rule("a number > 0", lambda x: 0 < x < math.inf)]
@@ -64,7 +57,13 @@ Rows = tuple[Count, Annotated[int, Rule("an integer ≥ 0", lambda n: n >= 0)]]
 Numbers = Annotated[Any, Rule("a finite number or an array of such numbers", lambda a: is_numeric(a, "fiubc"))]
 Text = Annotated[str, Rule("a text that is not empty", str.strip)]
 Expression = Annotated[str, Rule("an expression", lambda text: ast.parse(text, mode="eval"))]
-Named = Annotated[Callable[..., Any], Rule("a function whose parameters have names", _is_named)]
+Named = Annotated[
+    Callable[..., Any],
+    Rule(
+        "a function whose parameters have names",
+        lambda f: all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in inspect.signature(f).parameters.values()),
+    ),
+]
 Points = Annotated[int, Rule(f"an integer from 1 to {MOST_POINTS}", lambda n: 1 <= n <= MOST_POINTS)]
 UpTo = Annotated[str, Rule(f"one of: {', '.join(UP_TO)}", UP_TO.__contains__)]
 Limit = Annotated[Tolerance, Rule("Tolerance(limit=…, reason=…)", lambda t: t.limit is not None)]
@@ -72,7 +71,7 @@ Close = Annotated[Tolerance, Rule("Tolerance(rtol=…, atol=…, reason=…)", l
 Absolute = Annotated[Tolerance, Rule("Tolerance(atol=…, reason=…)", lambda t: t.atol is not None)]
 
 
-Asked = Annotated[Any, Rule("a real number, a string, or an array of them", _is_argument)]
+Asked = Annotated[Any, Rule("a real number, a string, or an array of them", lambda a: np.asarray(a).dtype.kind in ARGUMENTS)]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from ecp.notebook.cells import statements_of
 from exercises.author_notebook import SOLUTION, Cell, InvalidNotebook, read
 from exercises.dependencies import dependencies
 from exercises.validation_cells import Placed, placed_calls, published_cells
@@ -66,26 +65,29 @@ def imported(path: Path, course: Path | None = None) -> Imported:
     taken = [one for one in placed if one.call.label and not one.call.in_function]
     if not taken:
         raise InvalidNotebook(f"{path.name} has no cell that calls validate.close, check, conserved, positive or below")
-    left = [f"{one.cell.name}, line {one.call.place[0]}: {_reason(one)}" for one in placed if one not in taken]
+    why = {True: "the call is inside a function", False: "the call has no label"}
+    left = [f"{p.cell.name}, line {p.call.place[0]}: {why[p.call.in_function]}" for p in placed if p not in taken]
     packages, files, warnings = dependencies(cells, path.parent, course)
     if not any(SOLUTION in cell.tags for cell in cells):
         warnings.append(f"no cell is tagged {SOLUTION}: the server then runs every cell that contains code as it is published")
     text = HEAD.format(
         title=title,
         file=path.name,
-        quoted_title=_quoted(title),
-        quoted_file=_quoted(path.name),
+        quoted_title=quoted(title),
+        quoted_file=quoted(path.name),
         packages=_tuple("packages", packages),
         data=_tuple("data", files),
         cell_s=CELL_S,
         grading_s=GRADING_S,
     )
     text += "".join(_exercises(taken))
-    return Imported(_slug(path.stem), title, text, len(taken), left, warnings, files)
+    words = re.sub(r"[^a-z0-9]+", "-", path.stem.lower()).strip("-") or "notebook"
+    slug = (words if words[0].isalpha() else f"notebook-{words}")[:MOST_SLUG].rstrip("-")
+    return Imported(slug, title, text, len(taken), left, warnings, files)
 
 
 def _tuple(name: str, values: Iterable[str]) -> str:
-    listed = ", ".join(map(_quoted, values))
+    listed = ", ".join(map(quoted, values))
     return f"    {name}=({listed},),\n" if listed else ""
 
 
@@ -96,24 +98,17 @@ def _exercises(taken: Sequence[Placed]) -> Iterator[str]:
         number, title = (match[1].rstrip("."), match[2] or heading) if match else ("", heading or "Checks")
         number = next(n for n in (number, *map(str, range(1, 1000))) if n and n not in used)
         used.add(number)
-        yield f"\nnotebook.exercise(\n    {_quoted(number)},\n    {_quoted(title)},\n"
+        yield f"\nnotebook.exercise(\n    {quoted(number)},\n    {quoted(title)},\n"
         for placed in run:
-            yield f"    # validate.{placed.call.kind}: {_hint(placed)}\n    line({_quoted(placed.call.label)}),\n"
+            got, expected = (text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments)
+            hint = HINTS[placed.call.kind].format(got=got, expected=expected or "the expected value")
+            yield f"    # validate.{placed.call.kind}: {hint}\n    line({quoted(placed.call.label)}),\n"
         yield ")\n"
-
-
-def _hint(placed: Placed) -> str:
-    got, expected = (text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in placed.call.arguments)
-    return HINTS[placed.call.kind].format(got=got, expected=expected or "the expected value")
-
-
-def _reason(placed: Placed) -> str:
-    return "the call is inside a function" if placed.call.in_function else "the call has no label"
 
 
 def _title(cells: Sequence[Cell]) -> str:
     """Return the title of the course's ``header(number=…, title=…)``, else the first heading."""
-    for node in (node for cell in cells if cell.kind == "code" for s in statements_of(cell.source) for node in ast.walk(s.node)):
+    for node in (node for cell in cells for node in cell.nodes):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "header":
             given = {k.arg: k.value.value for k in node.keywords if isinstance(k.value, ast.Constant)}
             if given.get("title"):
@@ -121,11 +116,7 @@ def _title(cells: Sequence[Cell]) -> str:
     return next((text for cell in cells for _, text in cell.headings), "")
 
 
-def _slug(stem: str) -> str:
-    slug = re.sub(r"[^a-z0-9]+", "-", stem.lower()).strip("-") or "notebook"
-    return (slug if slug[0].isalpha() else f"notebook-{slug}")[:MOST_SLUG].rstrip("-")
-
-
-def _quoted(text: str) -> str:
-    quote = "'" if '"' in text and "'" not in text else '"'
+def quoted(text: str) -> str:
+    """Return a string literal in the quotes that need fewer escapes, as the formatter writes it."""
+    quote = "'" if text.count('"') > text.count("'") else '"'
     return quote + text.replace("\\", "\\\\").replace(quote, f"\\{quote}") + quote

@@ -31,8 +31,4 @@ def listing(names: Collection[str] = ()) -> str:
 
 
 def _installed(name: str) -> bool:
-    try:
-        metadata.version(name)
-    except (metadata.PackageNotFoundError, ValueError):  # ValueError: an empty name
-        return False
-    return True
+    return bool(name) and any(metadata.distributions(name=name))

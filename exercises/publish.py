@@ -145,8 +145,7 @@ def _read_in(cell: Cell) -> Iterator[str]:
 
 def _calls(cell: Cell, function: str) -> list[list[str]]:
     """Return the arguments of each call of ``ecp.function`` in a code cell, as text."""
-    nodes = [node for s in statements_of(cell.source) for node in ast.walk(s.node)] if cell.kind == "code" else []
-    calls = [node for node in nodes if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"]
+    calls = [node for node in cell.nodes if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"]
     return [[str(getattr(argument, "value", None)) for argument in call.args] for call in calls]
 
 

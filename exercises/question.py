@@ -129,7 +129,12 @@ class Question:
     @_located
     def draw(self, rng: np.random.Generator, rows: int) -> dict[str, Any]:
         """Return ``rows`` drawn values by name, rows along the first index."""
-        each = [{name: np.asarray(draw(rng)) for name, draw in self.drawn.items()} for _ in range(rows)]
+        takes_row = {name: "row" in inspect.signature(draw).parameters for name, draw in self.drawn.items()}
+
+        def one(name: str, row: int) -> Any:
+            return np.asarray(self.drawn[name](rng, row=row) if takes_row[name] else self.drawn[name](rng))
+
+        each = [{name: one(name, row) for name in self.drawn} for row in range(rows)]
         columns = {name: [row[name] for row in each] for name in self.drawn}
         for name, column in columns.items():
             if wrong := [value.dtype for value in column if value.dtype.kind not in ARGUMENTS]:

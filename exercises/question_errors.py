@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ecp.kinds.asking import KNOWN
-from exercises.declared import Family, Itself, Mistake, Value
+from exercises.declared import Family, Itself, Mistake
 from exercises.question import Question
 
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
@@ -59,14 +59,11 @@ def _of_question(question: Question) -> Iterator[str]:
         yield from (f"the cell does not assign {variable}" for variable in question.variables if variable not in assigned)
     yield from () if "truth" in question.wrong else _of_truth(question)
     yield from question.errors()
-    yield from (f"{name} ({label}): {error}" for label, value in question.values.items() for error in _of_points(question, value))
-
-
-def _of_points(question: Question, value: Value) -> Iterator[str]:
-    if value.partial and value.points == 1:
-        yield "partial credit needs points of at least 2"
-    if value.partial and not question.drawn:
-        yield "partial credit needs drawn arguments: a single input is right or wrong"
+    for label in (label for label, value in question.values.items() if value.partial):
+        if question.values[label].points == 1:
+            yield f"{name} ({label}): partial credit needs points of at least 2"
+        if not question.drawn:
+            yield f"{name} ({label}): partial credit needs drawn arguments: a single input is right or wrong"
 
 
 def family_errors(family: Family) -> Iterator[str]:

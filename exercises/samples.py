@@ -12,18 +12,6 @@ from exercises.assignment import Assignment, InvalidAssignment
 
 
 @dataclass(frozen=True)
-class Difference:
-    """A check whose verdict is not the expected one. None: the check is not expected, or is not in the report."""
-
-    check: str
-    expected: Verdict | None
-    got: Verdict | None
-
-    def __str__(self) -> str:
-        return f"{self.check} is {self.got}, not {self.expected}" if self.expected else f"{self.check} is not expected"
-
-
-@dataclass(frozen=True)
 class Sample:
     """A file with its expected report: a verdict for every check of the graded exercises, and the diagnosis
     codes.
@@ -44,13 +32,14 @@ class Sample:
         """Return the differences of a report, as JSON, from the expected one, one sentence each."""
         found = codes(report)
         wrong = [] if found == self.codes else [f"codes {sorted(found)}, not {sorted(self.codes)}"]
-        return [*map(str, self.differences(report)), *wrong]
+        verdicts, other = _verdicts_of(report), self.differences(report)
+        return [*(f"{id} is {verdicts.get(id)}, not {v}" if v else f"{id} is not expected" for id, v in other.items()), *wrong]
 
-    def differences(self, report: Mapping[str, Any]) -> list[Difference]:
-        """Return the checks of a report, as JSON, that have another verdict or are not expected."""
-        got = {o["id"]: Verdict(o["verdict"]) for e in report["exercises"] for o in e["outcomes"]}
-        found = [Difference(id, v, got.get(id)) for id, v in self.verdicts.items() if got.get(id) != v]
-        return found + [Difference(id, None, got[id]) for id in got if id not in self.verdicts and id not in self.drawn]
+    def differences(self, report: Mapping[str, Any]) -> dict[str, Verdict | None]:
+        """Return the expected verdict, None if there is none, of each check of a report, as JSON, that has another one."""
+        got = _verdicts_of(report)
+        found = {id: v for id, v in self.verdicts.items() if got.get(id) != v}
+        return found | {id: None for id in got if id not in self.verdicts and id not in self.drawn}
 
 
 @dataclass(frozen=True)
@@ -60,6 +49,10 @@ class SampleSet:
     samples: list[Sample]
     unlisted: list[Path]
     missing: list[str]
+
+
+def _verdicts_of(report: Mapping[str, Any]) -> dict[str, Verdict]:
+    return {o["id"]: Verdict(o["verdict"]) for e in report["exercises"] for o in e["outcomes"]}
 
 
 def codes(report: Mapping[str, Any]) -> set[str]:
@@ -72,7 +65,11 @@ def load_samples(assignment: Assignment) -> SampleSet:
     its expected.toml.
     """
     folder = assignment.folder / "samples"
-    entries, errors = read(assignment)
+    try:
+        entries = tomllib.loads(_expected(assignment) or "")
+        errors = [f"{name}: {error}" for name, entry in entries.items() for error in _errors(assignment, entry)]
+    except ValueError as error:  # not UTF-8, or not TOML
+        errors = [str(error)]
     if errors:
         raise InvalidAssignment(assignment.slug, [f"samples/expected.toml: {error}" for error in errors])
     files = {path.name: path for path in sorted(folder.glob("*")) if path.suffix in (".py", ".ipynb")}
@@ -92,22 +89,15 @@ def samples(assignment: Assignment) -> list[Sample]:
 
 
 def _sample(assignment: Assignment, file: Path, entry: Mapping[str, Any]) -> Sample:
-    named, demo, drawn = frozenset(entry.get("codes", ())), bool(entry.get("demo", False)), frozenset(_drawn(assignment, entry))
-    return Sample(file, entry.get("ask"), _verdicts(assignment, entry), named, demo, drawn)
-
-
-def _verdicts(assignment: Assignment, entry: Mapping[str, Any]) -> dict[str, Verdict]:
-    made = [c.id for number in entry["exercises"] for c in assignment.exercise(number).checks]
-    wrong = dict.fromkeys(entry.get("fail", ()), Verdict.FAIL) | dict.fromkeys(entry.get("unmeasured", ()), Verdict.UNMEASURED)
-    left_out = set(entry.get("left_out", ())) | (_drawn(assignment, entry) if wrong else set())
-    return {id: wrong.get(id, Verdict.PASS) for id in made if id not in left_out}
-
-
-def _drawn(assignment: Assignment, entry: Mapping[str, Any]) -> set[str]:
-    """Return the checks of random motions: wrong equations may pass, fail or stall, depending on the motion."""
+    """Return the sample of an entry. Wrong equations may pass, fail or stall on random motions, depending on the motion."""
     checks = [c for number in entry["exercises"] for c in assignment.exercise(number).checks]
-    scenes = {s.name for s in assignment.scenes if s.drive is not None and callable(s.inputs)}
-    return {c.id for c in checks if scenes & set(c.scenes)}
+    random = {s.name for s in assignment.scenes if s.drive is not None and callable(s.inputs)}
+    drawn = {c.id for c in checks if random & set(c.scenes)}
+    wrong = dict.fromkeys(entry.get("fail", ()), Verdict.FAIL) | dict.fromkeys(entry.get("unmeasured", ()), Verdict.UNMEASURED)
+    left_out = set(entry.get("left_out", ())) | (drawn if wrong else set())
+    verdicts = {c.id: wrong.get(c.id, Verdict.PASS) for c in checks if c.id not in left_out}
+    named, demo = frozenset(entry.get("codes", ())), bool(entry.get("demo", False))
+    return Sample(file, entry.get("ask"), verdicts, named, demo, frozenset(drawn))
 
 
 LISTS = ("ask", "exercises", "left_out", "fail", "unmeasured", "codes")
@@ -118,31 +108,24 @@ HEAD = """\
 """
 
 
-def read(assignment: Assignment) -> tuple[dict[str, Any], list[str]]:
-    """Return the entries of expected.toml by file name, and all of their errors. Without the file there are
-    no entries.
-    """
+def _expected(assignment: Assignment) -> str | None:
+    """Return the text of expected.toml, None if there is no such file."""
     path = assignment.folder / "samples" / "expected.toml"
-    try:
-        entries = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    except ValueError as error:  # not UTF-8, or not TOML
-        return {}, [str(error)]
-    return entries, [f"{name}: {error}" for name, entry in entries.items() for error in _errors(assignment, entry)]
+    return path.read_text(encoding="utf-8") if path.exists() else None
 
 
 def entry(name: str, ask: list[str] | None, assignment: Assignment, report: Mapping[str, Any]) -> str:
     """Return the entry that expects exactly this report, given as JSON."""
     graded = [e["number"] for e in report["exercises"]]
-    verdicts = {o["id"]: o["verdict"] for e in report["exercises"] for o in e["outcomes"]}
+    verdicts = _verdicts_of(report)
     checks = [c.id for number in graded for c in assignment.exercise(number).checks]
-    named = sorted({d["code"] for e in report["exercises"] for o in e["outcomes"] for d in o["diagnosis"]})
     lists = {
         "ask": ask or [],
         "exercises": graded,
         "left_out": [id for id in checks if id not in verdicts],
         "fail": [id for id in checks if verdicts.get(id) == Verdict.FAIL],
         "unmeasured": [id for id in checks if verdicts.get(id) == Verdict.UNMEASURED],
-        "codes": named,
+        "codes": sorted(codes(report)),
     }
     lines = [f"{key} = {_toml(values)}" for key, values in lists.items() if values]
     return "\n".join([f"[{_toml(name)}]", *lines, ""])
@@ -150,9 +133,8 @@ def entry(name: str, ask: list[str] | None, assignment: Assignment, report: Mapp
 
 def with_entries(assignment: Assignment, entries: Sequence[str]) -> str:
     """Return the text of the file with ``entries`` appended."""
-    path = assignment.folder / "samples" / "expected.toml"
-    before = path.read_text(encoding="utf-8") if path.exists() else HEAD
-    return "\n".join([before.rstrip("\n"), "", *entries])
+    before = _expected(assignment)
+    return "\n".join([(HEAD if before is None else before).rstrip("\n"), "", *entries])
 
 
 def _errors(assignment: Assignment, entry: Any) -> Iterator[str]:

@@ -110,7 +110,9 @@ def _of_exercises(assignment: Assignment) -> Iterator[str]:
 
 
 def _of_scenes(assignment: Assignment) -> Iterator[str]:
-    names, plays = [s.name for s in assignment.scenes], _bound(_parsed(assignment.plays))
+    names, tree = [s.name for s in assignment.scenes], _parsed(assignment.plays)
+    plays = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    plays |= {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     for at, scene in enumerate(assignment.scenes):
         if scene.after is not None and scene.after not in names[:at]:
             yield f"scene {scene.name} comes after {scene.after}, which is not declared before it"
@@ -132,12 +134,6 @@ def _parsed(source: str) -> ast.Module:
         return ast.parse(source)
     except (SyntaxError, ValueError):
         return ast.Module([], [])
-
-
-def _bound(tree: ast.Module) -> set[str]:
-    """Return the names of the functions that a module defines or imports."""
-    imported = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
-    return imported | {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
 def _twice(names: Iterable[str]) -> list[str]:

@@ -9,8 +9,6 @@ from ecp import validate
 from ecp.claims import KINDS
 from ecp.notebook.cells import python_of
 
-LABEL_AT = {"close": 2, "conserved": 1, "check": 1, "positive": 1, "below": 2}
-"""The position of the argument ``label`` of each function of ``ecp.validate``."""
 LOOPS = (ast.For, ast.AsyncFor, ast.While, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
@@ -38,23 +36,26 @@ def calls(source: str) -> list[Call]:
     tree = ast.parse(python_of(source) or "")
     functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
     inside = {id(node) for function in functions for node in ast.walk(function)}
-    found = [(node, kind) for node in ast.walk(tree) if isinstance(node, ast.Call) and (kind := _kind(node))]
     loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
     repeated = {id(node) for loop in loops for node in ast.walk(loop)}
-    return sorted(
-        Call(
-            (n.lineno, n.col_offset),
-            kind,
-            _label(n, kind),
-            (_argument(n, 0), _argument(n, 1)),
-            in_function=id(n) in inside,
-            repeated=id(n) in repeated,
-            is_plain=isinstance(_given(n, "label", LABEL_AT[kind]), ast.Constant),
-            numbers=_numbers(n, kind),
-            computed=tuple(name for name, node in _given_numbers(n, kind) if _number(node) is None),
-        )
-        for n, kind in found
-    )
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and (kind := _kind(node)):
+            label = _given(node, kind, "label") or ast.Constant("")
+            numbers = {name: _number(given) for name, given in _given_numbers(node, kind)}
+            call = Call(
+                (node.lineno, node.col_offset),
+                kind,
+                _text(label),
+                (_argument(node, 0), _argument(node, 1)),
+                in_function=id(node) in inside,
+                repeated=id(node) in repeated,
+                is_plain=isinstance(label, ast.Constant),
+                numbers=tuple((name, number) for name, number in numbers.items() if number is not None),
+                computed=tuple(name for name, number in numbers.items() if number is None),
+            )
+            found.append(call)
+    return sorted(found)
 
 
 def _argument(node: ast.Call, at: int) -> str:
@@ -68,14 +69,11 @@ def _kind(node: ast.Call) -> str | None:
     return None
 
 
-def _given(node: ast.Call, name: str, at: int) -> ast.expr | None:
-    """Return the argument ``name`` of a call, which may stand at the position ``at``."""
-    given = {keyword.arg: keyword.value for keyword in node.keywords}
-    return given.get(name, node.args[at] if len(node.args) > at else None)
-
-
-def _label(node: ast.Call, kind: str) -> str:
-    return _text(_given(node, "label", LABEL_AT[kind]) or ast.Constant(""))
+def _given(node: ast.Call, kind: str, name: str) -> ast.expr | None:
+    """Return the argument ``name`` of a call of the function ``kind``, by name or by its position; None if it is not given."""
+    given: dict[str | None, ast.expr] = dict(zip(inspect.signature(getattr(validate, kind)).parameters, node.args, strict=False))
+    given |= {keyword.arg: keyword.value for keyword in node.keywords}
+    return given.get(name)
 
 
 def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
@@ -84,13 +82,8 @@ def _given_numbers(node: ast.Call, kind: str) -> Iterator[tuple[str, ast.expr]]:
         yield from ((name, node) for name in KINDS[kind].numbers)  # only running the call shows them
         return
     parameters = inspect.signature(getattr(validate, kind)).parameters
-    for at, (name, parameter) in enumerate(parameters.items()):
-        if name in KINDS[kind].numbers:
-            yield name, _given(node, name, at) or ast.Constant(parameter.default)
-
-
-def _numbers(node: ast.Call, kind: str) -> tuple[tuple[str, float], ...]:
-    return tuple((name, number) for name, given in _given_numbers(node, kind) if (number := _number(given)) is not None)
+    for name in KINDS[kind].numbers:
+        yield name, _given(node, kind, name) or ast.Constant(parameters[name].default)
 
 
 def _number(node: ast.expr) -> float | None:
@@ -113,9 +106,6 @@ def _text(node: ast.expr) -> str:
         case ast.Constant(value=str(text)):
             return " ".join(text.split())
         case ast.JoinedStr(values=parts):
-            return " ".join("".join(_part(part) for part in parts).split())
+            shown = [str(p.value) if isinstance(p, ast.Constant) else ast.unparse(ast.JoinedStr([p]))[2:-1] for p in parts]
+            return " ".join("".join(shown).split())
     return f"{{{ast.unparse(node)}}}"
-
-
-def _part(part: ast.expr) -> str:
-    return str(part.value) if isinstance(part, ast.Constant) else ast.unparse(ast.JoinedStr([part]))[2:-1]

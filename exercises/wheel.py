@@ -33,7 +33,6 @@ Requires-Dist: numpy
 Requires-Dist: scipy
 Requires-Dist: matplotlib
 """
-WHEEL = "Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 
 
 def filename(slug: str | None = None) -> str:
@@ -64,8 +63,7 @@ def wheel(slug: str | None = None, server: str | None = None) -> bytes:
         files[f"{_home(one)}/made.json"] = json.dumps(made).encode()
     metadata = METADATA.format(name=_distribution(slug).replace("_", "-"))
     metadata += "".join(f"Requires-Dist: {name}\n" for name in sorted({name for one in _held(slug) for name in one.packages}))
-    files |= {f"{info}/METADATA": metadata.encode(), f"{info}/WHEEL": WHEEL.encode()}
-    return zipfiles.wheel(info, files)
+    return zipfiles.wheel(info, metadata, files)
 
 
 def notebook(assignment: Assignment, server: str, kit: str) -> bytes:
@@ -108,7 +106,8 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     for path in sorted((assignment.folder / "public").glob("*.py")):
         yield path.name, path.read_bytes()
     yield "plays.py", assignment.plays.encode()
-    scenes = _public_scenes(assignment)
+    used = {name for e in assignment.exercises for name in e.scenes()}
+    scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]
     precursors = {after: _drawn_once(assignment.scene(after)) for s in scenes if (after := s.after) is not None}
     sent = list(dict.fromkeys([*precursors.values(), *scenes]))
     hidden = {e.number: sum(map(assignment.hidden, e.checks)) for e in assignment.exercises}
@@ -116,7 +115,10 @@ def _public_side(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     titles = {e.number: e.title for e in assignment.exercises}
     asked = assignment.questions.items()
     declared["exercises"] = [{"number": n, "title": titles[n], "questions": list(questions)} for n, questions in asked]
-    yield "public.json", json.dumps(declared, default=_listed).encode()
+    yield (
+        "public.json",
+        json.dumps(declared, default=lambda x: dict(x) if isinstance(x, Mapping) else x.tolist()).encode(),
+    )
     yield "truth.npz", _packed({f"{s.name}/{key}": array for s in sent for key, array in _truth(s).items()})
 
 
@@ -134,12 +136,6 @@ def _drawn_once(scene: Scene) -> Scene:
     return replace(scene, inputs=scene.inputs(np.random.default_rng(0)), known=()) if callable(scene.inputs) else scene
 
 
-def _public_scenes(assignment: Assignment) -> list[Scene]:
-    """Return the scenes with fixed inputs that an exercise needs."""
-    used = {name for e in assignment.exercises for name in e.scenes()}
-    return [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]
-
-
 def _truth(scene: Scene) -> Mapping[str, Any]:
     assert not callable(scene.inputs)
     return scene.truth(scene.inputs)
@@ -153,7 +149,3 @@ def _packed(arrays: Mapping[str, Any]) -> bytes:
         np.save(member, np.asarray(array), allow_pickle=False)
         files[f"{name}.npy"] = member.getvalue()
     return zipfiles.zipped(files)
-
-
-def _listed(value: Any) -> Any:
-    return dict(value) if isinstance(value, Mapping) else value.tolist()

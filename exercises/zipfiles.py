@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Collection, Mapping
 
 EPOCH = (2000, 1, 1, 0, 0, 0)
+WHEEL = b"Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 
 
 def zipped(files: Mapping[str, bytes], runnable: Collection[str] = ()) -> bytes:
@@ -20,14 +21,11 @@ def zipped(files: Mapping[str, bytes], runnable: Collection[str] = ()) -> bytes:
     return stream.getvalue()
 
 
-def wheel(info: str, files: Mapping[str, bytes]) -> bytes:
-    """Return a wheel of ``files``; ``info`` is the name of its .dist-info folder, whose RECORD is added."""
-    return zipped({**files, f"{info}/RECORD": _record(info, files)})
-
-
-def _record(info: str, files: Mapping[str, bytes]) -> bytes:
-    lines = []
+def wheel(info: str, metadata: str, files: Mapping[str, bytes]) -> bytes:
+    """Return a pure wheel of ``files``; ``info`` is the name of its .dist-info folder, to which its own files are added."""
+    files = {**files, f"{info}/METADATA": metadata.encode(), f"{info}/WHEEL": WHEEL}
+    record = []
     for name, content in files.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
-        lines.append(f"{name},sha256={digest},{len(content)}")
-    return "\n".join([*lines, f"{info}/RECORD,,", ""]).encode()
+        record.append(f"{name},sha256={digest},{len(content)}")
+    return zipped({**files, f"{info}/RECORD": "\n".join([*record, f"{info}/RECORD,,", ""]).encode()})

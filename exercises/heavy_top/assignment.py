@@ -8,36 +8,38 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 from scipy.special import ellipk
 
-from exercises.author import Notebook, Tolerance, Value, mistake, uniform
+from exercises.author import Notebook, Tolerance, mistake, uniform
 from exercises.kinds.animation import animation
 from exercises.kinds.ode import ode
 from exercises.kinds.values import values
-from exercises.kinds.variables import claim, variables
 from reference import Exact, HeavyTop, heavy_top
 
 notebook = Notebook("The heavy symmetric top", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-11, reason="rounding errors are 1e-15 of the largest term; ten thousand times that")
 MOTION = Tolerance(limit=1e-8, reason="a hundred times the error of the integration")
 WITHIN = Tolerance(atol=1e-7, reason="roots are exact to 1e-13, turning points of a careful integration to 1e-8")
+TILT = Tolerance(atol=1e-6, reason="a thousand times the error of the integration")
+CALLS = Tolerance(rtol=0.4, reason="output at more times costs a quarter more calls")
 RELATIVE = Tolerance(rtol=1e-7, reason="differences of nearly equal numbers lose up to eight of sixteen digits")
 FRAMES = Tolerance(limit=0.03, reason="linear interpolation between the samples deviates by a tenth of it")
 NOT_K = "scipy's ellipk takes m = k², not k"
-SWAP = "the accelerations come before the rates; dy/dt begins with θ̇, φ̇, ψ̇"
+LATE = "the accelerations come before the rates; dy/dt begins with θ̇, φ̇, ψ̇"
 NO_W3 = "ω₃ lacks the part φ̇ cos θ of the precession"
 
 
-def state(rng):  # φ̇ and ψ̇ keep the axis away from the vertical; half of the tops are slow, with k² near 0.9
-    sign, slow = rng.choice((-1, 1), 2)
-    if slow > 0:
+def state(rng, row):  # in turn slow tops, with k² near 0.9, and fast ones; φ̇ and ψ̇ keep the axis away from the vertical
+    sign = (-1) ** row
+    if row % 4 < 2:
         return np.append(rng.uniform((0.5, -3, -3), (0.7, 3, 3)), sign * rng.uniform((-0.5, 1, 0.6), (0.5, 1.5, 1.5)))
-    return rng.uniform((0.5, -3, -3, -1.5, -1.5, 8), (2.6, 3, 3, 1.5, 1.5, 16)) * (1, 1, 1, 1, 1, sign)
+    hanging = 1.2 * (row < 4)
+    return rng.uniform((0.5 + hanging, -3, -3, -1.5, -1.5, 8), (2.6, 3, 3, 1.5, 1.5, 16)) * (1, 1, 1, 1, 1, sign)
 
 
 DRAWN = {"I1": uniform(0.8, 2), "I3": uniform(0.5, 1.5), "mgl": uniform(2, 10)}
 OF_STATE = {"y": state, **DRAWN}
+ROWS = (4, 16)  # four public ones: a slow and a fast top with a spin of either sign
 
 
 def top_eqs(t, y, I1, I3, mgl):
@@ -60,12 +62,10 @@ wrong = [
     mistake("w3 = spin + swing * c", "w3 = spin", "missing-term", NO_W3),
     mistake("2 * I1 * swing", "I1 * swing", "constant-factor", "the term 2 I₁ φ̇ θ̇ cos θ has lost its factor 2"),
     mistake(" - swinging * c", "", "missing-term", "ψ̈ lacks the term −φ̈ cos θ"),
-    mistake(
-        "nod, swing, spin, tilting, swinging, spinning", "tilting, swinging, spinning, nod, swing, spin", "component-order", SWAP
-    ),
+    mistake("[nod, swing, spin, tilting, swinging, spinning]", "[tilting, swinging, spinning, *y[3:]]", "component-order", LATE),
 ]
-equations = ode(top_eqs, {"t": 0.0, **OF_STATE}, ROUNDING, **drive, conserved=kept, scale=(1, 1, 9, 1, 1, 9), mistakes=wrong)
-notebook.exercise("1", "Equations of motion", equations)
+drive |= {"conserved": kept, "scale": (1, 1, 9, 1, 1, 9)}
+notebook.exercise("1", "Equations of motion", ode(top_eqs, {"t": 0.0, **OF_STATE}, ROUNDING, **drive, rows=ROWS, mistakes=wrong))
 
 
 def invariants(y, I1, I3, mgl):
@@ -89,7 +89,8 @@ wrong = [
     mistake("I3 * (spin + swing * c)", "I3 * spin", "missing-term", NO_W3),
     mistake("+ mgl * c", "- mgl * c", "sign-flipped", "the potential energy has the wrong sign"),
 ]
-three = values(invariants, OF_STATE, dict.fromkeys(("E", "L_z", "L_3"), ROUNDING), truth=by_vectors, mistakes=wrong)
+agree = dict.fromkeys(("E", "L_z", "L_3"), ROUNDING)
+three = values(invariants, OF_STATE, agree, truth=by_vectors, rows=ROWS, mistakes=wrong)
 notebook.exercise("2", "Three conserved quantities", three)
 
 
@@ -102,11 +103,6 @@ def nutation(y, I1, I3, mgl):
     return np.arccos(high), np.arccos(low), 2 * ellipk(m) / rate
 
 
-def by_theory(y, I1, I3, mgl):
-    top = HeavyTop(y, I1, I3, mgl)
-    return *top.turning_points, top.period
-
-
 wrong = [
     mistake("np.arccos(high), np.arccos(low)", "np.arccos(low), np.arccos(high)", "component-order", "θ falls as cos θ rises"),
     mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
@@ -114,16 +110,9 @@ wrong = [
     mistake("E - L_3**2 / (2 * I3)", "E", "missing-term", "the energy of the spin, L₃²/2I₃, is not subtracted"),
 ]
 agree = dict.fromkeys(("theta_min", "theta_max", "period"), WITHIN)
-nodding = values(nutation, OF_STATE, agree, truth=by_theory, uses=[invariants], mistakes=wrong)
+exact = {"truth": lambda y, I1, I3, mgl: (*(top := HeavyTop(y, I1, I3, mgl)).turning_points, top.period)}
+nodding = values(nutation, OF_STATE, agree, **exact, uses=[invariants], rows=ROWS, budget_s=10.0, mistakes=wrong)
 notebook.exercise("3", "Nutation", nodding)
-
-
-def above(rng):  # the ratio of ω₃ to the limit, often near 1
-    return 1 + 10 ** rng.uniform(-3, 0.6)
-
-
-def around(rng):
-    return 1 - 10 ** rng.uniform(-3, -0.1) * rng.choice((-1, 1))
 
 
 def steady_precession(theta, w3, I1, I3, mgl):
@@ -133,24 +122,15 @@ def steady_precession(theta, w3, I1, I3, mgl):
     return (half - root) / (I1 * np.cos(theta)), (half + root) / (I1 * np.cos(theta))
 
 
-def by_search(theta, ratio, I1, I3, mgl):
-    w3 = 2 * ratio * (I1 * mgl * np.cos(theta)) ** 0.5 / I3
-    middle = I3 * w3 / (2 * I1 * np.cos(theta))
-
-    def tilting(swing):
-        return heavy_top.euler_angle_rates([theta, 0, 0, 0, swing, w3 - swing * np.cos(theta)], I1, I3, mgl)[3]
-
-    return tuple(brentq(tilting, a, b, xtol=1e-15, rtol=1e-15) for a, b in ((0, middle), (middle, 2 * middle)))
-
-
 wrong = [
-    mistake("(half - root)", "(half + root)", "wrong-operator", "both rates are the fast one"),
     mistake("I3 * w3 / 2", "I3 * w3", "constant-factor", "half of I₃ω₃ is squared under the root"),
     mistake("(I1 * np.cos(theta))", "I1", "missing-term", "the rates are not divided by cos θ"),
 ]
-ask, agree = {"theta": uniform(0.3, 1.3), "ratio": above, **DRAWN}, {"slow": RELATIVE, "fast": RELATIVE}
+ask = {"theta": uniform(0.3, 1.3), "ratio": lambda rng: 1 + 10 ** rng.uniform(-3, 0.6), **DRAWN}
+agree = {"slow": RELATIVE, "fast": RELATIVE}
+exact = {"truth": lambda theta, ratio, I1, mgl: np.sort(np.roots([a := I1 * np.cos(theta), -2 * ratio * (a * mgl) ** 0.5, mgl]))}
 least = "steady_precession(theta, ratio * 2 * sqrt(I1 * mgl * cos(theta)) / I3, I1, I3, mgl)"
-steady = values(steady_precession, ask, agree, call=least, truth=by_search, mistakes=wrong)
+steady = values(steady_precession, ask, agree, call=least, **exact, mistakes=wrong)
 
 
 def sleeping_top(w3, I1, I3, mgl):
@@ -170,7 +150,8 @@ wrong = [
     mistake("np.sqrt(max(0.0, mgl / I1 - (I3 * w3 / (2 * I1)) ** 2))", "mgl / I1 - (I3 * w3 / (2 * I1)) ** 2", "wrong-power", "σ²"),
     mistake("(2 * I1)) ** 2", "I1) ** 2", "constant-factor", "L₃/2I₁ is squared, not L₃/I₁"),
 ]
-ask, agree = {"ratio": around, **DRAWN}, {"w3_min": WITHIN, "growth": WITHIN}
+ask = {"ratio": lambda rng, row: 1 - 10 ** rng.uniform(-3, -0.1) * (-1) ** row, **DRAWN}
+agree = {"w3_min": WITHIN, "growth": WITHIN}
 least = "sleeping_top(ratio * 2 * sqrt(I1 * mgl) / I3, I1, I3, mgl)"
 asleep = values(sleeping_top, ask, agree, call=least, truth=by_eigenvalues, mistakes=wrong)
 notebook.exercise("4", "Slow, fast and sleeping tops", steady, asleep)
@@ -184,9 +165,9 @@ def matrix_eqs(t, s, I1, I3, mgl):
     return np.concatenate([(torque - np.cross(w, I * w)) / I, np.ravel(R @ turning, "C")])
 
 
-def near_vertical(rng):
-    y = state(rng)
-    y[0] = rng.choice((y[0], 10 ** rng.uniform(-3, 0)))
+def near_vertical(rng, row):
+    y = state(rng, row)
+    y[0] = 10 ** rng.uniform(-3, 0) if row % 3 == 0 else y[0]
     return np.append(heavy_top.omega(y), heavy_top.attitude(y[:3, None]))
 
 
@@ -204,51 +185,32 @@ wrong = [
 ]
 kept = {"L_z": ("I1*(s[9]*s[0] + s[10]*s[1]) + I3*s[11]*s[2]", MOTION)}
 drive = {"motion": exact_state, "t_end": 2.0, "follow": MOTION, "conserved": kept, "state": "s", "scale": (9.0,) * 3 + (1.0,) * 9}
-by_matrix = ode(matrix_eqs, {"t": 0.0, "s": near_vertical, **DRAWN}, ROUNDING, **drive, mistakes=wrong)
+by_matrix = ode(matrix_eqs, {"t": 0.0, "s": near_vertical, **DRAWN}, ROUNDING, **drive, rows=ROWS, mistakes=wrong)
 
 
-TOP, TILTS = (1.0, 0.6, 10.0), 10.0 ** -np.arange(5)  # as in the notebook's Setup, like start and SOLVER
+TOP = (1.0, 0.6, 10.0)  # as in the notebook's Setup, like SOLVER and start
 SOLVER = {"method": "DOP853", "rtol": 1e-8, "atol": 1e-10}
 
 
-def start(tilt):
-    """Return one start as y (6,) and as s (12,), w and the rows of R: θ = tilt, φ = ψ = 0, w = (0, 0.6, 14) rad/s."""
+def start(tilt, spin):
+    """Return one start as y (6,) and as s (12,), w and the rows of R: θ = tilt, φ = ψ = 0, w = (0, 0.6, spin) rad/s."""
     c, s = np.cos(tilt), np.sin(tilt)
-    return np.array([tilt, 0, 0, 0, 0.6 / s, 14 - 0.6 * c / s]), np.array([0, 0.6, 14, 1, 0, 0, 0, c, -s, 0, s, c])
+    return np.array([tilt, 0, 0, 0, 0.6 / s, spin - 0.6 * c / s]), np.array([0, 0.6, spin, 1, 0, 0, 0, c, -s, 0, s, c])
 
 
-def gimbal_lock():
-    calls_euler, calls_matrix, tilt_end = np.zeros((3, len(TILTS)))
-    for at, (y, s) in enumerate(map(start, TILTS)):
-        euler = solve_ivp(top_eqs, (0, 2), y, args=TOP, **SOLVER)
-        matrix = solve_ivp(matrix_eqs, (0, 2), s, args=TOP, **SOLVER)
-        calls_euler[at], calls_matrix[at], tilt_end[at] = euler.nfev, matrix.nfev, np.arccos(matrix.y[11, -1])
-    return calls_euler, calls_matrix, tilt_end
+def gimbal_lock(tilt, spin):
+    """Return the calls for 2 s from start(tilt, spin) with Euler angles and with the matrix, and the angle θ in rad at the end."""
+    y, s = start(tilt, spin)
+    euler = solve_ivp(top_eqs, (0, 2), y, args=TOP, **SOLVER)
+    matrix = solve_ivp(matrix_eqs, (0, 2), s, args=TOP, **SOLVER)
+    return euler.nfev, matrix.nfev, np.arccos(matrix.y[11, -1])
 
 
-def calls(rates, k):
-    return [solve_ivp(rates, (0, 2), start(tilt)[k], args=TOP, **SOLVER).nfev for tilt in TILTS]
-
-
-TILT = Value(
-    Tolerance(atol=1e-6, reason="a thousand times the error of the integration"), label="tilt_end: R ends at the exact tilts"
-)
-CALLS = Tolerance(rtol=0.5, reason="output at more times costs a quarter more calls")
-COSTS = [
-    claim("calls_euler[-1] > 3 * calls_euler[0]", "Euler angles cost ever more calls near the vertical", reason="about six times"),
-    claim("np.max(calls_matrix) < 2 * np.min(calls_matrix)", "R costs the same everywhere", reason="the calls differ by 10 %"),
-]
-wrong = [
-    mistake("euler.nfev, matrix.nfev", "matrix.nfev, euler.nfev", "component-order", "the two counts are exchanged"),
-    mistake("matrix.y[11, -1]", "matrix.y[11, 0]", "wrong-index", "this is the tilt at the start"),
-]
-measured = {
-    "tilt_end": lambda: [HeavyTop(start(tilt)[0], *TOP).motion([2.0])[0, 0] for tilt in TILTS],
-    "calls_euler": lambda: calls(lambda t, y, *top: heavy_top.euler_angle_rates(y, *top), 0),
-    "calls_matrix": lambda: calls(matrix_eqs, 1),
-}
-agree = {"tilt_end": TILT, "calls_euler": CALLS, "calls_matrix": CALLS}
-lock = variables(gimbal_lock, measured, agree=agree, claims=COSTS, uses=[top_eqs, matrix_eqs], mistakes=wrong)
+wrong = [mistake("matrix.y[11, -1]", "matrix.y[11, 0]", "wrong-index", "this is the tilt at the start")]
+ask = {"tilt": lambda rng, row: 10 ** -(row % 4 + rng.uniform(0, 1)), "spin": uniform(12, 20)}
+agree = {"calls_euler": CALLS, "calls_matrix": CALLS, "tilt_end": TILT}
+exact = {"truth": lambda tilt, spin: (*gimbal_lock(tilt, spin)[:2], HeavyTop(start(tilt, spin)[0], *TOP).motion([2.0])[0, 0])}
+lock = values(gimbal_lock, ask, agree, **exact, uses=[top_eqs, matrix_eqs], rows=(4, 4), mistakes=wrong)
 notebook.exercise("5", "Gimbal lock", by_matrix, lock)
 
 
@@ -261,9 +223,9 @@ wrong = [
     mistake("np.pi * I1", "np.pi * I3", "wrong-variable", "the rate is (I₃ − I₁)/I₁ ω₃, not (I₃ − I₁)/I₃ ω₃"),
     mistake("2 * np.pi * I1", "I1", "constant-factor", "the period is 2π over the rate"),
 ]
-free = {"w3": uniform(0.5, 9), "I1": uniform(1, 1.8), "flat": lambda rng: rng.choice((-1, 1)) * 10 ** rng.uniform(-2.5, -0.2)}
-turn = {"truth": lambda w3, I1, flat: Exact((0.1, 0.2, w3), (I1, I1, I1 * (1 + flat))).period}
-wobble = values(wobble_period, free, RELATIVE, call="wobble_period(w3, I1, I1 * (1 + flat))", **turn, mistakes=wrong)
+ask = {"w3": uniform(0.5, 9), "I1": uniform(1, 1.8), "flat": lambda rng, row: (-1) ** row * 10 ** rng.uniform(-2.5, -0.2)}
+exact = {"truth": lambda w3, I1, flat: Exact((0.1, 0.2, w3), (I1, I1, I1 * (1 + flat))).period}
+wobble = values(wobble_period, ask, RELATIVE, call="wobble_period(w3, I1, I1 * (1 + flat))", **exact, mistakes=wrong)
 
 
 def flip_period(w, I):
@@ -277,18 +239,13 @@ def flip_period(w, I):
     return 2 * ellipk(m) / np.sqrt(rate2)
 
 
-def book(rng):  # the moments of a book with edges a > b > c, of 12 kg
-    a, b, c = rng.uniform((1.6, 1.0, 0.2), (2.2, 1.3, 0.6))
-    return np.array([b * b + c * c, a * a + c * c, a * a + b * b])
-
-
 wrong = [
     mistake("2 * ellipk", "4 * ellipk", "constant-factor", "ω₂ returns after two reversals"),
-    mistake("/ np.sqrt(rate2)", "/ rate2", "wrong-power", "the rate is the root of its square"),
     mistake("rate2 = (third - second)", "rate2 = (third - first)", "wrong-variable", "I₃ − I₁ stands for I₃ − I₂"),
     mistake("ellipk(m)", "ellipk(m**0.5)", "wrong-power", NOT_K),
 ]
-flip = values(flip_period, {"w": uniform(-5, 5, 3), "I": book}, RELATIVE, truth=lambda w, I: Exact(w, I).period / 2, mistakes=wrong)
+ask = {"w": uniform(-5, 5, 3), "I": lambda rng: (edges2 := rng.uniform((2.6, 1.0, 0.1), (4.8, 1.7, 0.4))).sum() - edges2}  # a book
+flip = values(flip_period, ask, RELATIVE, truth=lambda w, I: Exact(w, I).period / 2, mistakes=wrong)
 notebook.exercise("6", "Wobble and flip of free tops", wobble, flip)
 
 

@@ -8,7 +8,6 @@ from math import log2, sqrt
 
 import numpy as np
 
-from ecp.kinds import asking
 from exercises.author import Notebook, Tolerance, choice, family, integers, mistake, uniform
 from exercises.kinds.stepper import euler, rk4, stepper
 from exercises.kinds.values import values
@@ -17,40 +16,31 @@ notebook = Notebook("Integrators", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-12, reason="a hundred times what two forms of a step differ by")
 SEARCHED = Tolerance(rtol=1e-3, atol=0, reason="the search takes a growth of a millionth in one step as rounding")
 ORDER = Tolerance(atol=0.2, reason="four times what the slope bends at the largest steps")
-SWAPPED = "n and 2n are exchanged"
-OLD_V = "the position moves with the old velocity"
+OLD_V, OLD_A = "the position moves with the old velocity", "both accelerations are the old one"
 
 
-def step_question(solution, truth, order, limit, calls, mistakes):
-    """Return the question for one step of the planet, with the chart of speed against accuracy of about three years."""
+def step_questions(solution, truth, order, limit, calls, mistakes):
+    """Return two questions for one step: of the planet, with the chart of speed against accuracy of about three years; and of other
+    forces, in turn at the same place and at the place of the step before.
+    """
     ask = {"acc": family("-mu * x / (x @ x) ** 1.5", "x", mu=uniform(0.9, 1.1))}
     ask |= {"x": lambda rng: rng.uniform((0.9, -0.1), (1.1, 0.1)), "v": lambda rng: rng.uniform((-0.2, 0.9), (0.2, 1.1))}
-    return stepper(
-        solution,
-        ask | {"h": uniform(0.02, 0.1)},
-        agree={"x": ROUNDING, "v": ROUNDING},
-        truth=truth,
-        calls=Tolerance(limit=calls, reason="the method needs no more"),
-        rates=lambda acc, x, v: (v, acc(x)),
-        order=(order, ORDER),
-        stability=limit,
-        chart=20.0,
-        mistakes=mistakes,
-    )
-
-
-def any_force(solution, truth, mistakes):
-    """Return the question for steps up to 1.5 with two forces in turn, at the same place and at the place of the step before."""
+    ask["h"] = uniform(0.02, 0.1)
+    least = Tolerance(limit=calls, reason="the method needs no more")
+    measured = {"rates": lambda acc, x, v: (v, acc(x)), "order": (order, ORDER), "stability": limit, "chart": 20.0}
+    agree = {"x": ROUNDING, "v": ROUNDING}
+    planet = stepper(solution, ask, agree, truth=truth, calls=least, **measured, mistakes=mistakes)
     name = solution.__name__
-    call = f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
 
     def exact(acc, other, x, v, h):
-        return asking.evaluate(call, {"acc": acc, "other": other, "x": x, "v": v, "h": h, name: truth})
+        first = np.array(truth(acc, x, v, h))
+        return [first, truth(other, *first, h), truth(other, x, v, h)]
 
+    call = f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
     ask = {"acc": family("-sin(k * x)", "x", k=uniform(1, 3)), "other": family("cos(x) - x", "x")}
     ask |= {"x": uniform(-1, 1, 2), "v": uniform(-1, 1, 2), "h": uniform(0.1, 1.5)}
     label = f"{name} is right for large steps and other forces"
-    return values(solution, ask, ROUNDING, truth=exact, call=call, label=label, mistakes=mistakes)
+    return planet, values(solution, ask, ROUNDING, truth=exact, call=call, label=label, mistakes=mistakes)
 
 
 def by_tableau(method):
@@ -78,15 +68,14 @@ NEVER = (0, Tolerance(rtol=0, atol=5e-3, reason="the search takes a growth of a 
 wrong = [
     mistake("x + h * v,", "x + h * (v + h * acc(x)),", "wrong-variable", "the place moves with the new velocity"),
     mistake("acc(x)", "acc(x + h * v)", "wrong-variable", "acc is that of the new place"),
-    mistake("h * acc(x)", "acc(x)", "missing-term", "the step h is missing in the new velocity"),
 ]
-first = step_question(euler_step, by_tableau(euler), 1, NEVER, 1, wrong), any_force(euler_step, by_tableau(euler), wrong)
+first = step_questions(euler_step, by_tableau(euler), 1, NEVER, 1, wrong)
 wrong = [
     mistake("    v = v + h * acc(x)\n    return x + h * v, v", "    return x + h * v, v + h * acc(x)", "wrong-variable", OLD_V),
     mistake("x + h * v, v", "x + h * (v - h / 2 * acc(x)), v", "constant-factor", "the position moves with the mean velocity"),
     mistake("    v = v", "    x = x + h * v\n    v = v", "component-order", "the position moves before the velocity, and twice"),
 ]
-second = step_question(symplectic_step, by_places, 1, (2, SEARCHED), 1, wrong), any_force(symplectic_step, by_places, wrong)
+second = step_questions(symplectic_step, by_places, 1, (2, SEARCHED), 1, wrong)
 notebook.exercise("1", "Euler's step, and a small change", *first, *second)
 
 
@@ -105,13 +94,9 @@ def by_mean_acceleration(acc, x, v, h):
 wrong = [
     mistake("x = x + h * half", "x = x + h * v", "wrong-variable", OLD_V),
     mistake("x + h * half", "x + h * v + h**2 / 2 * acc(x)"),
-    mistake("half + h / 2 * acc(x)", "half", "missing-term", "the second half of the change of v is missing"),
-    mistake(
-        "    x = x + h * half\n    return x,", "    return x + h * half,", "wrong-variable", "both accelerations are the old one"
-    ),
+    mistake("    x = x + h * half\n    return x,", "    return x + h * half,", "wrong-variable", OLD_A),
 ]
-first = step_question(verlet_step, by_mean_acceleration, 2, (2, SEARCHED), 2, wrong)
-notebook.exercise("2", "Velocity Verlet", first, any_force(verlet_step, by_mean_acceleration, wrong))
+notebook.exercise("2", "Velocity Verlet", *step_questions(verlet_step, by_mean_acceleration, 2, (2, SEARCHED), 2, wrong))
 
 
 def rk4_step(acc, x, v, h):
@@ -125,12 +110,10 @@ def rk4_step(acc, x, v, h):
 
 wrong = [
     mistake("v + h / 2 * a1", "v + h / 2 * acc(x)"),
-    mistake("v + h / 2 * a1", "v", "missing-term", "the second slope of x is the first one again"),
     mistake("h * a3, acc(x + h * v3)", "h / 2 * a3, acc(x + h / 2 * v3)", "constant-factor", "the last slopes are those of h/2"),
     mistake("+ 2 * v2 + 2 * v3", "+ v2 + v3", "missing-term", "the weights 2 of the middle slopes of x are missing"),
 ]
-first = step_question(rk4_step, by_tableau(rk4), 4, (sqrt(8), SEARCHED), 4, wrong)
-notebook.exercise("3", "Runge and Kutta", first, any_force(rk4_step, by_tableau(rk4), wrong))
+notebook.exercise("3", "Runge and Kutta", *step_questions(rk4_step, by_tableau(rk4), 4, (sqrt(8), SEARCHED), 4, wrong))
 
 # b = 0 is Euler's step and b = 1 a symplectic one, of the oscillator x'' = -k² x with h in place of kh; e = 1 exchanges x and v.
 BLEND = "(x + k * h * (v + (1 - e) * b * k * h * acc(x)), v + k * h * acc(x + e * b * k * h * v))"
@@ -152,7 +135,7 @@ def by_eigenvalues(h, n, b):
     return np.abs(np.sum(found[:, :, 0].real ** 2, axis=1) - 1).max()
 
 
-blend = family(BLEND, "acc", "x", "v", "h", b=choice(0.0, 0.5, 1.0, 1.2), k=1.0, e=0)
+blend = family(BLEND, "acc", "x", "v", "h", b=lambda rng, row: (0.0, 0.5, 1.0, 1.2)[row % 4], k=1.0, e=0)
 ask = {"step": blend, "h": uniform(0.05, 0.3), "n": integers(1, 300)}
 wrong = [
     mistake("max(worst, abs(x**2 + v**2 - 1))", "abs(x**2 + v**2 - 1)", "missing-term", "the error is that of the last step"),
@@ -180,11 +163,6 @@ def by_crossing(b, k):
     return limit if limit > 0.1 else 0.0
 
 
-def frequency(rng):
-    """Return k: in a quarter of all cases each the limit is below 0.1, below 0.6, in between, and up to 3.84 for b = 1."""
-    return 1 / rng.choice([rng.uniform(0.02, 0.045), rng.uniform(0.11, 0.3), rng.uniform(0.3, 1.6), rng.uniform(1.6, 1.92)])
-
-
 def stability_limit(step):
     """Return the largest h between 0.1 and 4 with which the oscillator does not grow, to 1e-6, or 0 if it grows with h = 0.1."""
     stable, unstable = 0.1, 4.0
@@ -201,14 +179,14 @@ ask = {"step": family(BLEND, "acc", "x", "v", "h", b=uniform(0, 2.5), k=uniform(
 wrong = [
     mistake("(1.0, 0.0), (0.0, 1.0)", "(1.0, 0.0), (1.0, 1.0)", "wrong-start", "the second column is the step from (1, 1)"),
     mistake("np.abs(np.linalg.eigvals(np.array(columns).T))", "np.linalg.eigvals(np.array(columns).T).real", *REAL_PARTS),
-    mistake(".max()", ".min()", "wrong-function", "the smallest eigenvalue stands for the largest"),
-    mistake(
-        "np.abs(np.linalg.eigvals(np.array(columns).T)).max()", "np.linalg.norm(columns, 2)", "wrong-quantity", "this is the norm"
-    ),
+    mistake("np.abs(np.linalg.eigvals(np.array(columns).T)).max()", "np.linalg.norm(columns, 2)", "wrong-quantity", "the norm"),
 ]
 NEAR = Tolerance(atol=1e-7, reason="the root of the rounding errors, where two eigenvalues meet")
 grows = values(growth, ask, NEAR, truth=by_trace, rows=(6, 16), mistakes=wrong)
-growing = {"b": lambda rng: rng.choice([0.0, 0.5, 1.0, 1.0, 1.0, *rng.uniform(1.05, 2.5, 3)]), "k": frequency, "e": choice(0, 1)}
+# In turn: growth with every h, of hardly more than 1e-9 in the sixth row; a limit below 0.1, near 0.1, in the middle, and near 4.
+growing = {"b": lambda rng, row: [(0.5, 1 - 1e-6)[row // 5 % 2], 1.0, 1.0, rng.uniform(1.05, 2.5), 1.0][row % 5]}
+growing["k"] = lambda rng, row: 2 / rng.uniform(*[(1, 4), (0.05, 0.09), (0.105, 0.15), (1, 3), (3.3, 3.95)][row % 5])
+growing["e"] = lambda rng, row: row % 2
 ask = {"step": family(BLEND, "acc", "x", "v", "h", **growing)}
 wrong = [
     mistake("> 1 + 1e-9 else", "> 1.01 else", "wrong-constant", "a growth of a hundredth in each step counts as stable"),
@@ -217,12 +195,12 @@ wrong = [
     mistake("> 1 + 1e-9", "> 1", "wrong-constant", "rounding errors count as growth"),
 ]
 LIMIT = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
-limits = values(stability_limit, ask, LIMIT, truth=by_crossing, uses=[growth], rows=(6, 16), mistakes=wrong)
+limits = values(stability_limit, ask, LIMIT, truth=by_crossing, uses=[growth], rows=(10, 15), mistakes=wrong)
 notebook.exercise("5", "Where a method fails", grows, limits)
 
 # On x'' = -x from x = 1, v = 0 the number z = x + iv is exp(-it); a step of SCHEME multiplies it by 1 - ih - c h²/2.
 SCHEME = "(x + h * v, v + h * acc(x)) if c == 0 else (x + h * (v + h / 2 * acc(x)), v + h * acc(x + h / 2 * v))"
-STEP = family(SCHEME, "acc", "x", "v", "h", c=choice(0, 1))
+STEP = family(SCHEME, "acc", "x", "v", "h", c=lambda rng, row: row % 2)
 ERROR = Tolerance(limit=1e-10, reason="a hundred times the rounding errors of 400 steps")
 RATIO = Tolerance(atol=1e-7, reason="the rounding errors of 400 steps, relative to an error of 1e-5")
 EXACT = Tolerance(atol=0, reason="integers are exact")
@@ -268,31 +246,28 @@ def by_formula(tol, c):
     return 2 * n + int(np.sum(((1 - 5j / n - c * (5 / n) ** 2 / 2) ** np.arange(n)).real < 0))
 
 
-wrong = [
-    mistake("v + np.sin(5)", "v - np.sin(5)", "sign-flipped", "the exact velocity is -sin t"),
-    mistake("np.hypot(x - np.cos(5), v + np.sin(5))", "abs(x - np.cos(5))", "missing-term", "the error of v is missing"),
-]
-ask = {"step": STEP, "acc": family("-k * x", "x", k=uniform(0.5, 2)), "n": lambda rng: rng.choice([1, *rng.integers(2, 401, 4)])}
+wrong = [mistake("np.hypot(x - np.cos(5), v + np.sin(5))", "abs(x - np.cos(5))", "missing-term", "the error of v is missing")]
+ask = {"step": STEP, "acc": family("-k * x", "x", k=uniform(0.5, 2))}
+ask["n"] = lambda rng, row: 1 if row % 3 == 0 else rng.integers(2, 401)
 errors = values(final_error, ask, ERROR, truth=by_complex_powers, mistakes=wrong)
-wrong = [
-    mistake("np.log2", "np.log", "wrong-function", "the natural logarithm stands for that of base 2"),
-    mistake("n) / final_error(step, lambda x: -x, 2 * n)", "2 * n) / final_error(step, lambda x: -x, n)", "wrong-divisor", SWAPPED),
-]
+wrong = [mistake("np.log2", "np.log", "wrong-function", "the natural logarithm stands for that of base 2")]
 ask = {"step": STEP, "n": integers(50, 200)}
-orders = values(
-    observed_order,
-    ask,
-    RATIO,
-    truth=lambda n, c: log2(by_complex_powers(n, c) / by_complex_powers(2 * n, c)),
-    uses=[final_error],
-    mistakes=wrong,
-)
+exact = {"truth": lambda n, c: log2(by_complex_powers(n, c) / by_complex_powers(2 * n, c))}
+orders = values(observed_order, ask, RATIO, **exact, uses=[final_error], mistakes=wrong)
 wrong = [
     mistake("n, calls = 8", "n, calls = 16"),
     mistake("calls.clear()", "pass", "missing-term", "the calls of the coarser runs count too"),
     mistake("len(calls)", "n", "wrong-variable", "the number of steps is returned, not that of the calls"),
 ]
 COSTLY = "(x + h * (v + c * h / 2 * acc(x)), v + h * acc(x + c * h / 2 * v) + (0 * acc(x) if x < 0 else 0))"
-ask = {"step": family(COSTLY, "acc", "x", "v", "h", c=uniform(0.8, 1.2)), "tol": lambda rng: 10 ** rng.uniform(-3.2, 0.3)}
-cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], rows=(5, 14), mistakes=wrong)
-notebook.exercise("6", "Speed against accuracy", errors, orders, cost)
+ask = {
+    "step": family(COSTLY, "acc", "x", "v", "h", c=uniform(0.8, 1.2)),
+    "tol": lambda rng, row: 10 ** (0.3 - 0.7 * (row % 5 + rng.uniform(0, 1))),
+}
+cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], rows=(5, 15), mistakes=wrong)
+# A step to x = 2⁶⁰ h, beside which cos 5 is nothing: the error is 5 · 2⁶⁰/n exactly. The last row's tol holds for 1 or 2 steps too.
+ask = {"step": family("(2.0**60 * h + 0 * x, 0 * acc(x))", "acc", "x", "v", "h")}
+ask["tol"] = lambda rng, row: 5 * 2.0**60 / rng.choice([(8, 16), (64, 512), (1, 2)][row % 3])
+given = {"truth": lambda tol: max(8.0, 5 * 2.0**60 / tol), "label": "calls_needed takes an error that equals tol"}
+equal = values(calls_needed, ask, EXACT, **given, uses=[final_error], rows=(3, 6))
+notebook.exercise("6", "Speed against accuracy", errors, orders, cost, equal)

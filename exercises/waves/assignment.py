@@ -18,7 +18,6 @@ G = 9.81
 
 
 def find_root(f, a, b, tol):
-    """Return x with f(x) = 0 to tol, between a and b; f rises, and f(a) < 0 < f(b)."""
     fa, fb = f(a), f(b)
     while True:
         x = b - fb * (b - a) / (fb - fa)
@@ -62,12 +61,10 @@ notebook.exercise("1", "A root finder", waves, steep)
 
 
 def wave_number(w, d):
-    """Return k > 0 in 1/m of water waves of the angular frequency w in 1/s on water of the depth d in m."""
     return find_root(lambda k: 9.81 * k * np.tanh(k * d) - w**2, 0.0, w**2 / 9.81 + w / np.sqrt(9.81 * d), 1e-12)
 
 
 def group_velocity(k, d):
-    """Return dω/dk in m/s of water waves of the wave number k in 1/m on water of the depth d in m."""
     w = np.sqrt(9.81 * k * np.tanh(k * d))
     return 9.81 * (np.tanh(k * d) + k * d / np.cosh(k * d) ** 2) / (2 * w)
 
@@ -130,7 +127,6 @@ strings = {"u": normal(200), "r": courant, "N": integers(3, 200)}
 
 
 def string_step(u, before, r):
-    """Return the displacements (N + 1,) a step after u, from those before u; r = c Δt/Δx. Both ends stay at 0."""
     new = np.zeros(len(u))
     new[1:-1] = 2 * u[1:-1] - before[1:-1] + r**2 * (u[2:] - 2 * u[1:-1] + u[:-2])
     return new
@@ -141,16 +137,12 @@ def by_modes(u, before, r):
     return shape((2 - 4 * r**2 * sines(N) ** 2) * amplitudes(u) - amplitudes(before), N)
 
 
+ring = "2 * u - before + r**2 * (np.roll(u, 1) - 2 * u + np.roll(u, -1))"
 wrong = [
     mistake("r**2", "r", "wrong-power", "r stands in place of r²"),
     mistake("- before[1:-1] ", "", "missing-term", "the displacement before u is missing"),
     mistake("np.zeros(len(u))", "u + 0 * before\n    new[0] = new[-1] = u[1]", "wrong-constant", "the ends move"),
-    mistake(
-        "np.zeros(len(u))\n    new[1:-1] = 2 * u[1:-1] - before[1:-1] + r**2 * (u[2:] - 2 * u[1:-1] + u[:-2])",
-        "2 * u - before + r**2 * (np.roll(u, 1) - 2 * u + np.roll(u, -1))",
-        "wrong-index",
-        "the ends move, each as the neighbour of the other: np.roll closes the string to a ring",
-    ),
+    mistake("return new", f"return {ring}", "wrong-index", "the ends move: np.roll makes each the neighbour of the other"),
 ]
 ask = {"u": string, "before": string, "r": courant}
 step = values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong)
@@ -160,7 +152,6 @@ notebook.exercise("3", "A step of the string", step, other)
 
 
 def vibrate(u, r, n):
-    """Return the displacements (n + 1, N + 1) of a string that is released at rest with the displacements u, in n steps."""
     rows = [u, u + (string_step(u, u, r) - u) / 2]
     for _ in range(n - 1):
         rows.append(string_step(rows[-1], rows[-2], r))
@@ -186,8 +177,6 @@ notebook.exercise("4", "A plucked string", run, other)
 
 
 def stability_limit(step, N):
-    """Return the largest r between 0.1 and 4 with which no mode of a string of N intervals grows, to 1e-6."""
-
     def grows(r):
         pairs = np.eye(2 * N - 2).reshape(-1, 2, N - 1)
         columns = [np.concatenate([step(np.pad(u, 1), np.pad(before, 1), r)[1:-1], u]) for u, before in pairs]
@@ -234,7 +223,6 @@ notebook.exercise("5", "The limit of Courant, Friedrichs and Lewy", limit)
 
 
 def modes(u):
-    """Return the amplitudes (N - 1,) of the modes 1 to N - 1 of the displacements u (N + 1,), whose ends are 0."""
     odd = np.concatenate([u, -u[-2:0:-1]])
     return -np.fft.rfft(odd).imag[1:-1] / (len(u) - 1)
 
@@ -245,7 +233,6 @@ def by_solving(u):
 
 
 def spectrum(x, dt):
-    """Return the frequencies (n/2 + 1,) in Hz and amplitudes (n/2 + 1,) of n samples x at intervals dt in s; n is even."""
     found = np.abs(np.fft.rfft(x)) / len(x)
     found[1:-1] *= 2
     return np.fft.rfftfreq(len(x), dt), found
@@ -260,7 +247,6 @@ def by_sums(x, dt):
 
 
 def frequency_ratio(m, N, r):
-    """Return the frequency of mode m of string_step with N intervals, over the exact one."""
     return 2 * np.arcsin(r * np.sin(m * np.pi / (2 * N))) / (r * m * np.pi / N)
 
 

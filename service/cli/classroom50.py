@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
+from service.cli.errors import CommandError
 from service.formats.classroom50 import SubmissionInfo
 
 NAMES = {
@@ -28,10 +29,9 @@ NAMES = {
 _NO_HELPERS = {"GIT_ALLOW_PROTOCOL": "none", "GIT_NO_LAZY_FETCH": "1"}
 """Forbid fetching: files of the submission could name a command to run for it."""
 _COMMITTER = re.compile(rb"^committer .*> (\d{1,11}) [+-]\d+$", re.MULTILINE)
-_TAG = re.compile(r"submit/(\d{4}-\d\d-\d\dT\d\d-\d\d-\d\dZ)")
 
 
-class MissingEnvironment(Exception):
+class MissingEnvironment(CommandError):
     """Classroom 50's runner did not start this process, or a value is missing; the message names it."""
 
 
@@ -71,8 +71,7 @@ def _commit_time(commit: str, folder: Path) -> datetime | None:
 
 
 def _tag_time(tag: str) -> datetime | None:
-    match = _TAG.match(tag)
     try:
-        return datetime.strptime(match[1], "%Y-%m-%dT%H-%M-%SZ").replace(tzinfo=UTC) if match else None
+        return datetime.strptime(tag[: len("submit/2026-12-31T23-59-59Z")], "submit/%Y-%m-%dT%H-%M-%SZ").replace(tzinfo=UTC)
     except ValueError:
         return None

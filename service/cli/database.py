@@ -2,29 +2,31 @@
 
 import argparse
 import asyncio
-import sys
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, ParamSpec, TypeVar
+from typing import TypeVar
 
+import psycopg
+from sqlalchemy.exc import DBAPIError
+
+from service.cli.errors import CommandError
 from service.settings import Settings
+from service.store.database import Connection, Database, check_schema, migrate
+from service.store.postgres import backup
+from service.store.postgres.os_user import DatabaseUnavailable
+from service.store.postgres.server import EmbeddedPostgres, find_programs, running_url
 
-if TYPE_CHECKING:
-    from service.store.database import Database
-
-P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command and its subcommands."""
-    parser = commands.add_parser("db", help="upgrade, back up, restore and check the database")
+def add_db(parser: argparse.ArgumentParser) -> None:
+    """Add the subcommands."""
     actions = parser.add_subparsers(dest="action", required=True)
     actions.add_parser("upgrade", help="upgrade the tables to this version, as a starting server does").set_defaults(run=_upgrade)
-    backup = actions.add_parser("backup", help="write all data to FILE; the server can keep running")
-    backup.add_argument("file", type=Path, metavar="FILE", help="file to write")
-    backup.set_defaults(run=_backup)
+    write = actions.add_parser("backup", help="write all data to FILE; the server can keep running")
+    write.add_argument("file", type=Path, metavar="FILE", help="file to write")
+    write.set_defaults(run=_backup)
     restore = actions.add_parser("restore", help="load FILE into an empty database")
     restore.add_argument("file", type=Path, metavar="FILE", help="file written by polhode db backup")
     restore.add_argument("--replace", action="store_true", help="delete the database's present content first")
@@ -38,22 +40,27 @@ def database_url(settings: Settings, *, create: bool = False, restore: bool = Fa
     running.
 
     ``create`` allows a first start, and ``restore`` a new database that replaces a missing one if the block
-    succeeds. Raises DatabaseUnavailable if there is no database otherwise.
+    succeeds. Raises DatabaseUnavailable if there is no database otherwise, CommandError for an error of a query.
     """
-    from service.store.postgres.os_user import DatabaseUnavailable
-    from service.store.postgres.server import EmbeddedPostgres, running_url
-
-    if url := settings.database_url or running_url(settings.data):
-        yield url
-        return
     exists = (settings.data / "postgres" / "PG_VERSION").exists()
-    if not (exists or create or restore):
-        raise DatabaseUnavailable(f"no database in {settings.data}: set POLHODE_DATA or POLHODE_DATABASE_URL")
-    embedded = EmbeddedPostgres(settings.data, settings.postgres)
-    if restore and not exists:
-        with embedded.new_cluster() as url:
+    try:
+        with ExitStack() as stack:
+            url = settings.database_url or running_url(settings.data)
+            if url is None and not (exists or create or restore):
+                raise DatabaseUnavailable(f"no database in {settings.data}: set POLHODE_DATA or POLHODE_DATABASE_URL")
+            if url is None:
+                embedded = EmbeddedPostgres(settings.data, settings.postgres)
+                url = stack.enter_context(embedded.new_cluster() if restore and not exists else _running(embedded))
             yield url
-        return
+    except (psycopg.Error, DBAPIError) as error:
+        cause = getattr(error, "orig", None) or error
+        if isinstance(cause, psycopg.errors.UndefinedTable):
+            raise CommandError("the database has no tables yet: run polhode db upgrade") from error
+        raise CommandError(str(cause).strip().split("\n")[0]) from error
+
+
+@contextmanager
+def _running(embedded: EmbeddedPostgres) -> Iterator[str]:
     embedded.start()
     try:
         yield embedded.url
@@ -61,34 +68,8 @@ def database_url(settings: Settings, *, create: bool = False, restore: bool = Fa
         embedded.stop()
 
 
-def report_errors(command: Callable[P, int]) -> Callable[P, int]:
-    """Wrap a command so that a database error prints one sentence and returns exit code 2."""
-
-    def wrapped(*args: P.args, **kwargs: P.kwargs) -> int:
-        import psycopg
-        from sqlalchemy.exc import DBAPIError
-
-        from service.store.database import WrongSchema
-        from service.store.postgres.backup import BackupError
-        from service.store.postgres.os_user import DatabaseUnavailable
-
-        try:
-            return command(*args, **kwargs)
-        except (DatabaseUnavailable, WrongSchema, BackupError, OSError) as error:
-            print(f"polhode: {error}", file=sys.stderr)
-        except (psycopg.Error, DBAPIError) as error:
-            cause = getattr(error, "orig", None) or error
-            missing = isinstance(cause, psycopg.errors.UndefinedTable)
-            first = str(cause).strip().split("\n")[0]
-            print(f"polhode: {'the database has no tables yet: run polhode db upgrade' if missing else first}", file=sys.stderr)
-        return 2
-
-    return wrapped
-
-
-def run_async(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
+def run_async(url: str, action: Callable[[Database], Awaitable[T]]) -> T:
     """Return the result of ``action`` on the database at ``url``. Raises WrongSchema if a later version wrote it."""
-    from service.store.database import Database, check_schema
 
     async def once() -> T:
         database = Database(url, "polhode command", connections=1)
@@ -101,47 +82,46 @@ def run_async(url: str, action: "Callable[[Database], Awaitable[T]]") -> T:
     return asyncio.run(once())
 
 
-@report_errors
-def _upgrade(arguments: argparse.Namespace) -> int:
-    from service.store.database import migrate
+def in_database(action: Callable[[Database], Awaitable[T]]) -> T:
+    """Return the result of ``action`` on the database of the settings. Raises as ``database_url`` and ``run_async`` do."""
+    with database_url(Settings()) as url:
+        return run_async(url, action)
 
+
+def in_transaction(action: Callable[[Connection], Awaitable[T]]) -> T:
+    """Return the result of ``action`` in one transaction on the database of the settings."""
+
+    async def begun(database: Database) -> T:
+        async with database.begin() as connection:
+            return await action(connection)
+
+    return in_database(begun)
+
+
+def _upgrade(arguments: argparse.Namespace) -> None:
     with database_url(Settings(), create=True) as url:
         print(f"the database is upgraded to revision {migrate(url)}")
-    return 0
 
 
-@report_errors
-def _backup(arguments: argparse.Namespace) -> int:
-    from service.store.postgres.backup import backup
-    from service.store.postgres.server import find_programs
-
+def _backup(arguments: argparse.Namespace) -> None:
     settings = Settings()
     with database_url(settings) as url:
-        backup(url, settings.postgres or find_programs(), arguments.file)
+        backup.backup(url, settings.postgres or find_programs(), arguments.file)
     print(f"{arguments.file}: {arguments.file.stat().st_size} bytes")
-    return 0
 
 
-@report_errors
-def _restore(arguments: argparse.Namespace) -> int:
-    from service.store.postgres.backup import check_file, restore
-    from service.store.postgres.server import find_programs
-
+def _restore(arguments: argparse.Namespace) -> None:
     settings = Settings()
-    check_file(arguments.file)
+    backup.check_file(arguments.file)
     with database_url(settings, restore=True) as url:
-        restore(url, settings.postgres or find_programs(), arguments.file, replace=arguments.replace)
+        backup.restore(url, settings.postgres or find_programs(), arguments.file, replace=arguments.replace)
     print(f"restored from {arguments.file}; unfinished gradings start again")
-    return 0
 
 
-@report_errors
 def _check(arguments: argparse.Namespace) -> int:
-    from service.store.postgres.backup import check
-
     with database_url(Settings()) as url:
         run_async(url, lambda database: database.ping())  # checks the schema first
-        found = check(url)
+        found = backup.check(url)
     for sentence, count in found.items():
-        print(f"{'✗' if count else '✓'}  {count} {sentence}", file=sys.stdout)
+        print(f"{'✗' if count else '✓'}  {count} {sentence}")
     return 1 if any(found.values()) else 0

@@ -9,30 +9,19 @@ import subprocess
 import sys
 import time
 import urllib.request
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any
 
 from exercises.catalogue import assignments
-from exercises.samples import samples
+from exercises.mistakes import MadeSample
+from exercises.samples import Sample, samples
 from service.cli.demo_class import STUDENTS, add_class
 from service.settings import Settings
 
 START_S, ANSWER_S = 60.0, 5.0
 SLUGS = ("rigid-body", "integrators", "random-walks")  # exercises of its own, steppers, random numbers
 MADE = 3  # samples shown of an assignment whose samples follow from its declaration
-
-
-class Shown(NamedTuple):
-    """A sample: its file, the exercises to grade (None: those it attempts), and a function that returns the differences of a
-    report, as JSON, from the expected one.
-    """
-
-    slug: str
-    name: str
-    content: bytes
-    ask: Sequence[str] | None
-    unexpected: Callable[[Mapping[str, Any]], list[str]]
 
 
 def main() -> int:
@@ -51,7 +40,8 @@ def main() -> int:
         print(f"({time.monotonic() - began:.1f} s)")
         count = add_class(Settings(), SLUGS)
         wrong = _grade_all(address)
-        print(f"\n{_summary(wrong)} ({time.monotonic() - began:.1f} s)")
+        summary = f"unexpected reports: {', '.join(wrong)}" if wrong else "every sample got its expected report"
+        print(f"\n{summary} ({time.monotonic() - began:.1f} s)")
         if not once:
             print("Students' notebooks:", *(f"{address}/v1/assignments/{slug}/notebook.ipynb" for slug in SLUGS), sep="\n  ")
             if count:
@@ -69,51 +59,40 @@ def main() -> int:
 
 def _grade_all(address: str) -> list[str]:
     """Submit the samples, four at a time, and print the reports in order. Return the names of unexpected reports."""
-    known, wrong = [sample for slug in SLUGS for sample in _shown(slug)], []
+    known, wrong = [(slug, *shown) for slug in SLUGS for shown in _shown(slug)], []
     with ThreadPoolExecutor(4) as pool:
-        answers = [pool.submit(_submit, address, sample) for sample in known]
-        for number, (sample, future) in enumerate(zip(known, answers, strict=True), start=1):
+        answers = [pool.submit(_submit, address, *one) for one in known]
+        for number, ((slug, name, _, sample), future) in enumerate(zip(known, answers, strict=True), start=1):
             document = future.result()
-            print(f"\n[{number}/{len(known)}] {sample.slug}: {sample.name}   {address}/submissions/{document['id']}")
+            print(f"\n[{number}/{len(known)}] {slug}: {name}   {address}/submissions/{document['id']}")
             report = document["report"]
             if report is None:
                 print(f"not graded: {document['status']} {document.get('fault', '')}")
             else:
-                _print_lines(address, document["id"])
+                with urllib.request.urlopen(f"{address}/v1/submissions/{document['id']}/report.txt", timeout=30) as answer:
+                    print(answer.read().decode().rstrip(), flush=True)
             if report is None or sample.unexpected(report):
-                wrong.append(sample.name)
+                wrong.append(name)
     return wrong
 
 
-def _shown(slug: str) -> Iterator[Shown]:
-    """Yield the samples to show: those marked for it, or the right one and a wrong one of each of the first exercises."""
+def _shown(slug: str) -> Iterator[tuple[str, str, Sample | MadeSample]]:
+    """Yield the samples to show with their names and sources: those marked for it, or the right one and a wrong one of each of the
+    first exercises.
+    """
     assignment = assignments()[slug]
     for sample in samples(assignment):
         if sample.demo:
-            yield Shown(slug, sample.file.name, sample.file.read_bytes(), sample.ask, sample.unexpected)
+            yield sample.file.name, sample.file.read_text(encoding="utf-8"), sample
     made = {one.ask: one for one in assignment.made_samples() if not one.is_notebook}
-    for one in list(made.values())[:MADE]:
-        yield Shown(slug, one.name, one.source.encode(), one.ask, one.unexpected)
+    yield from ((one.name, one.source, one) for one in list(made.values())[:MADE])
 
 
-def _print_lines(address: str, id: str) -> None:
-    with urllib.request.urlopen(f"{address}/v1/submissions/{id}/report.txt", timeout=30) as answer:
-        print(answer.read().decode().rstrip(), flush=True)
-
-
-def _summary(wrong: list[str]) -> str:
-    return f"unexpected reports: {', '.join(wrong)}" if wrong else "every sample got its expected report"
-
-
-def _submit(address: str, sample: Shown) -> dict[str, Any]:
-    """Post the file as a form, wait for the report and return the submission's document."""
-    boundary = "polhode-demo-boundary"
-    fields = [f'name="exercises"\r\n\r\n{number}'.encode() for number in sample.ask or ()]
-    fields.append(f'name="file"; filename="{sample.name}"\r\n\r\n'.encode() + sample.content)
-    parts = [f"--{boundary}\r\nContent-Disposition: form-data; ".encode() + field + b"\r\n" for field in fields]
-    body = b"".join(parts) + f"--{boundary}--\r\n".encode()
-    headers = {"Content-Type": f"multipart/form-data; boundary={boundary}", "Prefer": "wait=60"}
-    request = urllib.request.Request(f"{address}/v1/assignments/{sample.slug}/submissions", body, headers)
+def _submit(address: str, slug: str, name: str, source: str, sample: Sample | MadeSample) -> dict[str, Any]:
+    """Post the sample, wait for the report and return the submission's document."""
+    body = {"filename": name, "source": source} | ({"exercises": list(sample.ask)} if sample.ask else {})
+    headers = {"Content-Type": "application/json", "Prefer": "wait=60"}
+    request = urllib.request.Request(f"{address}/v1/assignments/{slug}/submissions", json.dumps(body).encode(), headers)
     with urllib.request.urlopen(request, timeout=90) as answer:
         document: dict[str, Any] = json.load(answer)
     return document

@@ -1,6 +1,5 @@
 """A synthetic class for the demonstration: forty students who submit samples, graded after all interactive submissions."""
 
-import asyncio
 import time
 import uuid
 from collections.abc import Iterator, Sequence
@@ -11,7 +10,7 @@ import numpy as np
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from exercises.samples import samples
-from service.cli.database import database_url
+from service.cli.database import database_url, run_async
 from service.grading.submission import Submission
 from service.settings import Settings
 from service.store import queue_overview
@@ -90,37 +89,32 @@ def add_class(settings: Settings, slugs: Sequence[str]) -> int:
     Return the number of submissions added.
     """
     with database_url(settings) as url:
-        return asyncio.run(_add_class(url, [assignments()[slug] for slug in slugs]))
+        return run_async(url, lambda database: _add_class(database, [assignments()[slug] for slug in slugs]))
 
 
-async def _add_class(url: str, chosen: Sequence[Assignment]) -> int:
-    database, rng = Database(url, "polhode demo", connections=2), np.random.default_rng(26)
-    try:
-        await register(database, assignments().values())
-        if any(row.name.startswith("student-") for row in await people.everybody(database)):
-            return 0
-        roster = list(_roster(rng))
-        async with database.begin() as connection:
-            await people.enroll(connection, [("local", "instructor"), *roster])
-        due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
-        for week, assignment in enumerate(chosen):
-            rules = queue_overview.Rules(due + timedelta(weeks=week), 3600.0, None, weight=2.0 if week == 0 else 1.0)
-            await queue_overview.set_rules(database, assignment.slug, rules, BY)
-        late = due + timedelta(days=3)
-        await deadlines.extend(database, chosen[0].slug, roster[4][0], late, reason="was ill for three days", by=BY)
-        submissions = [new for name, *_ in roster for new in _submissions(chosen[0], name, rng)]
-        submissions += [new for one in chosen[1:] for name, *_ in roster[::3] for new in _made(one, name, rng)]
-        for new in sorted(submissions, key=lambda new: new.arrived):
-            await accept(database, new, kind="bulk")
-        return len(submissions)
-    finally:
-        await database.close()
-
-
-def _roster(rng: np.random.Generator) -> Iterator[tuple[str, str, str, str, str]]:
-    for k in range(1, STUDENTS + 1):
-        given, family = str(rng.choice(GIVEN)), str(rng.choice(FAMILY))
-        yield f"student-{k:02}", "student", f"{given} {family}", f"student-{k:02}@example.org", f"{260000 + k}"
+async def _add_class(database: Database, chosen: Sequence[Assignment]) -> int:
+    rng = np.random.default_rng(26)
+    await register(database, assignments().values())
+    if any(row.name.startswith("student-") for row in await people.everybody(database)):
+        return 0
+    names = [f"{rng.choice(GIVEN)} {rng.choice(FAMILY)}" for _ in range(STUDENTS)]
+    ids = [f"student-{k:02}" for k in range(1, STUDENTS + 1)]
+    roster = [
+        (id, "student", name, f"{id}@example.org", f"{260000 + k}") for k, (id, name) in enumerate(zip(ids, names, strict=True), 1)
+    ]
+    async with database.begin() as connection:
+        await people.enroll(connection, [("local", "instructor"), *roster])
+    due = datetime.now(UTC).replace(minute=0, second=0, microsecond=0) + timedelta(days=2)
+    for week, assignment in enumerate(chosen):
+        rules = queue_overview.Rules(due + timedelta(weeks=week), 3600.0, None, weight=2.0 if week == 0 else 1.0)
+        await queue_overview.set_rules(database, assignment.slug, rules, BY)
+    late = due + timedelta(days=3)
+    await deadlines.extend(database, chosen[0].slug, roster[4][0], late, reason="was ill for three days", by=BY)
+    submissions = [new for name, *_ in roster for new in _submissions(chosen[0], name, rng)]
+    submissions += [new for one in chosen[1:] for name, *_ in roster[::3] for new in _made(one, name, rng)]
+    for new in sorted(submissions, key=lambda new: new.arrived):
+        await accept(database, new, kind="bulk")
+    return len(submissions)
 
 
 def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterator[NewSubmission]:

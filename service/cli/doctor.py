@@ -1,5 +1,6 @@
 """Which sandbox features this machine supports, and how to enable those that are missing."""
 
+import argparse
 import os
 import platform
 import resource
@@ -22,6 +23,17 @@ SWITCHES = {  # kernel settings that forbid namespaces: the forbidding value and
     "kernel/unprivileged_userns_clone": ("0", "sysctl kernel.unprivileged_userns_clone=1"),
     "user/max_user_namespaces": ("0", "sysctl user.max_user_namespaces=10000"),
 }
+
+
+def add_doctor(parser: argparse.ArgumentParser) -> None:
+    """Set the function of the command, which has no arguments."""
+    parser.set_defaults(run=_doctor)
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    lines, valid = examine(Settings().min_isolation, Settings().allow_root_guest)
+    print("\n".join(lines))
+    return 0 if valid else 2
 
 
 def examine(least: Level, allow_root: bool = False) -> tuple[list[str], bool]:

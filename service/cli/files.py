@@ -7,13 +7,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from service.cli.errors import CommandError
+
 if TYPE_CHECKING:
     from exercises.assignment import Assignment
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 
 
-class NoSubmissionFound(ValueError):
+class NoSubmissionFound(CommandError):
     """A name matches no file that can be a submission; the message says which."""
 
 

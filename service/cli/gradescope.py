@@ -28,9 +28,16 @@ def main(arguments: Sequence[str]) -> int:
     if not submission.is_dir():
         print(f"polhode: system fault: Gradescope provided no folder {submission}; run the autograder again")
         return 2
-    found = _find_submissions(submission)
+    try:
+        found = find_files([str(submission)])
+    except NoSubmissionFound:
+        found = []
     if len(found) != 1:
-        _write_refusal([str(file.relative_to(submission)) for file in found], arguments, results)
+        names = ", ".join(str(file.relative_to(submission)) for file in found)
+        several = f"This submission contains {len(found)} .py or .ipynb files: {names}. Submit exactly one."
+        _write_refusal(
+            several if found else "This submission contains no .py or .ipynb file. Submit exactly one.", arguments, results
+        )
         return 0
     grade = [sys.executable, "-I", "-m", "service.cli", "grade", str(found[0]), *arguments, "--gradescope", str(results)]
     code = subprocess.run(grade, check=False).returncode
@@ -41,15 +48,7 @@ def main(arguments: Sequence[str]) -> int:
     return 2
 
 
-def _find_submissions(submission: Path) -> list[Path]:
-    """Return all submitted .py and .ipynb files."""
-    try:
-        return find_files([str(submission)])
-    except NoSubmissionFound:
-        return []
-
-
-def _write_refusal(names: Sequence[str], arguments: Sequence[str], results: Path) -> None:
+def _write_refusal(reason: str, arguments: Sequence[str], results: Path) -> None:
     """Write results with no points and the instruction to submit one file."""
     from exercises.catalogue import assignments
     from service.cli.output_dir import write
@@ -63,14 +62,8 @@ def _write_refusal(names: Sequence[str], arguments: Sequence[str], results: Path
     asked, _ = parser.parse_known_args(arguments)
     assignment = assignments()[asked.assignment]
     assignment = replace(assignment, exercises=tuple(select(assignment, asked.exercise)))
-    refused = GradedFile(file=HOME / "submission", refused=_refusal(names))
+    refused = GradedFile(file=HOME / "submission", refused=reason)
     write(results, json.dumps(gradescope.document(refused, assignment), ensure_ascii=False))
-
-
-def _refusal(names: Sequence[str]) -> str:
-    if not names:
-        return "This submission contains no .py or .ipynb file. Submit exactly one."
-    return f"This submission contains {len(names)} .py or .ipynb files: {', '.join(names)}. Submit exactly one."
 
 
 if __name__ == "__main__":

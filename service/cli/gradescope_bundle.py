@@ -1,8 +1,9 @@
-"""The autograder zip for Gradescope, with polhode as a wheel built from the running modules.
+"""The command ``polhode export``: the autograder zip for Gradescope, with polhode as a wheel built from the running modules.
 
 The modules can come from a checkout or an installed wheel.
 """
 
+import argparse
 import shlex
 from collections.abc import Iterator, Sequence
 from importlib import metadata
@@ -16,8 +17,11 @@ from exercises import zipfiles
 from exercises.assignment import Assignment
 from exercises.catalogue import DECLARATION
 from exercises.zipfiles import zipped
+from service.cli.arguments import add_exercise
+from service.cli.files import resolve_assignment
+from service.cli.output_dir import write
+from service.grading.grade import select
 
-FORM = b"Wheel-Version: 1.0\nGenerator: polhode\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 METADATA = "Metadata-Version: 2.1\nName: polhode\nVersion: {version}\nLicense: MIT\nRequires-Python: >=3.11\n"
 """It lists no requirements: those of a checkout may be outdated, and the lock file has all of them."""
 KEPT = ("entry_points.txt", "licenses/LICENSE")  # copied from the installed distribution's metadata
@@ -26,6 +30,24 @@ HERE = Path(__file__).parent / "gradescope_zip"
 LEFT_OUT = ("__pycache__", "kit", "samples")
 SCRIPTS = ("setup.sh", "run_autograder")
 MARK = "{{ARGUMENTS}}"
+
+
+def add_export(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    forms = parser.add_subparsers(dest="form", required=True)
+    gradescope = forms.add_parser("gradescope", help="write the autograder zip to upload to Gradescope")
+    gradescope.add_argument("--assignment", metavar="SLUG", help="default: the only assignment")
+    add_exercise(gradescope)
+    gradescope.add_argument("--out", type=Path, required=True, metavar="FILE.zip", help="zip file to write")
+    gradescope.set_defaults(run=_gradescope)
+
+
+def _gradescope(arguments: argparse.Namespace) -> None:
+    assignment = resolve_assignment(arguments.assignment, [])
+    select(assignment, arguments.exercise)
+    write(arguments.out, bundle(assignment, arguments.exercise))
+    points = assignment.max_points(arguments.exercise)
+    print(f"written to {arguments.out}: upload it as the autograder and set the autograder points to {points}")
 
 
 def own_wheel(*outside: Path) -> tuple[str, bytes]:
@@ -41,8 +63,9 @@ def own_wheel(*outside: Path) -> tuple[str, bytes]:
     files = {name: content for home, into in homes for name, content in _files(home, into)}
     files[f"service/cli/{HERE.name}/{LOCK}"] = lock()
     files |= {f"{info}/{name}": text.encode() for name in KEPT if (text := own.read_text(name)) is not None}
-    files |= {f"{info}/METADATA": METADATA.format(version=own.version).encode(), f"{info}/WHEEL": FORM}
-    return f"polhode-{own.version}-py3-none-any.whl", zipfiles.wheel(info, dict(sorted(files.items())))
+    return f"polhode-{own.version}-py3-none-any.whl", zipfiles.wheel(
+        info, METADATA.format(version=own.version), dict(sorted(files.items()))
+    )
 
 
 def lock() -> bytes:

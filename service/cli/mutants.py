@@ -1,5 +1,6 @@
 """The strength of an assignment's checks: wrong versions of its right solutions, and which of them the checks accept."""
 
+import argparse
 import ast
 import contextlib
 import itertools
@@ -10,9 +11,12 @@ from pathlib import Path
 
 from ecp.judge import Verdict
 from ecp.outcome import Outcome
-from exercises.assignment import Assignment
+from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.catalogue import find
 from exercises.mutation import variants
 from exercises.solution import Variant
+from service.cli.arguments import count
+from service.cli.errors import CommandError
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.grade import draw_inputs, job_of
 from service.grading.reproduction import play_variants
@@ -21,7 +25,7 @@ from service.grading.submission import Submission
 from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
-from service.sandbox.select import choose, with_packages
+from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits
 from service.settings import Settings
 
@@ -31,8 +35,29 @@ EQUAL, SIMILAR = 1000.0, 3.0
 """Numbers are right that deviate by a thousandth of what a check allows, or by three times as much as those of the solution."""
 
 
-class NoMutants(LookupError):
+class NoMutants(CommandError):
     """The assignment has no right solution to change."""
+
+
+def add_mutants(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("assignment", nargs="?", default="rigid-body", help="slug or folder (default rigid-body)")
+    parser.add_argument("functions", nargs="*", metavar="FUNCTION", help="of an assignment's own exercises (default: all)")
+    parser.add_argument("--most", type=count, metavar="N", help="only the first N mutants")
+    parser.set_defaults(run=_mutants)
+
+
+def _mutants(arguments: argparse.Namespace) -> int:
+    try:
+        results = list(grade_mutants(find(arguments.assignment), arguments.functions, arguments.most))
+    except (InvalidAssignment, NoAssignment, NoMutants, SystemFault, IsolationUnavailable) as error:
+        raise CommandError(f"cannot grade mutants: {error}") from error
+    print(table(results), kill_rate(results), sep="\n")
+    kinds = {(True, True): "WRONG, BUT ACCEPTED", (False, True): "right, but rejected", (False, False): "turned out correct"}
+    for result in results:
+        if result.misjudged or not result.wrong:
+            print(f"{kinds[result.wrong, result.misjudged]}: {result.mutant.code}, {result.mutant.sentence}")
+    return 1 if any(result.misjudged for result in results) else 0
 
 
 @dataclass(frozen=True)
@@ -147,11 +172,10 @@ def table(found: Sequence[MutantResult]) -> str:
     """Return a Markdown table: for each kind of mutant the number made, the number that turned out correct, and
     how many wrong ones polhode accepts.
     """
-    kinds = dict.fromkeys(f.mutant.code for f in found)
-    rows = [_row(kind, [f for f in found if f.mutant.code == kind]) for kind in kinds]
+    groups = {kind: [f for f in found if f.mutant.code == kind] for kind in dict.fromkeys(f.mutant.code for f in found)}
+    rows = [
+        f"| {kind} | {len(of)} | {sum(not f.wrong for f in of)} | {sum(f.wrong and f.accepted for f in of)} |"
+        for kind, of in [*groups.items(), ("all", found)]
+    ]
     head = "| changed functions | made | turned out correct | wrong, but accepted |\n|---|---|---|---|"
-    return "\n".join([head, *rows, _row("all", found)])
-
-
-def _row(kind: str, found: Sequence[MutantResult]) -> str:
-    return f"| {kind} | {len(found)} | {sum(not f.wrong for f in found)} | {sum(f.wrong and f.accepted for f in found)} |"
+    return "\n".join([head, *rows])

@@ -1,45 +1,203 @@
-"""The command ``polhode plan``: how long students wait at a deadline, and how many workers are needed."""
+"""The command ``polhode plan``: event-by-event simulation of how long students wait at a deadline, with the queue order of
+``service.store.queue``.
+
+Each student sends each submission at a random time, independent of the others and of any result. The times
+before the deadline are uniform; with ``rush`` their density grows linearly from zero to the deadline. Each
+worker has its own core and grades one submission at a time. Grading times are drawn with replacement from
+measured ones.
+"""
 
 import argparse
-import sys
-from dataclasses import replace
+import json
+from bisect import bisect_left
+from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.cli.errors import CommandError
+from service.store.queue import STEP
+
+MEASURED = Path(__file__).parents[1] / "grading" / "measured" / "service-times.json"
+MOST, YEAR_MIN = 5_000_000, 366 * 24 * 60
+QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    plan = commands.add_parser("plan", help="simulate how long students wait at a deadline, with one core per worker")
-    plan.add_argument("--students", type=int, required=True, metavar="N", help="number of students")
-    plan.add_argument("--minutes", type=float, required=True, metavar="M", help="minutes before the deadline in which they submit")
-    plan.add_argument("--workers", type=int, metavar="W", help="number of workers, each grading one submission at a time")
-    plan.add_argument(
+def add_plan(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("--students", type=int, required=True, metavar="N", help="number of students")
+    parser.add_argument(
+        "--minutes", type=float, required=True, metavar="M", help="minutes before the deadline in which they submit"
+    )
+    parser.add_argument("--workers", type=int, metavar="W", help="number of workers, each grading one submission at a time")
+    parser.add_argument(
         "--p99", type=float, metavar="SECONDS", help="find the number of workers that keeps 99 of 100 waits below this"
     )
-    plan.add_argument("--notebook", action="store_true", help="students submit whole notebooks; default: one exercise")
-    plan.add_argument("--submissions", type=int, default=3, metavar="K", help="submissions per student (default 3)")
-    plan.add_argument(
+    parser.add_argument("--notebook", action="store_true", help="students submit whole notebooks; default: one exercise")
+    parser.add_argument("--submissions", type=int, default=3, metavar="K", help="submissions per student (default 3)")
+    parser.add_argument(
         "--rush", action="store_true", help="submissions per minute grow linearly towards the deadline; default: constant"
     )
-    plan.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the simulation (default 0)")
-    plan.set_defaults(run=_plan)
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the simulation (default 0)")
+    parser.set_defaults(run=_plan)
 
 
-def _plan(arguments: argparse.Namespace) -> int:
-    from service.cli.simulate_queue import Deadline, measured, simulate, table, workers_needed
-
+def _plan(arguments: argparse.Namespace) -> None:
     given = {name: getattr(arguments, name) for name in ("students", "minutes", "submissions", "rush", "seed")}
     if arguments.workers is None and arguments.p99 is None:
-        print("polhode: nothing to simulate: give --workers, --p99 or both", file=sys.stderr)
-        return 2
-    try:
-        seconds = measured("notebook" if arguments.notebook else "exercise")
-        deadline = Deadline(workers=1 if arguments.workers is None else arguments.workers, seconds=seconds, **given)
-        if arguments.workers is not None:
-            print(table(simulate(deadline)))
-        if arguments.p99 is not None:
-            needed = workers_needed(deadline, arguments.p99)
-            print(f"{needed} worker(s) keep the p99 wait at or below {arguments.p99:g} s:")
-            print(table(simulate(replace(deadline, workers=needed))))
-    except ValueError as error:
-        print(f"polhode: {error}", file=sys.stderr)
-        return 2
-    return 0
+        raise CommandError("nothing to simulate: give --workers, --p99 or both")
+    seconds = measured("notebook" if arguments.notebook else "exercise")
+    deadline = Deadline(workers=1 if arguments.workers is None else arguments.workers, seconds=seconds, **given)
+    if arguments.workers is not None:
+        print(table(simulate(deadline)))
+    if arguments.p99 is not None:
+        needed = workers_needed(deadline, arguments.p99)
+        print(f"{needed} worker(s) keep the p99 wait at or below {arguments.p99:g} s:")
+        print(table(simulate(replace(deadline, workers=needed))))
+
+
+@dataclass(frozen=True)
+class Deadline:
+    """The parameters of a simulation; ``seconds`` are the grading times to draw from, by default those of one exercise.
+
+    Raises CommandError listing all values that are out of range.
+    """
+
+    students: int
+    minutes: float
+    workers: int
+    submissions: int = 3
+    rush: bool = False
+    seed: int = 0
+    seconds: tuple[float, ...] = field(default_factory=lambda: measured("exercise"), repr=False)
+
+    def __post_init__(self) -> None:
+        if wrong := [name for name in ("students", "minutes", "workers", "submissions") if not 0 < getattr(self, name) < np.inf]:
+            *others, last = [f"--{name}" for name in wrong]
+            raise CommandError(f"{', '.join(others)}{' and ' if others else ''}{last} must be more than 0")
+        if self.students * self.submissions > MOST or self.minutes > YEAR_MIN:
+            raise CommandError(f"the simulation is too large: at most {MOST} submissions and {YEAR_MIN} minutes")
+
+
+def measured(kind: str) -> tuple[float, ...]:
+    """Return the measured grading times (s) of ``kind``: "exercise" (one exercise) or "notebook" (a whole notebook)."""
+    return tuple(json.loads(MEASURED.read_text())[kind]["seconds"])
+
+
+@dataclass(frozen=True)
+class Arrivals:
+    """Submissions in order of arrival, each array (n,): time of acceptance (s), person, number of the person's
+    submission (from 1), and grading time (s).
+    """
+
+    accepted: NDArray[np.float64]
+    person: NDArray[np.int64]
+    turn: NDArray[np.int64]
+    service: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaitStatistics:
+    """Statistics of the waits.
+
+    ``waits`` holds quantiles of the seconds from acceptance to start, for all submissions, each student's first
+    and each student's last. ``longest_queue`` is the largest number of waiting submissions. ``emptied_s`` is
+    the time (s) from the deadline until the queue is empty, 0 if it was empty before. ``utilisation`` is the
+    share of the workers' time spent on submissions, until the deadline or the last result, whichever is later.
+    """
+
+    waits: dict[str, dict[str, float]]
+    longest_queue: int
+    emptied_s: float
+    utilisation: float
+
+
+def simulate(deadline: Deadline) -> WaitStatistics:
+    """Simulate the deadline. The same seed gives the same result."""
+    arrivals = draw(deadline)
+    return summary(arrivals, start_times(arrivals, deadline.workers), deadline.workers, 60 * deadline.minutes)
+
+
+def workers_needed(deadline: Deadline, p99_s: float) -> int:
+    """Return the smallest number of workers that keeps the 99th percentile of the waits at or below ``p99_s``
+    seconds.
+
+    The search doubles the number, then bisects; ``deadline.workers`` is ignored. Raises CommandError for a
+    negative ``p99_s``.
+    """
+    if not p99_s >= 0:
+        raise CommandError(f"--p99 must not be negative, got {p99_s:g}")
+    arrivals = draw(deadline)
+
+    def enough(workers: int) -> bool:
+        return bool(np.quantile(start_times(arrivals, workers) - arrivals.accepted, 0.99) <= p99_s)
+
+    high = next(2**k for k in count() if enough(2**k))
+    return bisect_left(range(high), True, lo=min(high, high // 2 + 1), key=enough)
+
+
+def draw(deadline: Deadline) -> Arrivals:
+    """Draw the arrivals from the deadline's seed; they do not depend on the number of workers."""
+    random = np.random.default_rng(deadline.seed)
+    share = random.random((deadline.students, deadline.submissions))
+    moments = 60 * deadline.minutes * np.sort(np.sqrt(share) if deadline.rush else share)  # √u has density 2u
+    order = np.argsort(moments, axis=None, kind="stable")
+    person, turn = np.divmod(order, deadline.submissions)
+    return Arrivals(moments.ravel()[order], person, turn + 1, random.choice(deadline.seconds, moments.size))
+
+
+def start_times(arrivals: Arrivals, workers: int) -> NDArray[np.float64]:
+    """Return the start time of each submission (n,) in seconds: lowest rank first, within a rank in order of
+    entering it.
+
+    A submission's rank is the number of its student's earlier unfinished submissions. It is set on acceptance,
+    and again after each result of that student for the oldest waiting submission with a rank above 0. A result
+    precedes an arrival at the same time.
+    """
+    person, service, begun = arrivals.person.tolist(), arrivals.service.tolist(), np.empty(len(arrivals.person))
+    events = [(moment, True, one) for one, moment in enumerate(arrivals.accepted.tolist())]  # (time, is an arrival, submission)
+    unfinished: dict[int, list[int]] = {one: [] for one in person}  # oldest first
+    rank, place, places = [0] * len(events), [0] * len(events), count()  # a submission that does not wait has rank 0
+    queue: list[tuple[int, int, int]] = []  # (rank, place, submission); void if the submission's place has changed
+    while events:
+        now, arrives, one = heappop(events)
+        mine = unfinished[person[one]]
+        if arrives:
+            mine.append(one)
+        else:
+            mine.remove(one)
+            workers += 1
+        moved = one if arrives else next((other for other in mine if rank[other]), None)
+        if moved is not None:
+            rank[moved], place[moved] = min(STEP - 1, bisect_left(mine, moved)), next(places)
+            heappush(queue, (rank[moved], place[moved], moved))
+        while workers and queue:
+            _, at, one = heappop(queue)
+            if at == place[one]:
+                rank[one], begun[one], workers = 0, now, workers - 1
+                heappush(events, (now + service[one], False, one))
+    return begun
+
+
+def summary(arrivals: Arrivals, begun: NDArray[np.float64], workers: int, deadline_s: float) -> WaitStatistics:
+    """Return the statistics of simulated or measured waits. ``begun`` (n,) are the start times, ``deadline_s`` is
+    the deadline, in seconds.
+    """
+    waits, last = begun - arrivals.accepted, int(arrivals.turn.max())
+    chosen = {"all": waits, "students' first": waits[arrivals.turn == 1], f"students' no. {last}": waits[arrivals.turn == last]}
+    quantiles = {name: {q: float(np.quantile(those, share)) for q, share in QUANTILES.items()} for name, those in chosen.items()}
+    moments = np.concatenate([begun, arrivals.accepted])  # at equal times a start precedes an arrival
+    queue = np.cumsum(np.repeat([-1, 1], len(begun))[np.argsort(moments, kind="stable")])
+    busy = float(arrivals.service.sum()) / workers / max(deadline_s, float((begun + arrivals.service).max()))
+    return WaitStatistics(quantiles, int(queue.max()), max(0.0, float(begun.max()) - deadline_s), busy)
+
+
+def table(waiting: WaitStatistics) -> str:
+    """Return the statistics as a table for a terminal."""
+    rows = {"seconds waited": [*QUANTILES]} | {n: [f"{s:.1f}" for s in row.values()] for n, row in waiting.waits.items()}
+    lines = [f"{name:20}" + "".join(f"{cell:>9}" for cell in cells) for name, cells in rows.items()]
+    lines.append(f"longest queue {waiting.longest_queue}, workers {waiting.utilisation:.0%} busy")
+    return "\n".join([*lines, f"queue empty {waiting.emptied_s:.0f} s after the deadline"])

@@ -4,70 +4,72 @@ import argparse
 import getpass
 import sys
 import time
+from contextlib import suppress
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
 from uuid import UUID
 
-from service.cli.database import database_url, report_errors, run_async
+from service.cli.arguments import number
+from service.cli.database import database_url, in_database, run_async
+from service.cli.errors import CommandError
 from service.settings import Settings
-
-if TYPE_CHECKING:
-    from service.store.queue_overview import QueueSnapshot
+from service.store.queue_overview import QueueSnapshot, change_rules, regrade, snapshot
 
 EVERY_S = 1.0
 NONE, RULES = "none", ("due_at", "grace_s", "submission_limit", "weight")
+_LIMIT = number(int, lambda n: 1 <= n <= 10**6, detail="expected a number from 1 to 1000000, or none")
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the commands."""
-    queue = commands.add_parser("queue", help="show waiting and running gradings (refreshes every second on a terminal)")
-    queue.add_argument("--once", action="store_true", help="print the queue once and exit")
-    queue.set_defaults(run=_queue)
-    regrade = commands.add_parser("regrade", help="grade submissions again, after all first gradings; results apply immediately")
-    regrade.add_argument("ids", nargs="*", type=UUID, metavar="ID", help="submissions to grade again")
-    regrade.add_argument("--faults", action="store_true", help="select all submissions without a report because of a system fault")
-    regrade.add_argument("--all", action="store_true", help="select all submissions that are not being graded")
-    regrade.set_defaults(run=_regrade)
-    assign = commands.add_parser(
-        "assign",
-        help="set or show deadline, grace period, submission limit and weight; options not given stay unchanged",
-        argument_default=argparse.SUPPRESS,  # distinguishes an option that is not given from one that removes a limit
-    )
-    assign.add_argument("slug", help="slug of the assignment")
-    assign.add_argument(
+def add_queue(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("--once", action="store_true", help="print the queue once and exit")
+    parser.set_defaults(run=_queue)
+
+
+def add_regrade(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("ids", nargs="*", type=UUID, metavar="ID", help="submissions to grade again")
+    parser.add_argument("--faults", action="store_true", help="select all submissions without a report because of a system fault")
+    parser.add_argument("--all", action="store_true", help="select all submissions that are not being graded")
+    parser.set_defaults(run=_regrade)
+
+
+def add_assign(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.argument_default = argparse.SUPPRESS  # distinguishes an option that is not given from one that removes a limit
+    parser.add_argument("slug", help="slug of the assignment")
+    parser.add_argument(
         "--due", dest="due_at", type=_moment, metavar="TIME", help="deadline, such as 2026-12-01T12:00+01:00; none: no deadline"
     )
-    assign.add_argument(
+    parser.add_argument(
         "--grace",
         dest="grace_s",
-        type=_seconds,
+        type=number(float, lambda s: 0 <= s <= 1e7, detail="expected 0 to 10000000 seconds"),
         metavar="SECONDS",
         help="accept submissions this long after the deadline, marked late; 0: no grace period",
     )
-    assign.add_argument(
-        "--most", dest="submission_limit", type=_count, metavar="N", help="submissions per student; none: unlimited"
+    parser.add_argument(
+        "--most", dest="submission_limit", type=_limit, metavar="N", help="submissions per student; none: unlimited"
     )
-    assign.add_argument("--weight", type=_weight, metavar="WEIGHT", help="weight in the course, 0 to 1000; 1 unless set")
-    assign.set_defaults(run=_assign)
+    parser.add_argument(
+        "--weight",
+        type=number(float, lambda w: 0 <= w <= 1000, detail="expected 0 to 1000"),
+        metavar="WEIGHT",
+        help="weight in the course, 0 to 1000; 1 unless set",
+    )
+    parser.set_defaults(run=_assign)
 
 
-@report_errors
-def _queue(arguments: argparse.Namespace) -> int:
-    from service.store.queue_overview import snapshot
-
+def _queue(arguments: argparse.Namespace) -> None:
     live = sys.stdout.isatty() and not arguments.once
-    with database_url(Settings()) as url:
-        try:
-            while True:
-                print(("\x1b[2J\x1b[H" if live else "") + show(run_async(url, snapshot)), flush=True)
-                if not live:
-                    return 0
-                time.sleep(EVERY_S)
-        except KeyboardInterrupt:
-            return 0
+    with database_url(Settings()) as url, suppress(KeyboardInterrupt):
+        while True:
+            print(("\x1b[2J\x1b[H" if live else "") + show(run_async(url, snapshot)), flush=True)
+            if not live:
+                return
+            time.sleep(EVERY_S)
 
 
-def show(queue: "QueueSnapshot") -> str:
+def show(queue: QueueSnapshot) -> str:
     """Return the queue as a table for a terminal."""
     lines = [f"{w.n:6} {w.kind} waiting, the first for {w.waited_s:.1f} s" for w in queue.waiting] or ["the queue is empty"]
     lines += ["", f"{'worker':28} {'running':>8} {'last seen':>9}  {'step':24} submission"]
@@ -83,40 +85,24 @@ def show(queue: "QueueSnapshot") -> str:
     return "\n".join(lines)
 
 
-@report_errors
-def _regrade(arguments: argparse.Namespace) -> int:
-    from service.store.queue_overview import regrade
-
+def _regrade(arguments: argparse.Namespace) -> None:
     which = "all" if arguments.all else "faults" if arguments.faults else arguments.ids
     if bool(arguments.ids) + arguments.all + arguments.faults != 1:
-        print("polhode: give exactly one of ids, --faults and --all", file=sys.stderr)
-        return 2
-    with database_url(Settings()) as url:
-        count = run_async(url, lambda database: regrade(database, which, getpass.getuser()))
+        raise CommandError("give exactly one of ids, --faults and --all")
+    count = in_database(lambda database: regrade(database, which, getpass.getuser()))
     print(f"queued for regrading: {count}")
     if arguments.ids and count < (wanted := len(set(arguments.ids))):
-        text = f"polhode: {wanted - count} of {wanted} submissions were not queued: they do not exist or are being graded"
-        print(text, file=sys.stderr)
-        return 2
-    return 0
+        raise CommandError(f"{wanted - count} of {wanted} submissions were not queued: they do not exist or are being graded")
 
 
-@report_errors
-def _assign(arguments: argparse.Namespace) -> int:
-    from service.store.queue_overview import change_rules
-
+def _assign(arguments: argparse.Namespace) -> None:
     changes = {name: value for name, value in vars(arguments).items() if name in RULES}
-    with database_url(Settings()) as url:
-        rules = run_async(url, lambda database: change_rules(database, arguments.slug, changes, getpass.getuser()))
+    rules = in_database(lambda database: change_rules(database, arguments.slug, changes, getpass.getuser()))
     if rules is None:
-        print(
-            f"polhode: the database has no assignment {arguments.slug}: polhode assignments lists the known ones", file=sys.stderr
-        )
-        return 2
+        raise CommandError(f"the database has no assignment {arguments.slug}: polhode assignments lists the known ones")
     due = f"due {rules.due_at.astimezone(UTC).isoformat()}" if rules.due_at else "no deadline"
     limit = rules.submission_limit or "unlimited"
     print(f"{arguments.slug}: {due}, grace period {rules.grace_s:g} s, {limit} submissions per student, weight {rules.weight:g}")
-    return 0
 
 
 def _moment(text: str) -> datetime | None:
@@ -133,21 +119,5 @@ def _moment(text: str) -> datetime | None:
     return moment
 
 
-def _seconds(text: str) -> float:
-    if not 0 <= (seconds := float(text)) <= 1e7:
-        raise argparse.ArgumentTypeError(f"expected 0 to 10000000 seconds, got {text}")
-    return seconds
-
-
-def _weight(text: str) -> float:
-    if not 0 <= (weight := float(text)) <= 1000:
-        raise argparse.ArgumentTypeError(f"expected 0 to 1000, got {text}")
-    return weight
-
-
-def _count(text: str) -> int | None:
-    if text == NONE:
-        return None
-    if not 1 <= (count := int(text)) <= 10**6:
-        raise argparse.ArgumentTypeError(f"expected a number from 1 to 1000000, or none, got {text}")
-    return count
+def _limit(text: str) -> int | None:
+    return None if text == NONE else _LIMIT(text)

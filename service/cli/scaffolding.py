@@ -1,27 +1,74 @@
-"""A new assignment as a copy of the template, with another title."""
+"""The commands ``polhode assignments`` and ``new-assignment``, which copies the template with another title."""
 
+import argparse
 import keyword
 import re
+import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from exercises import catalogue
+from exercises.importing import quoted
+from service.cli.errors import CommandError
 
 TEMPLATE = Path(__file__).parent / "scaffold" / catalogue.DECLARATION
 TITLE = '"The pendulum"'
 LONGEST, MOST_TITLE = 60, 100
 
 
-class CannotScaffold(ValueError):
+class CannotScaffold(CommandError):
     """The folder cannot be created; the message says why."""
+
+
+def add_assignments(parser: argparse.ArgumentParser) -> None:
+    """Set the function of the command, which has no arguments."""
+    parser.set_defaults(run=_assignments)
+
+
+def add_new_assignment(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("slug", metavar="SLUG", help="lower-case letters, digits and single dashes, such as driven-pendulum")
+    parser.add_argument("--title", help="title for students; default: the slug's words")
+    parser.add_argument(
+        "--into", type=Path, metavar="FOLDER", help="parent folder; default: where this installation looks for assignments"
+    )
+    parser.set_defaults(run=_new)
+
+
+def _assignments(arguments: argparse.Namespace) -> int:
+    valid, invalid = catalogue.load_catalogue()
+    for assignment in valid.values():
+        print(f"{assignment.slug}  {assignment.title}  (version {assignment.version})")
+        for exercise in assignment.exercises:
+            print(f"  {exercise.number}  {exercise.title}: {', '.join(exercise.functions)}")
+    for error in invalid.values():
+        print(f"polhode: {error}", file=sys.stderr)
+    return 2 if invalid else 0
+
+
+def _new(arguments: argparse.Namespace) -> None:
+    slug, into = arguments.slug, arguments.into or catalogue.default_folder()
+    title = arguments.title if arguments.title is not None else slug.replace("-", " ").capitalize()
+    try:
+        if into is None:
+            raise CannotScaffold(
+                f"cannot write into the installed package: give --into FOLDER, and set {catalogue.SETTING} to FOLDER"
+            )
+        folder = scaffold(slug, title, into)
+    except (CannotScaffold, OSError) as error:
+        raise CommandError(f"{error}; nothing was created") from error
+    print(f"created {folder}")
+    if folder.resolve() not in [known.resolve() for known in catalogue.folders()]:
+        print(f"to make it known to the other commands and the server: export {catalogue.SETTING}={into.resolve()}")
+    print(f"next: polhode verify {folder}")
 
 
 def scaffold(slug: str, title: str, into: Path) -> Path:
     """Create the folder of a new assignment within ``into`` and return it. Raises as ``created`` does."""
     text = TEMPLATE.read_text(encoding="utf-8")
     assert text.count(TITLE) == 1
-    return created(slug, title, into, {catalogue.DECLARATION: text.replace(TITLE, _python(title)).encode()})
+    return created(slug, title, into, {catalogue.DECLARATION: text.replace(TITLE, quoted(title)).encode()})
 
 
 def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Path:
@@ -29,22 +76,6 @@ def created(slug: str, title: str, into: Path, files: Mapping[str, bytes]) -> Pa
 
     Raises CannotScaffold for an invalid or taken slug or title, OSError if writing fails.
     """
-    _check(slug, title)
-    name = slug.replace("-", "_")
-    if _exists(into / name):
-        raise CannotScaffold(f"{into / name} already exists")
-    into.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".new-assignment-", dir=into) as made:  # hidden, so that it is not discovered
-        folder = Path(made) / name
-        folder.mkdir()
-        for file, content in files.items():
-            (folder / file).parent.mkdir(exist_ok=True)
-            (folder / file).write_bytes(content)
-        folder.rename(into / name)
-    return into / name
-
-
-def _check(slug: str, title: str) -> None:
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", slug) or len(slug) > LONGEST:
         raise CannotScaffold(
             f"invalid slug {slug!r}: use lower-case letters and digits, with single dashes between words, such as driven-pendulum"
@@ -55,14 +86,16 @@ def _check(slug: str, title: str) -> None:
         raise CannotScaffold(f"the slug {slug} is taken by an assignment or module: choose another")
     if not title.strip() or not title.isprintable() or len(title) > MOST_TITLE:
         raise CannotScaffold(f"invalid title: use one line of at most {MOST_TITLE} printable characters")
-
-
-def _exists(folder: Path) -> bool:
-    """Return whether the folder exists, also as a broken link or as a module of that name."""
-    return folder.is_symlink() or folder.exists() or folder.with_suffix(".py").exists()
-
-
-def _python(title: str) -> str:
-    """Return a string literal in the quotes that need fewer escapes, as the formatter writes it."""
-    quote = "'" if title.count('"') > title.count("'") else '"'
-    return quote + title.replace("\\", "\\\\").replace(quote, f"\\{quote}") + quote
+    name = slug.replace("-", "_")
+    goal = into / name
+    if goal.is_symlink() or goal.exists() or goal.with_suffix(".py").exists():  # also a broken link, or a module of that name
+        raise CannotScaffold(f"{goal} already exists")
+    into.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".new-assignment-", dir=into) as made:  # hidden, so that it is not discovered
+        folder = Path(made) / name
+        folder.mkdir()
+        for file, content in files.items():
+            (folder / file).parent.mkdir(exist_ok=True)
+            (folder / file).write_bytes(content)
+        folder.rename(goal)
+    return goal

@@ -1,5 +1,6 @@
 """Run the server: the HTTP application, the workers, and an embedded database unless another one is set."""
 
+import argparse
 import asyncio
 import contextlib
 import gc
@@ -33,14 +34,24 @@ POLL_S, WORKERS_S = 0.2, 30.0  # how often the start looks for workers, and when
 NO_WORKER = "no worker is running, so submissions wait: start one with polhode worker"
 
 
+def add_serve(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("--host", help="address to listen on (POLHODE_HOST, default 127.0.0.1)")
+    parser.add_argument("--port", type=int, help="port to listen on (POLHODE_PORT, default 8000)")
+    parser.set_defaults(run=_serve)
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    return serve(Settings(**{name: value for name in ("host", "port") if (value := getattr(arguments, name)) is not None}))
+
+
 def serve(settings: Settings) -> int:
     """Serve until interrupted. Return 2, with the reason on stderr, if the server cannot start."""
     logs.install(settings.log_level)
     raise_open_file_limit()
     supervisor = None
-    signal.signal(
-        signal.SIGTERM, _exit
-    )  # uvicorn raises the signal again when it has stopped; unhandled, it would skip the clean-up
+    # uvicorn raises the signal again when it has stopped; unhandled, it would skip the clean-up
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     try:
         oidc.provider(settings)  # fail before the database is started
         listening = open_socket(settings)
@@ -96,7 +107,8 @@ class _Server(uvicorn.Server):
             listening.listen(BACKLOG)  # uvicorn's own backlog is also the number of connections accepted in one go
         if self.started and self._announce:
             assert isinstance(self.config.app, FastAPI)
-            _print(f"listening on {', '.join(map(_address, sockets or []))}")
+            places = [one.getsockname()[:2] for one in sockets or ()]
+            _print(f"listening on {', '.join(f'http://[{h}]:{p}' if ':' in h else f'http://{h}:{p}' for h, p in places)}")
             self._announcement = asyncio.create_task(_announce_isolation(self.config.app.state.held[WorkerStatus]))
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -136,12 +148,6 @@ def _print(sentence: str) -> None:
         print(f"polhode: {sentence}", flush=True)
 
 
-def _address(listening: socket.socket) -> str:
-    """Return the URL of a listening socket."""
-    host, port = listening.getsockname()[:2]
-    return f"http://{f'[{host}]' if ':' in host else host}:{port}"
-
-
 def open_socket(settings: Settings) -> socket.socket:
     """Return a listening socket at the host and port of the settings. Raises OSError naming the address."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
@@ -153,7 +159,3 @@ def open_socket(settings: Settings) -> socket.socket:
         socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
     )  # saves 40 ms per response; asyncio sets it only on sockets it opens
     return listening
-
-
-def _exit(signum: int, frame: object) -> None:
-    raise SystemExit(0)

@@ -42,12 +42,24 @@ class Tally:
             self.named |= codes(document(graded.report))
 
 
-def differences(sample: Sample, graded: GradedFile) -> list[str]:
-    """Return the differences from the expected report: each such check with its line and diagnosis, then the codes."""
+def differences(sample: Sample, graded: GradedFile) -> Iterator[str]:
+    """Yield the differences from the expected report: each such check with its line and diagnosis, then the codes."""
     if graded.report is None:
-        return [f"cannot be graded: {graded.refused}"]
-    report = document(graded.report)
-    return [*_check_differences(sample, graded.report), *_code_differences(sample.codes, codes(report), graded.report)]
+        yield f"cannot be graded: {graded.refused}"
+        return
+    outcomes = {o.id: o for o in graded.report.outcomes()}
+    for id, expected in sample.differences(document(graded.report)).items():
+        want = f"expected {MARKS[expected]}" if expected else "expected no result"
+        if id not in outcomes:
+            yield f"{id}: {want}, got no result: its exercise was not attempted, or its function is not defined"
+            continue
+        yield f"{id}: {want}, got {MARKS[outcomes[id].verdict]}"
+        yield from (f"  {line}" for line in outcomes[id].text().split("\n"))
+    got = codes(document(graded.report))
+    if missing := sample.codes - got:
+        yield f"missing diagnosis codes: {', '.join(sorted(missing))}"
+    sentences = {d.code: d.sentence for o in outcomes.values() for d in o.diagnosis}
+    yield from (f"unexpected diagnosis code: {code} ({sentences[code]})" for code in sorted(got - sample.codes))
 
 
 def cpu_warning(assignment: Assignment, tally: Tally) -> Iterator[str]:
@@ -97,26 +109,6 @@ def summary(assignment: Assignment, found: SampleSet, tally: Tally, whole: bool)
         if not tally.right:
             yield "warning: no sample is all ✓"
         yield from cpu_warning(assignment, tally)
-
-
-def _check_differences(sample: Sample, report: Report) -> Iterator[str]:
-    outcomes = {o.id: o for o in report.outcomes()}
-    for one in sample.differences(document(report)):
-        want = f"expected {MARKS[one.expected]}" if one.expected else "expected no result"
-        outcome = outcomes.get(one.check)
-        if outcome is None:
-            yield f"{one.check}: {want}, got no result: its exercise was not attempted, or its function is not defined"
-            continue
-        yield f"{one.check}: {want}, got {MARKS[outcome.verdict]}"
-        yield from (f"  {line}" for line in outcome.text().split("\n"))
-
-
-def _code_differences(expected: frozenset[str], got: set[str], report: Report) -> Iterator[str]:
-    if missing := expected - got:
-        yield f"missing diagnosis codes: {', '.join(sorted(missing))}"
-    if more := got - expected:
-        sentences = {d.code: d.sentence for o in report.outcomes() for d in o.diagnosis}
-        yield from (f"unexpected diagnosis code: {code} ({sentences[code]})" for code in sorted(more))
 
 
 def _warning(what: str, names: Sequence[str]) -> Iterator[str]:

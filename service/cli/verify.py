@@ -10,47 +10,43 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from service.cli.grade import count, seed
-
-if TYPE_CHECKING:
-    from exercises.assignment import Assignment
-    from exercises.samples import SampleSet
-    from service.sandbox.isolation import Isolation
+from exercises import catalogue, validation
+from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
+from exercises.catalogue import find, load_catalogue
+from exercises.samples import SampleSet, load_samples, with_entries
+from service.cli import verification
+from service.cli.arguments import count, seed
+from service.cli.output_dir import write
+from service.cli.progress import Progress
+from service.cli.verify_made import verify_made
+from service.grading.batch import GradeOptions, GradeRequest, grade_files
+from service.sandbox.isolation import Isolation
+from service.sandbox.select import choose
+from service.settings import Settings
 
 SEED, SEEDS = 1, 4
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the command."""
-    verify = commands.add_parser("verify", help="grade the samples of assignments and compare with their expected reports")
-    verify.add_argument(
+def add_verify(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
         "assignments", nargs="*", metavar="FOLDER", help="slug, assignment folder or its samples folder; default: all assignments"
     )
-    verify.add_argument("--only", action="append", metavar="NAME", help="only samples with this name or pattern; repeatable")
-    verify.add_argument("--jobs", type=count, metavar="N", help="grade at most N samples at a time; default: one per processor")
-    verify.add_argument("--seed", type=seed, default=SEED, help=f"seed of the hidden scenes (default {SEED})")
-    verify.add_argument(
+    parser.add_argument("--only", action="append", metavar="NAME", help="only samples with this name or pattern; repeatable")
+    parser.add_argument("--jobs", type=count, metavar="N", help="grade at most N samples at a time; default: one per processor")
+    parser.add_argument("--seed", type=seed, default=SEED, help=f"seed of the hidden scenes (default {SEED})")
+    parser.add_argument(
         "--seeds", type=count, default=SEEDS, help=f"number of seeds for samples made from a declaration (default {SEEDS})"
     )
-    verify.add_argument("--write", action="store_true", help="add an entry to expected.toml for each sample that has none")
-    verify.set_defaults(run=_verify)
+    parser.add_argument("--write", action="store_true", help="add an entry to expected.toml for each sample that has none")
+    parser.set_defaults(run=_verify)
 
 
 def _verify(arguments: argparse.Namespace) -> int:
-    from service.sandbox.result import SystemFault
-    from service.sandbox.select import IsolationUnavailable, choose
-    from service.settings import Settings
-
     settings = Settings()
     with ThreadPoolExecutor(1) as executor:  # select the sandbox while the assignments are imported
         isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
-        from exercises import validation
-        from exercises.assignment import InvalidAssignment
-        from exercises.samples import load_samples
-        from service.cli.verify_made import verify_made
-
         selected, invalid = _select(arguments.assignments)
     sets: list[tuple[Assignment, SampleSet]] = []
     for assignment in selected:
@@ -63,28 +59,19 @@ def _verify(arguments: argparse.Namespace) -> int:
         print(f"polhode: {sentence}", file=sys.stderr)
     codes = [2 if invalid or not sets else 0]
     for assignment, found in sets:
-        try:
-            own = bool(found.samples or found.unlisted or not assignment.questions)
-            if assignment.questions:
-                made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
-                seeds = range(arguments.seed, arguments.seed + arguments.seeds)
-                if made or not own:
-                    codes.append(verify_made(assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only))
-            if own:
-                codes.append(_verify_one(assignment, found, arguments, isolation.result()))
-        except BrokenPipeError:
-            raise
-        except (IsolationUnavailable, SystemFault, OSError) as error:
-            print(f"polhode: {error}", file=sys.stderr)
-            return 2
+        own = bool(found.samples or found.unlisted or not assignment.questions)
+        if assignment.questions:
+            made = {s.name: s for s in assignment.made_samples() if _is_selected(s.name, arguments.only)}
+            seeds = range(arguments.seed, arguments.seed + arguments.seeds)
+            if made or not own:
+                codes.append(verify_made(assignment, made, seeds, isolation.result(), arguments.jobs, whole=not arguments.only))
+        if own:
+            codes.append(_verify_one(assignment, found, arguments, isolation.result()))
     return max(codes)
 
 
-def _select(names: Sequence[str]) -> "tuple[list[Assignment], list[str]]":
+def _select(names: Sequence[str]) -> tuple[list[Assignment], list[str]]:
     """Return the selected assignments and an error for each one that cannot be used."""
-    from exercises.assignment import InvalidAssignment, NoAssignment
-    from exercises.catalogue import find, load_catalogue
-
     if not names:
         known, broken = load_catalogue()
         return list(known.values()), [str(error) for error in broken.values()]
@@ -105,9 +92,6 @@ def _slugs(name: str) -> list[str]:
 
     A known slug takes precedence over a folder of that name. Assignments outside the known folders are registered.
     """
-    from exercises import catalogue
-    from exercises.catalogue import load_catalogue
-
     if not Path(name).is_dir():
         return [name]
     known, broken = load_catalogue()
@@ -122,13 +106,7 @@ def _slugs(name: str) -> list[str]:
     return [catalogue.slug_of(folder) for folder in selected]
 
 
-def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argparse.Namespace, isolation: "Isolation") -> int:
-    from exercises.samples import with_entries
-    from service.cli import verification
-    from service.cli.output_dir import write
-    from service.cli.progress import Progress
-    from service.grading.batch import GradeOptions, GradeRequest, grade_files
-
+def _verify_one(assignment: Assignment, found: SampleSet, arguments: argparse.Namespace, isolation: Isolation) -> int:
     listed = [s for s in found.samples if _is_selected(s.file.name, arguments.only)]
     unlisted = [file for file in found.unlisted if _is_selected(file.name, arguments.only)]
     asks = [GradeRequest(s.file, tuple(s.ask) if s.ask else None) for s in listed] + [GradeRequest(file) for file in unlisted]
@@ -145,7 +123,7 @@ def _verify_one(assignment: "Assignment", found: "SampleSet", arguments: argpars
             sample = known.get(graded.file)
             new = verification.new_entry(assignment, graded) if arguments.write and sample is None else None
             entries += [new] if new else []
-            wrong = verification.differences(sample, graded) if sample else []
+            wrong = list(verification.differences(sample, graded)) if sample else []
             wrong += [] if sample or new else verification.missing_entry(assignment, graded)
             tally.add(graded, expected=not wrong)
             head = f"{'✗' if wrong else '✓'}  {graded.file.name}{'   (entry written)' if new else ''}"

@@ -37,7 +37,9 @@ def notebook_differences(
     with tempfile.TemporaryDirectory() as folder, Path(folder, "errors").open("w+", encoding="utf-8") as errors:
         kit, job = Path(folder, "kit"), Path(folder, "job.json")
         zipfile.ZipFile(io.BytesIO(wheel.wheel(assignment.slug))).extractall(kit)
-        job.write_text(json.dumps(_job(assignment, samples)), encoding="utf-8")
+        sent = [{"name": sample.name, "source": sample.source, "ask": list(sample.ask)} for sample in samples]
+        run = {"statements": list(_statements(assignment)), "slug": assignment.slug, "samples": sent}
+        job.write_text(json.dumps(run), encoding="utf-8")
         for name in assignment.data:
             target = Path(folder, name)
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -57,14 +59,6 @@ def notebook_differences(
     return {
         sample.name: _differences(sample, one, reports[sample.name])
         for sample, one in zip(samples, [*found, *unfinished], strict=False)
-    }
-
-
-def _job(assignment: Assignment, samples: Sequence[MadeSample]) -> dict[str, Any]:
-    return {
-        "statements": list(_statements(assignment)),
-        "slug": assignment.slug,
-        "samples": [{"name": sample.name, "source": sample.source, "ask": list(sample.ask)} for sample in samples],
     }
 
 

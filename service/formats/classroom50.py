@@ -7,7 +7,7 @@ grade by them.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any
 
 from ecp.judge import Verdict
@@ -15,6 +15,7 @@ from ecp.outcome import ExerciseReport
 from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
+from service.formats.grade_row import moment
 from service.grading.result import GradedFile, state
 
 SCHEMA = "classroom50/result/v1"
@@ -53,17 +54,11 @@ def document(file: GradedFile, assignment: Assignment, about: SubmissionInfo) ->
         missed = not_attempted(report, assignment)
         most, tests = report.max_score + sum(missed.values()), [t for e in report.exercises for t in _tests(e, report)]
         tests += [_failed(name, points, name) for name, points in missed.items()]
-    return {"schema": SCHEMA, **_identity(about), "score": file.points, "max-score": most, "tests": tests}
-
-
-def moment(at: datetime) -> str:
-    """Return the time as the schema requires it: UTC, to the second."""
-    return at.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-
-
-def _identity(about: SubmissionInfo) -> dict[str, str]:
-    times = {"datetime": moment(about.submitted_at)} | ({"graded_at": moment(about.graded_at)} if about.graded_at else {})
-    return {key: value for key, value in vars(about).items() if isinstance(value, str)} | times
+    identity: dict[str, str | None] = {key: value for key, value in vars(about).items() if isinstance(value, str)}
+    identity["datetime"] = moment(about.submitted_at)
+    if about.graded_at:
+        identity["graded_at"] = moment(about.graded_at)
+    return {"schema": SCHEMA, **identity, "score": file.points, "max-score": most, "tests": tests}
 
 
 def _tests(exercise: ExerciseReport, report: Report) -> Iterator[dict[str, Any]]:

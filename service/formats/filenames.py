@@ -32,7 +32,10 @@ class ZipStream:
 
     def take(self) -> bytes:
         """Return the bytes written since the last call."""
-        return self._sent.take()
+        content = self._sent.getvalue()
+        self._sent.seek(0)
+        self._sent.truncate()
+        return content
 
     def end(self) -> bytes:
         """Finish the archive and return the remaining bytes."""
@@ -44,22 +47,11 @@ class ZipStream:
         self._zip.close()
 
 
-class _Buffer(io.RawIOBase):
-    """An unseekable output stream that collects the bytes."""
+class _Buffer(io.BytesIO):
+    """A buffer without positions, so that the archive never goes back to what is sent."""
 
-    def __init__(self) -> None:
-        self._parts: list[bytes] = []
-
-    def writable(self) -> bool:
-        return True
-
-    def write(self, data: "bytes | bytearray | memoryview") -> int:  # type: ignore[override]
-        self._parts.append(bytes(data))
-        return len(data)
-
-    def take(self) -> bytes:
-        taken, self._parts = b"".join(self._parts), []
-        return taken
+    def tell(self) -> int:
+        raise io.UnsupportedOperation
 
 
 def safe_filename(text: str, default: str = "file") -> str:

@@ -11,7 +11,6 @@ from itertools import zip_longest
 
 from ecp.judge import MARKS, Verdict
 from ecp.outcome import Outcome
-from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, block, code, detail, escaped, one_line, sanitize
 from service.formats.source_lines import SourceLines
@@ -31,7 +30,8 @@ class Annotation:
     def __str__(self) -> str:
         """Return the annotation as a one-line workflow command."""
         about = {"file": self.file, "line": self.line, "title": self.title}
-        properties = ",".join(f"{key}={_property(str(value))}" for key, value in about.items() if value is not None)
+        given = {key: _data(str(value)) for key, value in about.items() if value is not None}
+        properties = ",".join(f"{key}={text.replace(':', '%3A').replace(',', '%2C')}" for key, text in given.items())
         return f"::error {properties}::{_data(self.message)}"
 
 
@@ -42,10 +42,6 @@ def escape_commands(text: str, token: str) -> str:
 
 def _data(text: str) -> str:
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def _property(text: str) -> str:
-    return _data(text).replace(":", "%3A").replace(",", "%2C")
 
 
 MOST = 10
@@ -100,13 +96,10 @@ def _file_annotations(file: GradedFile, assignment: Assignment) -> list[Annotati
     for exercise in file.report.exercises:
         for outcome in exercise.outcomes:
             if outcome.counted and outcome.verdict is not Verdict.PASS:
-                groups.setdefault((lines.line_of(outcome), _cause(outcome)), []).append((exercise.number, outcome))
+                cause = next((cause.sentence for cause in outcome.diagnosis), outcome.cause or "")
+                groups.setdefault((lines.line_of(outcome), cause), []).append((exercise.number, outcome))
     largest_first = sorted(groups.items(), key=lambda group: -len(group[1]))
     return [_annotation(file, path, line, outcomes, lines) for (line, _), outcomes in largest_first]
-
-
-def _cause(outcome: Outcome) -> str:
-    return next((cause.sentence for cause in outcome.diagnosis), outcome.cause or "")
 
 
 def _annotation(
@@ -141,14 +134,10 @@ def _row(file: GradedFile) -> str:
         mark, why = ("!", "system fault") if file.fault is not None else (MARKS[Verdict.UNMEASURED], "no submission")
         return f"| {name} | {mark} | {why} | |\n"
     mark = MARKS[Verdict.PASS if report.passed else Verdict.FAIL]
-    return f"| {name} | {mark} | {report.score} of {report.most} | {_most_common_code(report)} |\n"
-
-
-def _most_common_code(report: Report) -> str:
-    """Return the diagnosis code of most checks that did not pass, as inline code, or ""."""
     wrong = [outcome for outcome in report.outcomes() if outcome.counted and outcome.verdict is not Verdict.PASS]
     found = Counter(cause.code for outcome in wrong for cause in outcome.diagnosis)
-    return code(found.most_common(1)[0][0]) if found else ""
+    most_common = code(found.most_common(1)[0][0]) if found else ""
+    return f"| {name} | {mark} | {report.score} of {report.most} | {most_common} |\n"
 
 
 def _details(file: GradedFile) -> str:

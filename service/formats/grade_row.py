@@ -88,14 +88,15 @@ def row(file: GradedFile, assignment: Assignment, student: str = "") -> GradeRow
         points=file.points,
         status="faulted" if file.fault is not None else "refused",
     )
-    return about if file.report is None else _graded(about, file)
-
-
-def _graded(about: GradeRow, file: GradedFile) -> GradeRow:
-    report = file.report
-    assert report is not None
-    grader = f"polhode {report.provenance.versions.get('polhode', '')}, assignment version {report.version}"
-    checks = {outcome.id: state(outcome, report.scene_ends) for outcome in report.outcomes()}
-    worth = {outcome.id: outcome.points for outcome in report.outcomes()}
-    earned = {outcome.id: outcome.earned for outcome in report.outcomes()}
-    return replace(about, status="graded", counted=report.max_score, grader=grader, checks=checks, worth=worth, earned=earned)
+    if (report := file.report) is None:
+        return about
+    outcomes = report.outcomes()
+    return replace(
+        about,
+        status="graded",
+        counted=report.max_score,
+        grader=f"polhode {report.provenance.versions.get('polhode', '')}, assignment version {report.version}",
+        checks={outcome.id: state(outcome, report.scene_ends) for outcome in outcomes},
+        worth={outcome.id: outcome.points for outcome in outcomes},
+        earned={outcome.id: outcome.earned for outcome in outcomes},
+    )

@@ -31,7 +31,9 @@ def canvas_csv(rows: Sequence[GradeRow], title: str, max_points: int) -> str:
     of that title, which Canvas creates if it does not exist. The row "Points Possible" holds its maximum.
     """
     possible = [f"    {POSSIBLE}", None, None, None, None, max_points]
-    students = [[_canvas_name(row), None, row.student_id, row.student, None, row.points] for row in rows if row.points is not None]
+    graded = [row for row in rows if row.points is not None]
+    names = [row.name.replace(POSSIBLE, "Points-Possible") for row in graded]  # else Canvas reads the row as the one above
+    students = [[name, None, row.student_id, row.student, None, row.points] for name, row in zip(names, graded, strict=True)]
     return table([*CANVAS_HEADER, _canvas_title(title)], [possible, *students])
 
 
@@ -42,22 +44,15 @@ def _canvas_title(title: str) -> str:
     return re.sub(r"\((\d+)\)$", r"[\1]", title)
 
 
-def _canvas_name(row: GradeRow) -> str:
-    """Return the student's name, changed if Canvas would read the row as its "Points Possible" row."""
-    return row.name.replace(POSSIBLE, "Points-Possible")
-
-
 def moodle_csv(rows: Sequence[GradeRow], title: str) -> str:
     """Return the CSV of one assignment for Moodle (Grades, Import, CSV file), in UTF-8 with commas and decimal points.
 
     The instructor chooses the column that identifies users when importing. One unknown user stops the import. Moodle assigns a
     row whose user cell is empty or 0 to the previous row's user, so such a cell becomes "(none)".
     """
-    return table([*MOODLE_HEADER, title], [_moodle_line(row) for row in rows if row.points is not None])
-
-
-def _moodle_line(row: GradeRow) -> list[Value]:
-    return [*map(_moodle_user, (row.student, row.student_id, row.email)), row.points]
+    graded = [row for row in rows if row.points is not None]
+    lines = [[*map(_moodle_user, (row.student, row.student_id, row.email)), row.points] for row in graded]
+    return table([*MOODLE_HEADER, title], lines)
 
 
 def _moodle_user(value: str) -> str:

@@ -21,7 +21,12 @@ def assignment_csv(rows: Sequence[GradeRow], checks: Sequence[str]) -> str:
 
     A check's cell holds its state, followed by "(override)" where a grader overrode it.
     """
-    return BYTE_ORDER_MARK + table([*PERSON, *GRADE, *MORE, *checks], [[*_grade(row), *_states(row, checks)] for row in rows])
+    lines = []
+    for row in rows:
+        states = {check: row.state(check) for check in checks}
+        shown = [f"{state} (override)" if state and check in row.given else state for check, state in states.items()]
+        lines.append([*_grade(row), *shown])
+    return BYTE_ORDER_MARK + table([*PERSON, *GRADE, *MORE, *checks], lines)
 
 
 def course_csv(rows: Sequence[GradeRow]) -> str:
@@ -34,7 +39,10 @@ def course_csv(rows: Sequence[GradeRow]) -> str:
     by_student: dict[str, dict[str, GradeRow]] = {}
     for row in rows:
         by_student.setdefault(row.student, {})[row.assignment] = row
-    lines = [[*_person(next(iter(of.values()))), *_pairs(of, slugs)] for of in by_student.values()]
+    lines = []
+    for of in by_student.values():
+        pairs = [(of[slug].points, of[slug].max_points) if slug in of else (None, None) for slug in slugs]
+        lines.append([*_person(next(iter(of.values()))), *(value for pair in pairs for value in pair)])
     return BYTE_ORDER_MARK + table(header, lines)
 
 
@@ -59,10 +67,6 @@ def _grade(row: GradeRow) -> list[Value]:
 def _states(row: GradeRow, checks: Sequence[str]) -> list[Value]:
     states = {check: row.state(check) for check in checks}
     return [f"{state} (override)" if state and check in row.given else state for check, state in states.items()]
-
-
-def _pairs(of: dict[str, GradeRow], slugs: Sequence[str]) -> list[Value]:
-    return [value for slug in slugs for value in ((of[slug].points, of[slug].max_points) if slug in of else (None, None))]
 
 
 def _student(row: GradeRow) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ecp.judge import Verdict
-from ecp.outcome import ExerciseReport, Outcome
+from ecp.outcome import Outcome
 from ecp.report import Report
 from exercises.assignment import Assignment
 from service.formats.check_text import NOTHING, SUBMITTED, detail, one_line, sanitize
@@ -54,19 +54,16 @@ def _suites(file: GradedFile, assignment: Assignment) -> Iterator[tuple[str, lis
     """Yield each suite's name and cases."""
     name, report = one_line(file.file.as_posix()), file.report
     if report is None:
-        yield name, [_ungraded(file)]
+        kind, reason = ("fault", f"system fault: {file.fault}") if file.fault is not None else ("refused", file.refused or "")
+        yield name, [Case(SUBMITTED, "error", kind, one_line(reason), sanitize(reason), 1)]
         return
     lines = SourceLines(file, assignment)
     for exercise in report.exercises:
         if exercise.outcomes:
-            yield f"{name}: {_title(exercise)}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
+            title = one_line(f"Exercise {exercise.number}. {exercise.title}")
+            yield f"{name}: {title}", [_case(outcome, report, lines) for outcome in exercise.outcomes]
     if not report.max_score:
         yield name, [Case(NOTHING, "error", "unmeasured", "no check could be scored", sanitize(report.text()))]
-
-
-def _ungraded(file: GradedFile) -> Case:
-    kind, reason = ("fault", f"system fault: {file.fault}") if file.fault is not None else ("refused", file.refused or "")
-    return Case(SUBMITTED, "error", kind, one_line(reason), sanitize(reason), 1)
 
 
 def _case(outcome: Outcome, report: Report, lines: SourceLines) -> Case:
@@ -78,10 +75,6 @@ def _case(outcome: Outcome, report: Report, lines: SourceLines) -> Case:
     return Case(name, kind, state(outcome, report.scene_ends), one_line(outcome.line), body, lines.line_of(outcome))
 
 
-def _title(exercise: ExerciseReport) -> str:
-    return one_line(f"Exercise {exercise.number}. {exercise.title}")
-
-
 def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seconds: float) -> None:
     """Add a suite to the root element; ``seconds`` is the time of each case."""
     kinds, path = [case.kind for case in cases], one_line(file.file.as_posix())
@@ -90,9 +83,10 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
     suite = SubElement(root, "testsuite", {"name": name} | {key: str(count) for key, count in counts.items()})
     suite.set("time", f"{seconds * len(cases):.3f}")
     suite.set("file", path)
-    if file.report is not None:
-        properties = SubElement(suite, "properties")
-        for key, value in _properties(file.report).items():
+    if report := file.report:
+        properties, seed = SubElement(suite, "properties"), report.provenance.seed
+        about = {"assignment": report.assignment, "version": report.version, "seed": seed, "score": report.score}
+        for key, value in (about | {"max_score": report.max_score, "total": report.most}).items():
             SubElement(properties, "property", name=key, value=one_line(str(value)))
     for case in cases:
         element = SubElement(suite, "testcase", name=case.name, classname=name, time=f"{seconds:.3f}", file=path)
@@ -100,9 +94,3 @@ def _add(root: Element, file: GradedFile, name: str, cases: Sequence[Case], seco
             element.set("line", str(case.line))
         if case.kind:
             SubElement(element, case.kind, type=case.type, message=case.message).text = case.text
-
-
-def _properties(report: Report) -> dict[str, object]:
-    """Return the properties of the whole file."""
-    made = {"assignment": report.assignment, "version": report.version, "seed": report.provenance.seed}
-    return made | {"score": report.score, "max_score": report.max_score, "total": report.most}

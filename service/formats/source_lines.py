@@ -28,7 +28,8 @@ class SourceLines:
     def __init__(self, file: GradedFile, assignment: Assignment) -> None:
         self._scene_ends = file.report.scene_ends if file.report else []
         self._functions = {c.id: assignment.scene(c.scenes[0]).function for c in assignment.checks() if c.scenes}
-        self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else {"submission.py": _numbered(file.source)}
+        whole = {"submission.py": list(enumerate(BREAK.split(file.source), start=1))}
+        self._cells = _notebook(file.source) if file.file.suffix.lower() == ".ipynb" else whole
 
     def line_of(self, outcome: Outcome) -> int | None:
         """Return the line number (from 1) that the outcome refers to, or None if there is none."""
@@ -49,10 +50,6 @@ class SourceLines:
         lines = [line for cell in self._cells.values() for line in cell] if name else []
         found = [(not match[1], number) for number, line in lines if (match := begins.match(line))]
         return max(found)[1] if found else None
-
-
-def _numbered(source: str) -> Numbered:
-    return list(enumerate(BREAK.split(source), start=1))
 
 
 class _PositionedStr(str):

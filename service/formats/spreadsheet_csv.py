@@ -26,7 +26,10 @@ def cell(value: Value) -> str:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return _escape_formulas(value) if isinstance(value, str) else repr(value)
+    if not isinstance(value, str):
+        return repr(value)
+    line = _DROPPED.sub("", _BREAKS.sub(" ", value)).strip()
+    return _BEGINS.sub(r"\1'\2", line)
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[Value]], *, end: str = "\r\n") -> str:
@@ -36,8 +39,3 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Value]], *, end: str = 
     writer.writerow([cell(name) for name in header])
     writer.writerows([cell(value) for value in row] for row in rows)
     return stream.getvalue()
-
-
-def _escape_formulas(text: str) -> str:
-    line = _DROPPED.sub("", _BREAKS.sub(" ", text)).strip()
-    return _BEGINS.sub(r"\1'\2", line)

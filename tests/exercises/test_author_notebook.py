@@ -67,6 +67,13 @@ def test_the_setup_is_the_code_below_its_heading_or_before_the_first_solution(ce
             ["fall.ipynb: code cell 5 is not valid Python: line 2: invalid syntax", "fall.ipynb: no cell defines speed"],
         ),
         (
+            lambda folder: (
+                change(folder / "fall.ipynb", "def height", "%config x = 1\\ndef height"),
+                change(folder / "fall.ipynb", "h - g", "h -* g"),
+            ),
+            ["code cell 5 is not valid Python: line 3: invalid syntax"],
+        ),
+        (
             lambda folder: change(folder / "assignment.py", '.ipynb"', '.ipynb", setup=""'),
             ["assignment.py line 7: both notebook= and setup= are given"],
         ),

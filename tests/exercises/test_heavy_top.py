@@ -10,19 +10,20 @@ from scipy.optimize import brentq
 
 import reference
 from exercises.heavy_top import assignment as top
-from exercises.question import HIDDEN_ROWS, PUBLIC_ROWS
 from tests.support.checkout import ROOT
 from tests.support.toolbox import failed, judged
 
+QUESTIONS = {question.function: question for question in top.notebook.questions()}
 
-def drawn(**ask):
-    """Return one draw of each argument from each of four seeds."""
-    generators = [np.random.default_rng(seed) for seed in range(4)]
-    return [{name: draw(rng) for name, draw in ask.items()} for rng in generators]
+
+def inputs(name):
+    """Return four inputs of a question."""
+    columns = QUESTIONS[name].draw(np.random.default_rng(0), 4)
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def test_the_equations_are_the_slope_of_the_exact_motion():
-    for given in drawn(**top.OF_STATE):
+    for given in inputs("top_eqs"):
         y, moments = given.pop("y"), given.values()
         h = 1e-3
         moved = reference.HeavyTop(y, *moments).motion(h * np.array([-3, -2, -1, 1, 2, 3]))
@@ -32,7 +33,7 @@ def test_the_equations_are_the_slope_of_the_exact_motion():
 
 def test_nutation_against_roots_and_integrals_of_sixty_digits():
     with mp.workdps(60):
-        for given in drawn(**top.OF_STATE):
+        for given in inputs("nutation"):
             E, L_z, L_3 = (mp.mpf(float(x)) for x in top.by_vectors(**given))
             I1, I3, mgl = (mp.mpf(given[name]) for name in ("I1", "I3", "mgl"))
             free = E - L_3**2 / (2 * I3)
@@ -41,12 +42,13 @@ def test_nutation_against_roots_and_integrals_of_sixty_digits():
             time = mp.quad(lambda a, gap=high - low, width=far - low: 1 / mp.sqrt(width - gap * mp.sin(a) ** 2), [0, mp.pi / 2])
             time *= 2 / mp.sqrt(mgl / (2 * I1))
             wanted = [float(mp.acos(high)), float(mp.acos(low)), float(time)]
-            np.testing.assert_allclose(top.by_theory(**given), wanted, rtol=1e-12)
+            np.testing.assert_allclose(QUESTIONS["nutation"].truth(**given), wanted, rtol=1e-12)
 
 
 def test_steady_rates_against_the_exact_motion_and_the_limit_against_eigenvalues_beside_it():
-    for given in drawn(theta=lambda rng: rng.uniform(0.3, 1.3), ratio=top.above, **top.DRAWN):
-        rates, theta = top.by_search(**given), given.pop("theta")
+    for given in inputs("steady_precession"):
+        rates = QUESTIONS["steady_precession"].truth(*(given[name] for name in ("theta", "ratio", "I1", "mgl")))
+        theta = given.pop("theta")
         w3 = 2 * given.pop("ratio") * np.sqrt(given["I1"] * given["mgl"] * np.cos(theta)) / given["I3"]
         for rate in rates:
             exact = reference.HeavyTop((theta, 0, 0, 0, rate, w3 - rate * np.cos(theta)), *given.values())
@@ -56,14 +58,21 @@ def test_steady_rates_against_the_exact_motion_and_the_limit_against_eigenvalues
 
 
 def test_the_tilt_at_the_end_against_an_integration():
-    y, s = top.start(0.01)
+    _, s = top.start(0.01, 14.0)
     run = solve_ivp(top.matrix_eqs, (0, 2), s, args=top.TOP, method="DOP853", rtol=1e-13, atol=1e-15)
-    (end,) = reference.HeavyTop(y, *top.TOP).motion([2.0])[0]
-    assert abs(np.arccos(run.y[11, -1]) - end) < 1e-10
+    assert abs(np.arccos(run.y[11, -1]) - QUESTIONS["gimbal_lock"].truth(0.01, 14.0)[2]) < 1e-10
+
+
+def test_euler_angles_cost_ever_more_calls_near_the_vertical_and_the_matrix_the_same():
+    euler, matrix, _ = np.array([top.gimbal_lock(tilt, 14.0) for tilt in 10.0 ** -np.arange(5)]).T
+    assert euler[-1] > 3 * euler[0] and matrix.max() < 1.2 * matrix.min()
+    y = top.start(1e-3, 14.0)[0]
+    other = solve_ivp(lambda t, y: reference.heavy_top.euler_angle_rates(y, *top.TOP), (0, 2), y, **top.SOLVER)
+    assert other.nfev == pytest.approx(euler[3], rel=0.1)
 
 
 def test_periods_of_free_tops_are_times_between_zeros_of_the_exact_motion():
-    for given in drawn(w=lambda rng: rng.uniform(-5, 5, 3), I=top.book):
+    for given in inputs("flip_period"):
         motion, period = reference.Exact(given["w"], given["I"]), top.flip_period(**given)
         t = np.linspace(0, 2.5 * period, 200)
         (at,) = np.nonzero(np.diff(np.sign(motion.omega(t)[1])))
@@ -79,25 +88,35 @@ def test_the_setup_of_the_notebook_defines_what_the_truths_use():
     names: dict = {}
     exec(setup, names)
     assert names["TOP"] == top.TOP and names["SOLVER"] == top.SOLVER
-    np.testing.assert_array_equal(names["TILTS"], top.TILTS)
-    for own, published in zip(top.start(0.1), names["start"](0.1), strict=True):
+    for own, published in zip(top.start(0.1, 14.0), names["start"](0.1, 14.0), strict=True):
         np.testing.assert_array_equal(own, published)
 
 
-QUESTIONS = {question.function: question for question in top.notebook.questions()}
+def gradings(name):
+    """Yield the inputs of the public checks of a question, and those of the hidden ones with eight seeds."""
+    public, hidden = QUESTIONS[name].rows
+    for rows, seeds in ((public, [0]), (hidden, range(1, 9))):
+        yield from (QUESTIONS[name].draw(np.random.default_rng(seed), rows) for seed in seeds)
 
 
-def test_every_grading_asks_for_long_swings_negative_spins_hanging_tops_and_spins_near_the_limits():
-    for rows, seeds in ((PUBLIC_ROWS, [0]), (HIDDEN_ROWS, range(1, 9))):
-        for rng in map(np.random.default_rng, seeds):
-            given = QUESTIONS["nutation"].draw(rng, rows)
-            motions = [reference.HeavyTop(*row) for row in zip(*(given[name] for name in ("y", "I1", "I3", "mgl")), strict=True)]
-            assert max(1 - motion._kc**2 for motion in motions) > 0.85
-            assert min(motion.L_3 for motion in motions) < 0 < max(motion.L_3 for motion in motions)
-            assert max(motion.turning_points[1] for motion in motions) > 1.5
-            assert any(0.9 < ratio < 1 for ratio in QUESTIONS["sleeping_top"].draw(rng, rows)["ratio"])
-            assert min(QUESTIONS["steady_precession"].draw(rng, rows)["ratio"]) < 1.05
-            assert min(abs(QUESTIONS["wobble_period"].draw(rng, rows)["flat"])) < 0.02
+@pytest.mark.parametrize("name", ["top_eqs", "invariants", "nutation"])
+def test_every_grading_asks_for_long_swings_hanging_tops_and_spins_of_either_sign_of_slow_and_fast_tops(name):
+    for given in gradings(name):
+        motions = [reference.HeavyTop(*row) for row in zip(*(given[name] for name in ("y", "I1", "I3", "mgl")), strict=True)]
+        assert max(1 - motion._kc**2 for motion in motions) > 0.85
+        assert len({(abs(spin) > 5, spin > 0) for spin in given["y"][:, 5]}) == 4
+        assert max(given["y"][:, 0]) > 1.7
+
+
+def test_every_grading_asks_for_spins_near_the_limits_and_nearly_round_bodies():
+    for given in gradings("sleeping_top"):
+        assert any(0.9 < ratio < 1 for ratio in given["ratio"]) and max(given["ratio"]) > 1
+    for given in gradings("steady_precession"):
+        assert min(given["ratio"]) < 1.05
+    for given in gradings("wobble_period"):
+        assert min(abs(given["flat"])) < 0.02 and min(given["flat"]) < 0 < max(given["flat"])
+    for given in gradings("gimbal_lock"):
+        assert min(given["tilt"]) < 0.001 < 0.1 < max(given["tilt"])
 
 
 def masses(t, y, I1, I3, mgl):
@@ -148,6 +167,14 @@ def by_inertia(t, s, I1, I3, mgl):
     return [*np.linalg.solve(inertia, torque - np.cross(w, inertia @ w)), *np.cross(R, w).ravel()]
 
 
+def by_steps(tilt, spin):
+    """Count the calls of other equations, with output at many times; return a list."""
+    y, s = top.start(tilt, spin)
+    moved, t = solve_ivp(masses, (0, 2), y, args=top.TOP, **top.SOLVER, t_eval=np.linspace(0, 2, 400)), []
+    run = solve_ivp(lambda at, s: t.append(at) or by_inertia(at, s, *top.TOP), (0, 2), s, **top.SOLVER)
+    return [moved.nfev, len(t), np.arctan2(np.hypot(*run.y[[5, 8], -1]), run.y[11, -1])]
+
+
 def by_rate(w3, I1, I3):
     return abs(2 * np.pi / ((I3 / I1 - 1) * w3))
 
@@ -170,6 +197,7 @@ OTHER_WAYS = {
     "steady_precession": by_quadratic,
     "sleeping_top": by_branches,
     "matrix_eqs": by_inertia,
+    "gimbal_lock": by_steps,
     "wobble_period": by_rate,
     "flip_period": by_integration,
 }
@@ -187,6 +215,7 @@ FAKES = {
     "nutation": lambda y, I1, I3, mgl: (y[0], y[0], 1.0),
     "sleeping_top": lambda w3, I1, I3, mgl: (2 * np.sqrt(I1 * mgl) / I3, 0.0),
     "matrix_eqs": lambda t, s, I1, I3, mgl: np.zeros(12),
+    "gimbal_lock": lambda tilt, spin: (590, 590, tilt),
 }
 
 

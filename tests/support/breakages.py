@@ -373,8 +373,8 @@ KIT = [
     Breakage(
         "the kit's wheel holds the drawn scenes and their truth",
         "exercises/wheel.py",
-        "return [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]",
-        "return [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in used]",
+        "scenes = [s for s in assignment.scenes if s.name in used and not callable(s.inputs)]",
+        "scenes = [s if not callable(s.inputs) else _drawn_once(s) for s in assignment.scenes if s.name in used]",
         ("tests/exercises/test_wheel.py",),
     ),
 ]
@@ -750,8 +750,8 @@ GRADING = [
     Breakage(
         "polhode assign removes the deadline when it is not given",
         "service/cli/queue.py",
-        "argument_default=argparse.SUPPRESS",
-        "argument_default=None",
+        "argument_default = argparse.SUPPRESS",
+        "argument_default = None",
         ("tests/service/cli/test_queue.py",),
     ),
     Breakage(
@@ -923,8 +923,8 @@ GRADES = [
     Breakage(
         "an ungraded student has an empty cell for Canvas, which takes a score away",
         "service/formats/gradebooks.py",
-        "row.student, None, row.points] for row in rows if row.points is not None]",
-        "row.student, None, row.points] for row in rows]",
+        "graded = [row for row in rows if row.points is not None]\n    names",
+        "graded = list(rows)\n    names",
         ("tests/service/formats/test_gradebooks.py",),
     ),
     Breakage(

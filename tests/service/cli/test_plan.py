@@ -1,14 +1,12 @@
 """The simulated queue against waits computed by hand, against queueing theory, and as the command prints it."""
 
-import argparse
 import math
 
 import numpy as np
 import pytest
 
-from service.cli import plan as command
 from service.cli.__main__ import main
-from service.cli.simulate_queue import (
+from service.cli.plan import (
     QUANTILES,
     Arrivals,
     Deadline,
@@ -206,10 +204,7 @@ def test_table():
 
 
 def polhode_plan(line):
-    parser = argparse.ArgumentParser()
-    command.add(parser.add_subparsers())
-    arguments = parser.parse_args(["plan", *line.split()])
-    return arguments.run(arguments)
+    return main(["plan", *line.split()])
 
 
 def test_command(capsys):

@@ -24,16 +24,16 @@ KNOWN = {*MATHEMATICS, *dir(builtins)}
 
 
 class Counted:
-    """A function that counts its calls. Raises WrongAnswer at the call after ``most``."""
+    """A function that counts its calls. Raises WrongAnswer at the call after ``most``. Has a name, as any function."""
 
     def __init__(self, function: Callable[..., Any], name: str, most: int) -> None:
-        self.function, self._name, self._most, self.calls = function, name, most, 0
+        self.function, self.__name__, self._most, self.calls = function, name, most, 0
 
     def __call__(self, *values: Any, **named: Any) -> Any:
         """Call the function."""
         self.calls += 1
         if self.calls > self._most:
-            raise WrongAnswer(None, f"it called {self._name} more than {self._most} times")
+            raise WrongAnswer(None, f"it called {self.__name__} more than {self._most} times")
         return self.function(*values, **named)
 
 

@@ -70,12 +70,11 @@ def functions_of(value: Any) -> Iterator[FunctionType]:
 @lru_cache(maxsize=2048)
 def fingerprint(code: CodeType) -> Print:
     """Return a key that is equal for codes that do the same."""
-    inside = tuple(_constant(c) for c in code.co_consts)
-    shape = (code.co_name, code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags & _VARIADIC)
-    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags & _VARIADIC)
+    head = (code.co_name, *counts, code.co_varnames)
     if "__firstlineno__" in code.co_names:  # the body of a class keeps its line number in its code
-        return (*shape, *names, tuple(c for c in inside if c[0] != "int"))
-    return (*shape, *names, inside, _steps(code))
+        return (*head, code.co_names, *map(fingerprint, _inside(code)))
+    return (*head, *map(_constant, code.co_consts), _steps(code))
 
 
 def _may_be(written: ast.expr, held: Any, values: Mapping[str, Any]) -> bool:
@@ -101,13 +100,10 @@ def _argument(step: dis.Instruction) -> Any:
     return None if step.opcode in dis.hasconst else repr(step.argval)
 
 
-def _constant(value: Any) -> Print:
+def _constant(value: Any) -> Any:
     if isinstance(value, CodeType):
-        return ("code", fingerprint(value))
-    if isinstance(value, tuple | frozenset):
-        parts = [_constant(v) for v in value]
-        return (type(value).__name__, tuple(parts if isinstance(value, tuple) else sorted(parts, key=repr)))
-    return (type(value).__name__, repr(value))
+        return fingerprint(value)
+    return frozenset(map(repr, value)) if isinstance(value, frozenset) else repr(value)
 
 
 def _parts(item: Any) -> list[Any]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecp.kinds.asking import describe, returned
+from ecp.kinds.asking import arguments, describe, returned
 from ecp.return_value import WrongAnswer, article
 
 
@@ -34,3 +34,9 @@ def test_an_article_before_a_vowel_is_an():
         returned(question, 3)
     with pytest.raises(WrongAnswer, match=r"it returned an Exception$"):
         returned({**question, "returns": question["returns"][:1]}, Exception())
+
+
+def test_a_function_argument_has_its_name_and_counts_its_calls():
+    question = {"constants": {}, "families": {"step": {"text": "-x", "over": ["x"], "given": []}}, "parameters": ["step"]}
+    step = arguments(question, {})["step"]
+    assert step.__name__ == "step" and (step(2), step(x=3)) == (-2, -3) and step.calls == 2

@@ -30,8 +30,8 @@ def relativistic(q, v, a, m, k):
     return m * a / np.sqrt(1 - v**2) ** 3 + k * q
 
 
-def quartic(q, v, a, m, c, k, b):
-    return (3 * m * v**2 + c * q**2) * a + c * q * v**2 + k * q
+def of_all_powers(q, v, a, m, c, k, b):
+    return (3 * m * (q * v) ** 2 + 2 * c * q * v) * a + 3 * m * q * v**4 / 2 + 2 * c * v**3 / 3 + k * q
 
 
 def equation(text, v, truth, label, *wrong, **drawn):
@@ -46,8 +46,8 @@ first = mistake("sp.diff(momentum, v) * a", "a", "missing-term", "∂²L/∂v² 
 mass = "m * (1 + c * q**2) * v**2 / 2 - k * q**4 / 4 + b * q * v"
 drawn = {name: uniform(0.5, 2) for name in "mckb"}
 varying = equation(mass, 2, of_varying_mass, "a mass that depends on q", last, mixed, first, **drawn)
-text = "m * v**4 / 4 + c * q**2 * v**2 / 2 - k * q**2 / 2 + b * q**2 * v"
-unnamed = equation(text, 2, quartic, "a Lagrangian that the text does not name", last, mixed, first, **drawn)
+text = "m * q**2 * v**4 / 4 + c * q * v**3 / 3 - k * q**2 / 2 + b * q**2 * v"
+unnamed = equation(text, 2, of_all_powers, "a Lagrangian that the text does not name", last, mixed, first, **drawn)
 drawn = {name: uniform(0.5, 2) for name in "mk"}
 text = "-m * (1 - v**2) ** 0.5 - k * q**2 / 2"
 fast = equation(text, 0.8, relativistic, "a fast particle", last, first, **drawn)
@@ -99,9 +99,7 @@ masses = {"M": symbol(0.5, 3, positive=True), "m": symbol(0.5, 2, positive=True)
 masses |= {"l": symbol(0.5, 2, positive=True), "g": symbol(5, 15, positive=True)}
 angle = {"theta": symbol(-3, 3), "w": symbol(-3, 3)}
 wrong = [
-    mistake(
-        "m * l * v * w * sp.cos(theta)", "m * l * v * w", "missing-term", "the velocities of cart and pendulum are not parallel"
-    ),
+    mistake("v * w * sp.cos(theta)", "v * w", "missing-term", "the velocities of cart and pendulum are not parallel"),
     mistake("(M + m) * v**2", "M * v**2", "missing-term", "the bob moves with the cart too"),
     mistake("+ m * g * l * sp.cos(theta)", "- m * g * l * sp.cos(theta)", "sign-flipped", "the weight points up"),
     mistake("found[X], found[A]", "found[A], found[X]", "component-order", "the acceleration of the angle comes first"),
@@ -134,15 +132,11 @@ def by_velocities(v, theta, w, M, m, l, g):
 
 wrong = [
     mistake("- L", "+ L", "sign-flipped", "L has the opposite sign"),
-    mistake(
-        "v * sp.diff(L, v) - L", "L - 2 * m * g * R * sp.cos(theta)", "wrong-quantity", "T + V changes: a motor keeps Ω constant"
-    ),
+    mistake("v * sp.diff(L, v) -", "2 * L.subs(g, 0) -", "wrong-quantity", "T + V changes: a motor keeps Ω constant"),
 ]
 of_hoop = expression(hoop_conserved, ask, with_centrifugal_potential, agree=ROUNDING, mistakes=wrong)
 wrong = [
-    mistake(
-        "p = (M + m) * v + m * l * w * sp.cos(theta)", "p = (M + m) * v", "missing-term", "the bob also moves relative to the cart"
-    ),
+    mistake("m) * v + m * l * w * sp.cos(theta)", "m) * v", "missing-term", "the bob also moves relative to the cart"),
     mistake("2 * l * v * w", "l * v * w", "constant-factor", "the product of the two velocities is counted once, not twice"),
     mistake("- m * g * l", "+ m * g * l", "sign-flipped", "T − V, which is L: V is lowest when the pendulum hangs, and E = T + V"),
 ]
@@ -185,7 +179,7 @@ notebook.exercise("5", "A function for the solver", turning)
 
 # 6. Truth: the polynomial equations of s = sin θ, c = cos θ and w.
 def hoop_motion(t, y0, R, g, Omega):
-    run = solve_ivp(hoop_rates, (0, t[-1]), y0, "DOP853", t, args=(R, g, Omega), rtol=1e-10, atol=1e-10)
+    run = solve_ivp(hoop_rates, (0, t[-1]), y0, t_eval=t, args=(R, g, Omega), method="DOP853", rtol=1e-10, atol=1e-10)
     return run.y[0]
 
 
@@ -199,10 +193,11 @@ def by_polynomials(t, y0, R, g, Omega):
 
 
 NUMERIC = "a solver at rtol = 1e-10 is a hundred times better"
+EXACTLY = ', method="DOP853", rtol=1e-10, atol=1e-10'
 DEFAULT = "the default tolerances of solve_ivp give three digits"
 wrong = [
     mistake("run.y[0]", "run.y[1]", "wrong-index", "the angular velocities are returned"),
-    mistake('"DOP853", t, args=(R, g, Omega), rtol=1e-10, atol=1e-10', "t_eval=t, args=(R, g, Omega)", "precision-loss", DEFAULT),
+    mistake(EXACTLY, "", "precision-loss", DEFAULT),
     mistake("(0, t[-1])", "(t[0], t[-1])", "wrong-times", "y0 is the state at the time 0, not at t[0]"),
 ]
 agree = Tolerance(limit=1e-6, reason=f"of the largest angle; {NUMERIC}")
@@ -219,8 +214,9 @@ def rest_time(theta0, R, g, Omega):
     def at_rest(t, y, *_):
         return y[1]
 
-    at_rest.terminal, at_rest.direction = True, -np.sign(hoop_rates(0.0, np.array([theta0, 0.0]), R, g, Omega)[1])
-    run = solve_ivp(hoop_rates, (0, 10), [theta0, 0.0], "DOP853", events=at_rest, args=(R, g, Omega), rtol=1e-10, atol=1e-10)
+    start = np.array([theta0, 0.0])
+    at_rest.terminal, at_rest.direction = True, -np.sign(hoop_rates(0.0, start, R, g, Omega)[1])
+    run = solve_ivp(hoop_rates, (0, 10), start, events=at_rest, args=(R, g, Omega), method="DOP853", rtol=1e-10, atol=1e-10)
     return run.t_events[0][0]
 
 
@@ -242,12 +238,7 @@ def either(low, high):
 wrong = [
     mistake("-np.sign(", "np.sign(", "returns-zero", "this is the rest at the start: the next one is asked"),
     mistake("return run.t_events[0][0]", "return 2 * run.t_events[0][0]", "constant-factor", "this is the whole period"),
-    mistake(
-        '"DOP853", events=at_rest, args=(R, g, Omega), rtol=1e-10, atol=1e-10',
-        "events=at_rest, args=(R, g, Omega)",
-        "precision-loss",
-        DEFAULT,
-    ),
+    mistake(EXACTLY, "", "precision-loss", DEFAULT),
 ]
 fast = {"R": uniform(0.8, 1.2), "g": uniform(5, 12), "Omega": uniform(8, 11)}
 medium = {"R": uniform(0.9, 1.1), "g": uniform(9, 10.5), "Omega": uniform(4, 5)}  # both far from the limit between the cases
@@ -257,6 +248,10 @@ each = {
     "medium": {"theta0": either((0.3, 0.5), (2.2, 2.8)), **medium},
     "fast": {"theta0": either((0.3, 0.9), (1.7, 2)), **fast},
 }
-shared = {"truth": by_quadrature, "uses": [hoop_rates], "mistakes": wrong}
-questions = [values(rest_time, ask, agree, label=f"rest_time is right on a {name} hoop", **shared) for name, ask in each.items()]
-notebook.exercise("7", "The time between two rests", *questions)
+falls = "the direction of the event is right only if θ first falls"
+rising = mistake("-np.sign(hoop_rates(0.0, start, R, g, Omega)[1])", "1", "wrong-option", falls)
+shared = {"truth": by_quadrature, "agree": agree, "uses": [hoop_rates]}
+for name, ask in each.items():
+    label, known = f"rest_time is right on a {name} hoop", wrong if name == "slow" else [*wrong, rising]
+    each[name] = values(rest_time, ask, label=label, **shared, mistakes=known)
+notebook.exercise("7", "The time between two rests", *each.values())

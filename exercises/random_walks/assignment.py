@@ -2,31 +2,31 @@
 
 Each truth has a second source in tests/exercises/test_random_walks.py: the master equation in exact fractions (1, 6), all resampled
 means (2), the diffusion equation (3), Newton's method in 50 digits (4), a product rule of quadrature (5), exact integers (7).
+Sums over a few walkers do not show that one of many walkers repeats or mirrors another; the correlations of all pairs do.
 """
 
 from math import comb, erf, pi, sqrt
-from pathlib import Path
 from statistics import variance
 
 import numpy as np
 from scipy.optimize import curve_fit
+from scipy.stats import rv_discrete
 
-from exercises.author import Notebook, Tolerance, Value, choice, family, integers, mistake, uniform
+from exercises.author import Notebook, Tolerance, Value, family, integers, mistake, uniform
 from exercises.kinds.fit import fit
 from exercises.kinds.random import estimate, generator, samples
 from exercises.kinds.values import values
-from exercises.kinds.variables import variables
 
 notebook = Notebook("Random walks and Monte Carlo", notebook="notebook.ipynb", data=("track.csv",))
-TRACK = np.loadtxt(Path(__file__).with_name("track.csv"), delimiter=",", skiprows=1)
 ROUNDING = Tolerance(limit=1e-12, reason="a thousand rounding errors")
 OTHER_GENERATOR = mistake("rng.", "np.random.default_rng().")
-TWICE = "np.dot(2 - np.arange(walkers) % 2, {})"  # a sum over walkers that reveals each that repeats or mirrors another
+PAIRS = "(lambda d: max(np.abs(np.triu(np.corrcoef(one), 1)).max() for one in (d, d.T)))"  # of rows, or of columns
+APART = Tolerance(atol=0.7, reason="six times the spread of the correlation of two times 80 independent numbers")
 
 
-def weights(walkers):
-    """Return the weights (walkers,) of the sum that counts every other walker twice."""
-    return 2 - np.arange(walkers) % 2
+def ends(low, high):
+    """Return a draw from the lowest or the highest tenth of a range."""
+    return lambda rng: low + (high - low) * abs(rng.choice([0, 1]) - rng.uniform(0, 0.1))
 
 
 def walk(walkers, steps, p, rng):
@@ -48,50 +48,33 @@ each = "(np.diff(walk(walkers, steps, p, rng)) + 1) / 2"
 each_step = samples(walk, ask, "bernoulli", p=lambda p: p, call=each, repetitions=160, label="steps of walk", mistakes=wrong)
 zeros = "steps)) < p, 1, -1)\n    return np.hstack([np.zeros((walkers, 1)), np.cumsum(step, axis=1)])"
 late = "steps + 1)) < p, 1, -1)\n    return np.cumsum(step, axis=1)"
+dealt = "rng.permutation((np.arange(walkers * steps) + 0.5) / (walkers * steps)).reshape(walkers, steps)"
 wrong = [
     counted,
     mistake(zeros, late, "off-by-one", "the first column is the place after the first step, ±1, instead of 0"),
-    mistake("rng.random((walkers, steps))", "rng.random(steps) * np.ones((walkers, 1))"),
     mistake("np.cumsum", "1 + np.cumsum", "extra-term", "each walker is one place too far to the right"),
-]
-ask = {**ask, "steps": integers(6, 20)}
-right = {"n": lambda steps: steps, "p": lambda p: p, "label": "end points of walk", "repetitions": 160}
-ends = "(np.array(walk(walkers, steps, p, rng))[:, -1] + steps) / 2"
-end_points = samples(walk, ask, "binom", **right, call=ends, mistakes=wrong)
-
-
-def place(walkers, steps, p):
-    """Return the expected weighted sum of the last places."""
-    return weights(walkers).sum() * steps * (2 * p - 1)
-
-
-def scatter(walkers, steps, p):
-    """Return its standard deviation if the walkers are independent."""
-    return sqrt((weights(walkers) ** 2).sum() * 4 * steps * p * (1 - p))
-
-
-ask = {"walkers": integers(20, 30), "steps": integers(2, 3), "p": uniform(0.1, 0.9), "rng": generator()}
-dealt = "rng.permutation((np.arange(walkers * steps) + 0.5) / (walkers * steps)).reshape(walkers, steps)"
-halves = "np.resize(rng.random((walkers // 2, steps)), (walkers, steps))"
-wrong = [
-    counted,
     mistake("rng.random((walkers, steps))", dealt),  # as many steps to the right as expected, in random order
-    mistake("rng.random((walkers, steps))", halves),  # the second half repeats the first
+    mistake("rng.random((walkers, steps))", "np.ceil(100 * rng.random((walkers, steps)) - 1) / 100"),  # p rounded up to a percent
 ]
-sums = {"call": TWICE.format("np.array(walk(walkers, steps, p, rng))[:, -1]"), "label": "weighted sum of walk", "repetitions": 1000}
-place_sum = estimate(walk, ask, place, sd=scatter, **sums, mistakes=wrong)
-notebook.exercise("1", "A walk with a bias", each_step, end_points, place_sum)
+total = "sum(np.sum(np.array(walk(n, 30 // n, p, rng))[:, -1]) for n in (1, 2, 3, 30))"  # of 120 steps
+sums = {"sd": lambda p: sqrt(480 * p * (1 - p)), "call": total, "label": "sums of places of walk", "repetitions": 1000}
+place_sum = estimate(walk, {"p": ends(0.05, 0.95), "rng": generator()}, lambda p: 120 * (2 * p - 1), **sums, mistakes=wrong)
+wrong = [
+    mistake("rng.random((walkers, steps))", "np.resize(rng.random((64, steps)), (walkers, steps))"),
+    mistake("rng.random((walkers, steps))", "np.resize(rng.random((walkers, 64)), (walkers, steps))"),
+    mistake("np.cumsum(step,", "np.cumsum(np.vstack([step[:-1], -step[:1]]),"),  # the last walker mirrors the first
+]
+apart = Value(APART, label="walk: neither walkers nor steps repeat or mirror each other")
+ask = {"p": uniform(0.45, 0.55), "seed": integers(0, 999)}
+call = PAIRS + "(np.diff(walk(80, 80, p, np.random.default_rng(seed))))"
+pairs = values(walk, ask, apart, truth=lambda: 0, call=call, rows=(1, 2), mistakes=wrong)
+notebook.exercise("1", "A walk with a bias", each_step, place_sum, pairs)
 
 
 def mean_square(r):
     """Return the mean squared displacement (times,) in µm² of tracks r (walkers, times, 2) in µm, and its error."""
     square = np.sum((r - r[:, :1]) ** 2, axis=2)
     return square.mean(axis=0), square.std(axis=0, ddof=1) / np.sqrt(len(r))
-
-
-def tracks(rng):
-    """Draw the tracks of nine walkers that start anywhere."""
-    return 5 * rng.uniform(-1, 1, (9, 1, 2)) + rng.normal(size=(9, 6, 2)).cumsum(axis=1)
 
 
 def by_moments(r):
@@ -108,6 +91,7 @@ wrong = [
     mistake("np.sqrt(len(r))", "len(r)", "wrong-power", "the square root of the number of walkers is missing"),
 ]
 agree = {"msd": ROUNDING, "error": ROUNDING}
+tracks = lambda rng: 5 * rng.uniform(-1, 1, (9, 1, 2)) + rng.normal(size=(9, 6, 2)).cumsum(axis=1)  # noqa: E731
 msd = values(mean_square, {"r": tracks}, truth=by_moments, agree=agree, mistakes=wrong)
 notebook.exercise("2", "The mean squared displacement and its error", msd)
 
@@ -118,12 +102,12 @@ def brownian(walkers, t, D, rng):
     return np.concatenate([np.zeros((walkers, 1, 2)), np.cumsum(step, axis=1)], axis=1)
 
 
-def uneven(rng):
-    """Draw six times at very uneven intervals, from 0."""
-    return np.append(0, np.cumsum(np.exp(rng.uniform(np.log(0.02), np.log(2), 5))))
+def uneven(intervals):
+    """Return a draw of times at very uneven intervals, from 0."""
+    return lambda rng: np.append(0, np.cumsum(np.exp(rng.uniform(np.log(0.02), np.log(2), intervals))))
 
 
-ask = {"walkers": 25, "t": uneven, "D": uniform(0.2, 2), "rng": generator()}
+ask = {"walkers": 25, "t": uneven(5), "D": uniform(0.2, 2), "rng": generator()}
 wrong = [
     mistake("2 * D", "4 * D", "constant-factor", "4Dt is the variance of x and y together, 2Dt that of one"),
     mistake("np.diff(t)", "t[1:]", "wrong-variable", "each step has the variance of the whole time"),
@@ -133,30 +117,28 @@ wrong = [
 ]
 scaled = "np.diff(np.swapaxes(brownian(walkers, t, D, rng), 1, 2)) / np.sqrt(2 * D * np.diff(t))"
 each_step = samples(brownian, ask, "norm", call=scaled, repetitions=160, label="steps of brownian", mistakes=wrong)
-wrong = [
-    mistake("1, 2)) *", "1, 1)) * np.ones(2) *", "wrong-index", "x and y take the same steps"),
-    mistake(
-        "rng.normal(size=(walkers, len(t) - 1, 2))",
-        "np.repeat(rng.normal(size=(walkers // 2 + 1, len(t) - 1, 2)), 2, axis=0)[:walkers]",
-    ),
-]
-scaled = "np.sum(np.array(brownian(walkers, t, D, rng))[:, -1] ** 2, axis=-1) / (4 * D * t[-1])"
-squares = {"label": "squared displacement of brownian", "repetitions": 160}
-end_points = samples(brownian, ask, "expon", call=scaled, **squares, mistakes=wrong)
-ask = {**ask, "walkers": integers(20, 30), "t": lambda rng: uneven(rng)[:3]}
-total = TWICE.format("np.sum(np.array(brownian(walkers, t, D, rng))[:, -1], axis=-1)")
+ask = {"t": uneven(2), "D": uniform(0.2, 2), "rng": generator()}
+total = "sum(np.sum(np.array(brownian(n, t, D, rng))[:, -1]) for n in (1, 2, 3))"
 wrong = [
     mistake("(step, axis=1)", "(step - step[::-1], axis=1) / np.sqrt(2)"),  # mirror images
-    mistake("(step, axis=1)", "(np.resize(step[: walkers // 2], step.shape), axis=1)"),
+    mistake("np.cumsum(step, axis=1)], axis=1)", "np.cumsum(step, axis=1)], axis=1) + 1", "extra-term", "all places are moved"),
 ]
-widths = {"sd": lambda walkers, t, D: sqrt((weights(walkers) ** 2).sum() * 4 * D * t[-1]), "label": "weighted sum of brownian"}
-place_sum = estimate(brownian, ask, 0, **widths, call=total, mistakes=wrong)
-ask = {"t": uneven, "D": uniform(0.2, 2), "seed": integers(0, 999)}
-started = "np.array(brownian(3, t, D, np.random.default_rng(seed)))[:, 0]"
-agree = Value(Tolerance(atol=0, reason="the start is given"), label="brownian: all particles start at the origin")
-wrong = [mistake("np.cumsum(step, axis=1)], axis=1)", "np.cumsum(step, axis=1)], axis=1) + 0.1")]
-start = values(brownian, ask, agree, truth=lambda: np.zeros((3, 2)), call=started, mistakes=wrong)
-notebook.exercise("3", "Brownian motion", each_step, end_points, place_sum, start)
+sums = {"sd": lambda t, D: sqrt(24 * D * t[-1]), "call": total, "label": "sums of places of brownian"}
+place_sum = estimate(brownian, ask, 0, **sums, mistakes=wrong)
+wrong = [
+    mistake("1, 2)) *", "1, 1)) * np.ones(2) *", "wrong-index", "x and y take the same steps"),
+    mistake("(step, axis=1)", "(np.resize(step[: walkers // 2], step.shape), axis=1)"),
+    mistake("np.zeros((walkers, 1, 2))", "np.full((walkers, 1, 2), 0.1)"),
+]
+agree = {
+    "start": Value(Tolerance(atol=0, reason="the start is given"), label="brownian: all particles start at the origin"),
+    "pairs": Value(APART, label="brownian: neither coordinates of particles nor steps repeat or mirror each other"),
+}
+ask = {"t": uneven(80), "D": uniform(0.2, 2), "seed": integers(0, 999)}
+scaled = "(np.diff(np.swapaxes(r, 1, 2)).reshape(80, 80) / np.sqrt(np.diff(t)))"
+call = f"(lambda r: (np.abs(r[:, 0]).max(), {PAIRS}{scaled}))(np.array(brownian(40, t, D, np.random.default_rng(seed))))"
+pairs = values(brownian, ask, agree, truth=lambda: (0, 0), call=call, rows=(1, 2), mistakes=wrong)
+notebook.exercise("3", "Brownian motion", each_step, place_sum, pairs)
 
 
 def fit_diffusion(t, msd, sigma):
@@ -177,7 +159,7 @@ wrong = [
     mistake("t, K, alpha:", "t, alpha, K:", "component-order", "the order is α, K instead of K, α"),
     mistake("4 * K * t**alpha, t, msd, (1, 1), sigma", line),
 ]
-times, drawn = np.geomspace(0.1, 10, 15), {"K": uniform(0.6, 2), "alpha": uniform(0.5, 1.1)}
+times, drawn = np.geomspace(0.1, 10, 15), {"K": uniform(0.6, 2), "alpha": ends(0.5, 1.1)}
 near = Tolerance(limit=0.05, reason="of a standard deviation: four times what the least exact optimizer, Nelder-Mead, deviates")
 fitted = fit(fit_diffusion, power_law, x=times, sigma=0.12 * times, drawn=drawn, agree=(near, near), mistakes=wrong)
 notebook.exercise("4", "Anomalous diffusion: a fit", fitted)
@@ -199,7 +181,7 @@ def spread(k, L, n):
     return sqrt((L**3 * cloud(2 * k, L) - cloud(k, L) ** 2) / n)
 
 
-density = family("exp(-k * (x**2 + y**2 + z**2))", "x", "y", "z", k=uniform(0.2, 1))
+density = family("exp(-k * (x**2 + y**2 + z**2))", "x", "y", "z", k=uniform(0.2, 0.5))
 ask = {"f": density, "L": uniform(1, 2), "n": 400, "rng": generator()}
 wrong = [
     mistake("L**3 * ", "", "missing-term", "the volume L³ is missing"),
@@ -213,7 +195,17 @@ wrong = [
 error = Tolerance(limit=0.25, reason="five times the spread of the error of 400 points")
 mean = Tolerance(limit=0.08, reason="errors from 20 batches of 20 points are 1.3 % too small, their mean of 400 scatters by 0.8 %")
 integral = estimate(integrate, ask, cloud, sd=spread, error=error, mean_error=mean, mistakes=wrong)
-notebook.exercise("5", "Monte Carlo integration", integral)
+seen = "seen.extend(np.reshape(np.stack(np.broadcast_arrays(x, y, z), -1), (-1, 3)).tolist())"
+points = "np.resize(list(dict.fromkeys(map(tuple, seen))), (n, 3))"  # each once: a right function may use f twice at each
+call = f"(lambda seen: (integrate(lambda x, y, z: ({seen}, np.add(x, np.multiply(y, z)))[1], L, n, rng), {points})[1])([])"
+wrong = [
+    mistake("uniform(0, L, (3, n))", "uniform(0, L, n) * np.ones((3, 1))", "wrong-index", "x, y and z are the same number"),
+    mistake("uniform(0, L, (3, n))", "integers(0, 10, (3, n)) * L / 10 + rng.uniform(0, 1e-9, (3, n))"),  # of a grid
+]
+ask = {"L": uniform(1, 2), "n": 100, "rng": generator()}
+points = {"scale": lambda L: L, "call": call, "label": "points of integrate", "repetitions": 100}
+uniform_points = samples(integrate, ask, "uniform", **points, mistakes=wrong)
+notebook.exercise("5", "Monte Carlo integration", integral, uniform_points)
 
 
 def first_passage(walkers, steps, start, p, rng):
@@ -230,17 +222,6 @@ def ballot(steps, start, p):
     return [range(1, steps + 2), [chance.get(k, 0) for k in range(1, steps + 2)]]
 
 
-def moment(walkers, steps, start, p):
-    """Return the expected weighted sum of the numbers."""
-    return weights(walkers).sum() * np.dot(*ballot(steps, start, p))
-
-
-def deviation(walkers, steps, start, p):
-    """Return the standard deviation of the weighted sum."""
-    number, chance = np.array(ballot(steps, start, p))
-    return sqrt((weights(walkers) ** 2).sum() * (np.dot(number**2, chance) - np.dot(number, chance) ** 2))
-
-
 ask = {"walkers": 25, "steps": 30, "start": integers(1, 5), "p": uniform(0.05, 0.7), "rng": generator()}
 reverse = "p is the probability of a step to the left"
 wrong = [
@@ -255,48 +236,53 @@ wrong = [
 repeat = mistake("walk(walkers, steps, p, rng)", "np.repeat(walk(walkers // 2 + 1, steps, p, rng), 2, axis=0)[:walkers]")
 asked = {"repetitions": 160, "uses": [walk], "mistakes": [*wrong, repeat]}
 passage = samples(first_passage, ask, "rv_discrete", values=ballot, **asked)
-ask = {"walkers": integers(20, 30), "steps": choice(2, 4), "start": 2, "p": uniform(0.1, 0.5), "rng": generator()}
 wrong += [
     mistake(" == 0\n", " == 0\n    there[:, -1] = False\n", "off-by-one", "walkers that arrive at the last step get steps + 1"),
-    mistake("walk(walkers, steps, p, rng)", "np.resize(walk(walkers // 2, steps, p, rng), (walkers, steps + 1))"),
+    mistake("walk(walkers, steps, p, rng)", "np.resize(walk((walkers + 1) // 2, steps, p, rng), (walkers, steps + 1))"),
 ]
-asked = {"call": TWICE.format("first_passage(walkers, steps, start, p, rng)"), "label": "weighted sum of first_passage"}
-short = estimate(first_passage, ask, moment, sd=deviation, **asked, repetitions=600, uses=[walk], mistakes=wrong)
-notebook.exercise("6", "First passage", passage, short)
-
-
-def boltzmann():
-    """Compute Boltzmann's constant from the track of a particle."""
-    step = np.diff(TRACK, axis=0)
-    drift = step.mean(axis=0) / 0.5
-    D = step.var(axis=0, ddof=1).sum() / (4 * 0.5)
-    D_error = D / np.sqrt(len(step) - 1)
-    k_B = 6 * np.pi * 9.5e-4 * 0.5e-6 * D * 1e-12 / 295.15
-    return drift, D, D_error, k_B
-
-
-def by_sums():
-    """Return D from the exact sums of the statistics module."""
-    x, y = np.diff(TRACK, axis=0).T.tolist()
-    return (variance(x) + variance(y)) / 2
-
-
-exact = {
-    "drift": lambda: (TRACK[-1] - TRACK[0]) / 500,
-    "D": by_sums,
-    "D_error": lambda: by_sums() / sqrt(999),
-    "k_B": lambda: by_sums() * 2.85e-21 * pi / 295.15,
-}
+ask = {"steps": 4, "p": uniform(0.1, 0.5), "rng": generator()}
+total = "sum(np.sum(first_passage(n, steps, 2, p, rng)) for n in (1, 2, 3, 6))"
+sums = {"call": total, "label": "sums of first_passage", "repetitions": 800, "uses": [walk], "mistakes": wrong}
+arrival = lambda steps, p: rv_discrete(values=ballot(steps, 2, p))  # noqa: E731
+mean, sd = lambda steps, p: 12 * arrival(steps, p).mean(), lambda steps, p: sqrt(12) * arrival(steps, p).std()
+few = estimate(first_passage, ask, mean, sd=sd, **sums)
+ask = {"steps": integers(1, 4), "p": uniform(0.1, 0.5), "seed": integers(0, 999)}
+none = Value(Tolerance(atol=0, reason="integers"), label="first_passage: no walker arrives in fewer steps than start")
 wrong = [
-    mistake(" / 0.5\n", "\n", "missing-division", "the drift is that of a step, not of a second"),
+    mistake("steps + 1)\n", "steps)\n", "off-by-one", "walkers that do not arrive get the number steps"),
+    mistake("steps + 1)\n", "max(start, steps))\n"),
+]
+call = "first_passage(2, steps, 5, p, np.random.default_rng(seed))"
+late = values(first_passage, ask, none, truth=lambda steps: [steps + 1] * 2, call=call, rows=(1, 2), uses=[walk], mistakes=wrong)
+notebook.exercise("6", "First passage", passage, few, late)
+
+
+def boltzmann(r, dt, T, eta, a):
+    """Return the drift (2,) of a particle's track r (N + 1, 2), its diffusion constant with error, and Boltzmann's constant."""
+    step = np.diff(r, axis=0)
+    D = step.var(axis=0, ddof=1).sum() / (4 * dt)
+    return step.mean(axis=0) / dt, D, D / np.sqrt(len(step) - 1), 6 * np.pi * eta * a * 1e-6 * D * 1e-12 / T
+
+
+def by_sums(r, dt, T, eta, a):
+    """Return the same from the exact sums of the statistics module."""
+    D = sum(map(variance, np.diff(r, axis=0).T.tolist())) / (4 * dt)
+    return (r[-1] - r[0]) / (dt * (len(r) - 1)), D, D / sqrt(len(r) - 2), 6e-18 * pi * eta * a * D / T
+
+
+ask = {"r": lambda rng: rng.normal(rng.uniform(-0.5, 0.5, 2), 0.7, (300, 2)).cumsum(axis=0), "dt": uniform(0.1, 2)}
+ask |= {"T": uniform(275, 320), "eta": uniform(5e-4, 2e-3), "a": uniform(0.2, 2)}
+wrong = [
+    mistake(" / dt", "", "missing-division", "the drift is that of a step, not of a second"),
     mistake("step.var(axis=0, ddof=1)", "np.mean(step**2, axis=0)", "missing-term", "the drift is not subtracted"),
     mistake(", ddof=1", "", "missing-argument", "the variance divides by the number of steps, not by one less"),
     mistake("len(step) - 1", "2 * len(step)", "constant-factor", "the error divides by the root of 2N, not of N − 1"),
-    mistake(" * 1e-12", "", "units", "D is in µm²/s, not in m²/s"),
-    mistake("295.15", "22", "units", "the temperature is in degrees Celsius, not in K"),
-    mistake("0.5e-6", "0.5", "units", "the radius is in µm, not in m"),
-    mistake("0.5e-6", "1e-6", "constant-factor", "the diameter stands for the radius"),
+    mistake("1e-12 / T", "1 / T", "units", "D is in µm²/s, not in m²/s"),
+    mistake("/ T", "/ (T - 273.15)", "units", "the temperature is in degrees Celsius, not in K"),
+    mistake("a * 1e-6", "a", "units", "the radius is in µm, not in m"),
+    mistake("a * 1e-6", "2e-6 * a", "constant-factor", "the diameter stands for the radius"),
 ]
 digits = Tolerance(rtol=1e-9, atol=0, reason="rounding errors of a thousand steps, a thousand times")
-cell = variables(boltzmann, exact, agree=dict.fromkeys(exact, digits), mistakes=wrong)
-notebook.exercise("7", "Boltzmann's constant from a track", cell)
+names = ("drift", "D", "D_error", "k_B")
+of_track = values(boltzmann, ask, dict.fromkeys(names, digits), truth=by_sums, mistakes=wrong)
+notebook.exercise("7", "Boltzmann's constant from a track", of_track)

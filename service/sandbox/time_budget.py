@@ -62,17 +62,13 @@ class TimeBudget:
 
 
 class ProcessorWait:
-    """The time that processes, given by their ``pidfds``, were ready to run and had no processor.
-
-    Source: the second number of /proc/PID/schedstat (Linux, Documentation/scheduler/sched-stats.rst). Where the kernel does not
-    report it the time is zero, so that a process without a processor looks like one that sleeps.
-    """
+    """The time that processes, given by their ``pidfds``, were ready to run and had no processor, see ``processor_wait``."""
 
     def __init__(self, *pidfds: int) -> None:
-        self._seconds: dict[Path, float] = {}
+        self._seconds: dict[int, float] = {}
         for pidfd in pidfds:
             if found := re.search(r"^Pid:\s*(\d+)$", Path(f"/proc/self/fdinfo/{pidfd}").read_text(), re.MULTILINE):
-                self._seconds[Path(f"/proc/{found[1]}/schedstat")] = 0.0
+                self._seconds[int(found[1])] = 0.0
 
     @property
     def seconds(self) -> float:
@@ -81,6 +77,16 @@ class ProcessorWait:
 
     def update(self) -> None:
         """Read the time. That of a process stays as it was once it has been reaped."""
-        for path in self._seconds:
-            with contextlib.suppress(OSError, ValueError, IndexError):
-                self._seconds[path] = int(path.read_text().split()[1]) / 1e9
+        for pid, seconds in self._seconds.items():
+            self._seconds[pid] = max(seconds, processor_wait(pid))
+
+
+def processor_wait(pid: int) -> float:
+    """Return the seconds that a process was ready to run and had no processor.
+
+    Source: the second number of /proc/PID/schedstat (Linux, Documentation/scheduler/sched-stats.rst). Zero where the kernel does
+    not report it, or the process has ended: then a process without a processor looks like one that sleeps.
+    """
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        return int(Path(f"/proc/{pid}/schedstat").read_text().split()[1]) / 1e9
+    return 0.0

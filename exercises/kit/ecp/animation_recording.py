@@ -18,10 +18,11 @@ from ecp.return_value import WrongAnswer
 from ecp.visibility import Visibility
 
 FRAME_CAP = 600
-STILLS, POINTS = 24, 256  # pictures recorded, points recorded per frame
+SPREAD = np.array([0.0, 0.23, 0.38, 0.64, 0.77, 1.0])  # of the stills; uneven, because a periodic motion must not look still
+STILLS, POINTS = len(SPREAD), 256  # pictures recorded, points recorded per frame
 WIDTH, HEIGHT = 480, 360
 VISIBLE = 16  # of 255 levels of a colour
-LOOKS = tuple(1 + k * (k + 1) // 2 for k in range(10))  # counts of stills, in uneven steps: a motion may be periodic
+LOOKS = {k * (k + 1) // 2 for k in range(FRAME_CAP)}  # frames to render if their number is unknown, or to see what no still shows
 
 
 def unchanged() -> None:
@@ -75,7 +76,7 @@ def _is_of_matplotlib(error: Exception) -> bool:
 def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     """Draw every frame once, in order, because drawing may depend on earlier frames. Return
 
-    - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, evenly spread, within WIDTH × HEIGHT pixels
+    - ``frames`` (k, h, w, 3) uint8: k ≤ STILLS stills, spread over all frames, within WIDTH × HEIGHT pixels
     - ``tracks`` (f, p, 3): the points of the visible artists in each of f ≤ FRAME_CAP frames, in data coordinates
     - ``owners`` (p, 3): for each point the artist's number, the dimensions of its axes (0: there is no point; negative
       for points without order) and their number
@@ -97,13 +98,14 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     deadline = process_time() + seconds
     figure = anim._fig  # type: ignore[attr-defined]
     listed = length_hint(getattr(anim, "_tee_from", ()))
-    values, paths, pictures, drawing, stride = [], [], {}, 0.0, 1
+    values, paths, pictures, drawing = [], [], {}, 0.0
     anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
     with _borrowed(figure) as canvas, _clearing() as cleared:
         canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
         visibility, sequence = Visibility(figure, canvas), anim.new_frame_seq()
         known = max(listed, length_hint(sequence))  # 0 for a generator
+        chosen = {round(at) for at in SPREAD * (known - 1)} if known else LOOKS
         for number, frame in enumerate(sequence):
             if max(number + 1, known) > FRAME_CAP:
                 raise WrongAnswer("too-many-frames", f"the animation has more than {FRAME_CAP} frames: give it a finite frames=…")
@@ -114,13 +116,12 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
             drawing += perf_counter() - began
             values.append(_number(frame))
             paths.append(drawn(figure))
-            if number % stride == 0:
-                pictures[number] = _picture(figure, canvas)
-                if len(pictures) in LOOKS:
+            if number in chosen or (visibility.in_doubt and number in LOOKS):
+                picture = _picture(figure, canvas)
+                if visibility.in_doubt:
                     visibility.look(paths[-1])
-                if len(pictures) == 2 * STILLS:  # the number of frames is not known before the last one
-                    stride *= 2
-                    pictures = {k: picture for k, picture in pictures.items() if k % stride == 0}
+                if number in chosen:
+                    pictures[number] = picture
     if not values:
         raise WrongAnswer("no-animation", "the animation has no frames")
     at = [[number, value, len(values)] for number, value in enumerate(values)]
@@ -128,8 +129,8 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     tracks, owners = _tracks(paths)
     left_open = plt.fignum_exists(getattr(figure, "number", -1))
     cost = np.array([len(values), drawing, sum(cleared), left_open, painted(figure)], dtype=float)
-    kept = [pictures[k] for k in sorted(pictures)]
-    stills = _stack([kept[k] for k in _spread(len(kept), STILLS)])
+    nearest = {min(pictures, key=lambda number: abs(number - at)) for at in SPREAD * (len(values) - 1)}
+    stills = _stack([pictures[number] for number in sorted(nearest)])
     named = {"tracks": tracks, "owners": owners, "labels": labelled(figure), "visible": np.array([visibility.moves, invisible])}
     return {"frames": stills, **named, "at": np.array(at, dtype=float), "cost": cost}
 
@@ -231,11 +232,6 @@ def _clearing() -> Iterator[list[float]]:
         yield spent
     finally:
         Axes._AxesBase__clear = clear  # type: ignore[attr-defined]
-
-
-def _spread(n: int, most: int) -> list[int]:
-    """Return at most ``most`` of n numbers, evenly spread."""
-    return np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(int)).tolist()
 
 
 def _number(frame: Any) -> float:

@@ -12,7 +12,7 @@ from ecp.author_errors import LIBRARIES, AuthorError, has_truth, located, with_t
 from ecp.checks import Arrays
 from ecp.exercise import Figure
 
-COLUMNS = 6
+COLUMNS = 3
 
 
 def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "png") -> bytes:
@@ -51,14 +51,13 @@ def _draw_truth(figure: Figure, truth: list[Arrays], seen: list[Arrays]) -> None
 
 
 def contact_sheet(frames: NDArray[np.uint8]) -> bytes:
-    """Return RGB stills (n, h, w, 3) as one PNG: in reading order, half size, with white gaps."""
+    """Return RGB stills (n, h, w, 3) as one PNG: in reading order, with white gaps."""
     from PIL import Image
 
-    small = frames[:, ::2, ::2]
-    count, high, wide, _ = small.shape
+    count, high, wide, _ = frames.shape
     rows = math.ceil(count / COLUMNS)
     sheet = np.full((rows * (high + 4), COLUMNS * (wide + 4), 3), 255, np.uint8)
-    for number, still in enumerate(small):
+    for number, still in enumerate(frames):
         top, left = (number // COLUMNS) * (high + 4), (number % COLUMNS) * (wide + 4)
         sheet[top : top + high, left : left + wide] = still
     stream = io.BytesIO()

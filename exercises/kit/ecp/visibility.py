@@ -29,7 +29,13 @@ class Visibility:
         self._seen: set[Key] = set()
         self._looked_at: set[Key] = set()
         self._first: Pixels | None = None
+        self._all_seen = False
         self.moves = 0.0
+
+    @property
+    def in_doubt(self) -> bool:
+        """Whether nothing but text has moved so far, or the last look left an artist unseen."""
+        return not (self.moves and self._all_seen)
 
     def look(self, drawn: list[Drawn]) -> None:
         """Look for the artists of a frame that no earlier frame showed; the canvas has just drawn the frame."""
@@ -37,6 +43,7 @@ class Visibility:
             self._followed = {key for d in drawn for key in _keys(d)}
         unseen = [(d, artist) for d in drawn if self._is_unseen(d) and (artist := d.artist()) is not None][:MOST]
         visible = self._visible([artist for _, artist in unseen], _pixels(self._canvas))
+        self._all_seen = len(visible) == len(unseen)
         for d, artist in unseen:
             self._looked_at.update(_keys(d))
             if any(artist is other for other in visible):

@@ -1,5 +1,7 @@
 """The kit as a notebook uses it."""
 
+import itertools
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -155,11 +157,11 @@ def _moving(frames, **options):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("blit", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_stills_are_at_most_24_spread_over_all_frames_and_each_frame_is_computed_once(blit):
+def test_six_stills_are_spread_over_all_frames_and_each_frame_is_computed_once(blit):
     anim, calls = _moving(100, blit=blit)
     calls.clear()
     stills = animation_recording.watch(anim, seconds=30.0)["frames"]
-    assert stills.shape == (24, 360, 480, 3) and stills.dtype == np.uint8
+    assert stills.shape == (6, 360, 480, 3) and stills.dtype == np.uint8
     assert calls == [0, *range(100)]  # the first one is the initial draw
     assert animation_recording.moving_share(stills) > 1e-4
 
@@ -168,14 +170,12 @@ def test_stills_draw_each_still_once(monkeypatch):
     anim, _ = _moving(10)
     drawn, real = [], Figure.draw
     monkeypatch.setattr(Figure, "draw", lambda self, renderer: (drawn.append(1), real(self, renderer))[1])
-    assert len(animation_recording.watch(anim, seconds=30.0)["frames"]) == 10
-    assert len(drawn) == 10 + 3, "besides, one picture without artists and two without text"
+    assert len(animation_recording.watch(anim, seconds=30.0)["frames"]) == 6
+    assert len(drawn) == 6 + 1 + 3, "besides, a second frame to see that it moves, one without artists and two without text"
 
 
 @pytest.mark.slow
 def test_endless_animations_are_stopped():
-    import itertools
-
     anim, _ = _moving(itertools.count())
     with pytest.raises(WrongAnswer, match="more than 600 frames") as caught:
         animation_recording.watch(anim, seconds=30.0)
@@ -202,6 +202,16 @@ def test_artist_animations_work_too():
     anim = ArtistAnimation(figure, [axes.plot([0, 1], [0, k]) for k in range(5)])
     stills = animation_recording.watch(anim, seconds=30.0)["frames"]
     assert len(stills) == 5 and animation_recording.moving_share(stills) > 1e-4
+
+
+@pytest.mark.parametrize("period", [5, 19, 24, 32, 48, 95])
+@pytest.mark.parametrize("frames", [96, 97])
+@pytest.mark.parametrize("known", [True, False])
+def test_a_periodic_motion_differs_in_the_stills(period, frames, known):
+    anim, _ = _moving(frames if known else lambda: (k for k in range(frames)))
+    (line,) = anim._fig.axes[0].lines
+    anim._func = lambda k: line.set_ydata([0, np.sin(2 * np.pi * k / period)])
+    assert animation_recording.moving_share(animation_recording.watch(anim, seconds=30.0)["frames"]) > 1e-4
 
 
 def test_show_outside_a_notebook_keeps_the_animation():

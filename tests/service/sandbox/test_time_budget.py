@@ -3,6 +3,7 @@
 import contextlib
 import os
 import subprocess
+import threading
 import time
 
 import pytest
@@ -10,8 +11,10 @@ import pytest
 from ecp.outcome import Ended
 from service.grading.grade import grade
 from service.grading.submission import Submission
-from service.sandbox import session
+from service.sandbox import session, zygote
 from service.sandbox.result import SystemFault
+from service.sandbox.sandbox import Sandbox
+from service.sandbox.select import choose
 from service.sandbox.time_budget import WALL_PER_CPU, TimeBudget, TimeLimits
 from tests.service.sandbox.test_sandbox import GOOD, job, scene, zygote_pid
 from tests.support.isolation import BY_THE_HOST
@@ -88,25 +91,50 @@ def test_a_submission_that_sleeps_through_its_grading_gets_a_report(rigid_body, 
     assert {e.ended for e in report.scene_ends} == {Ended.TIMED_OUT, Ended.NOT_PLAYED}
 
 
+@contextlib.contextmanager
+def on_a_busy_processor(hogs):
+    """Start processes on a processor that they share with so many programs that never sleep."""
+    before, others = os.sched_getaffinity(0), []
+    try:
+        os.sched_setaffinity(0, {min(before)})
+        others = [subprocess.Popen(["sh", "-c", "while :; do :; done"], start_new_session=True) for _ in range(hogs)]
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+        for other in others:
+            other.kill()
+            other.wait()
+
+
 @pytest.fixture
 def one_busy_processor(sandbox):
     """Let the guest share a processor with a dozen programs that never sleep."""
     sandbox.wait_ready()
     pid, before = zygote_pid(sandbox), os.sched_getaffinity(0)
-    hogs = []
-    try:
-        os.sched_setaffinity(pid, {min(before)})
-        os.sched_setaffinity(0, {min(before)})
-        hogs = [subprocess.Popen(["sh", "-c", "while :; do :; done"], start_new_session=True) for _ in range(12)]
+    with on_a_busy_processor(12):
+        os.sched_setaffinity(pid, os.sched_getaffinity(0))
         os.sched_setaffinity(0, before)
         yield
-    finally:
-        os.sched_setaffinity(0, before)
-        for hog in hogs:
-            hog.kill()
-            hog.wait()
-        with contextlib.suppress(ProcessLookupError):
-            os.sched_setaffinity(pid, before)
+    with contextlib.suppress(ProcessLookupError):
+        os.sched_setaffinity(pid, before)
+
+
+@pytest.mark.slow
+def test_a_guest_that_waits_for_a_processor_is_waited_for(monkeypatch):
+    monkeypatch.setattr(zygote, "START_S", 1.0)  # it computes for more than that
+    waiting = Sandbox(choose())
+    with on_a_busy_processor(4):
+        waiting.start()
+        waiting.wait_ready()
+    waiting.close()
+
+
+def test_a_guest_that_sleeps_when_it_starts_is_a_fault(monkeypatch):
+    monkeypatch.setattr(zygote, "START_S", 0.3)
+    began, sleeping = time.monotonic(), zygote.Zygote(["sh", "-c", "sleep 60"], {}, threading.Event())
+    with pytest.raises(SystemFault, match="the sandbox did not start: no output"):
+        sleeping.wait_ready()
+    assert time.monotonic() - began < LONGEST_S
 
 
 COMPUTE = """

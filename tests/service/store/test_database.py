@@ -24,6 +24,7 @@ from service.store.database import TABLES, WrongSchema, driver_url, migrate
 from service.store.postgres.backup import check
 from service.workers.worker import Worker
 from tests.support.database import run, sql
+from tests.support.grader import NoSandbox
 from tests.support.waiting import wait_for
 
 
@@ -193,6 +194,7 @@ def test_a_job_queued_before_the_renaming_is_graded_after_it(full_url):
 
     async def grade(database):
         worker = Worker(settings, "w")
+        worker._grader = NoSandbox()
         worker._call = lambda function, *args: seen.append(args[1]) or _cancelled()
         await worker._grade(**arguments)
         await worker._database.close()

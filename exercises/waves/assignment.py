@@ -211,7 +211,7 @@ text = "2 * u - before + (r * p[1]) ** 2 * np.pad(np.diff(u + p[0] * np.pad(np.d
 text += " + p[2] * ((r / p[3]) ** 2 - 1) * (u - before)"
 ask = {
     "step": family(text, "u", "before", "r", p=scheme),
-    "N": lambda rng: rng.choice([2, *rng.integers(3, 13, 4)]),
+    "N": lambda rng: rng.choice([2, *rng.integers(3, 11, 4)]),
 }
 wrong = [
     mistake("> 1 + 1e-7", "> 1.1", "wrong-constant", "a growth of a tenth in each step counts as stable"),
@@ -220,7 +220,7 @@ wrong = [
     mistake("    return stable", "    return 1.0", "wrong-constant", "this is the limit of string_step on a fine grid"),
 ]
 near = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
-limit = values(stability_limit, ask, near, truth=by_traces, rows=(3, 10), mistakes=wrong)
+limit = values(stability_limit, ask, near, truth=by_traces, rows=(3, 8), mistakes=wrong)
 notebook.exercise("5", "The limit of Courant, Friedrichs and Lewy", limit)
 
 

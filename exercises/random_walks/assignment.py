@@ -54,7 +54,6 @@ wrong = [
     mistake(zeros, late, "off-by-one", "the first column is the place after the first step, ±1, instead of 0"),
     mistake("np.cumsum", "1 + np.cumsum", "extra-term", "each walker is one place too far to the right"),
     mistake("rng.random((walkers, steps))", dealt),  # as many steps to the right as expected, in random order
-    mistake("rng.random((walkers, steps))", "np.ceil(100 * rng.random((walkers, steps)) - 1) / 100"),  # p rounded up to a percent
 ]
 total = "sum(np.sum(np.array(walk(n, 30 // n, p, rng))[:, -1]) for n in (1, 2, 3, 30))"  # of 120 steps
 sums = {"sd": lambda p: sqrt(480 * p * (1 - p)), "call": total, "label": "sums of places of walk", "repetitions": 1000}

@@ -13,7 +13,7 @@ from scipy.optimize import curve_fit
 
 from exercises.author import Notebook, Tolerance, Value, ended, integers, mistake, uniform
 from exercises.kinds.fit import fit
-from exercises.kinds.values import other_sizes, values
+from exercises.kinds.values import other_inputs, values
 from exercises.kinds.variables import variables
 
 notebook = Notebook("Coupled oscillators", notebook="notebook.ipynb", data=("dispersion.csv",))
@@ -38,7 +38,7 @@ wrong = [
 ]
 two = values(chain_stiffness, {"k": uniform(0.5, 9, 3)}, ROUNDING, truth=by_incidence, mistakes=wrong)
 call, ask = "np.pad(chain_stiffness(k[: N + 1]), (0, 30 - N))", {"k": uniform(0.5, 9, 31), "N": integers(2, 30)}
-notebook.exercise("1", "The stiffness matrix", two, other_sizes(two, call, "for 2 to 30 masses", **ask))
+notebook.exercise("1", "The stiffness matrix", two, other_inputs(two, call, "for 2 to 30 masses", **ask))
 
 
 # 2. Truth: singular values of M^(-1/2) K M^(-1/2).
@@ -73,7 +73,7 @@ wrong = [
 ]
 four = values(normal_modes, system, agree, truth=by_singular_values, mistakes=wrong)
 call = "[np.pad(one, (0, 8 - N)) for one in normal_modes(m[:N], K[:N, :N])]"
-notebook.exercise("2", "Normal modes", four, other_sizes(four, call, "for 2 to 8 masses", **larger))
+notebook.exercise("2", "Normal modes", four, other_inputs(four, call, "for 2 to 8 masses", **larger))
 
 
 # 3. Truth: the closed form. As a complex number, the displacement of the corner at the angle φ is constant (translations), ie^{iφ}
@@ -148,7 +148,7 @@ wrong = [
 total = values(motion, ask, agree, truth=by_exponential, uses=[normal_modes], mistakes=wrong)
 call = "np.pad(motion(t, m[:N], K[:N, :N], x0[:N], v0[:N]), ((0, 8 - N), (0, 0)))"
 ask = {"t": rising, **larger, "x0": uniform(-1, 1, 8), "v0": uniform(-1, 1, 8)}
-notebook.exercise("4", "Motion as a sum of modes", total, other_sizes(total, call, "for 2 to 8 masses", **ask))
+notebook.exercise("4", "Motion as a sum of modes", total, other_inputs(total, call, "for 2 to 8 masses", **ask))
 
 
 # 5. Truth: the difference of the two frequencies to 60 digits.

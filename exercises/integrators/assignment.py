@@ -8,7 +8,6 @@ from math import log2, sqrt
 
 import numpy as np
 
-from ecp.kinds import asking
 from exercises.author import Notebook, Tolerance, choice, family, integers, mistake, uniform
 from exercises.kinds.stepper import euler, rk4, stepper
 from exercises.kinds.values import values
@@ -26,24 +25,18 @@ def step_questions(solution, truth, order, limit, calls, mistakes):
     """
     ask = {"acc": family("-mu * x / (x @ x) ** 1.5", "x", mu=uniform(0.9, 1.1))}
     ask |= {"x": lambda rng: rng.uniform((0.9, -0.1), (1.1, 0.1)), "v": lambda rng: rng.uniform((-0.2, 0.9), (0.2, 1.1))}
-    planet = stepper(
-        solution,
-        ask | {"h": uniform(0.02, 0.1)},
-        agree={"x": ROUNDING, "v": ROUNDING},
-        truth=truth,
-        calls=Tolerance(limit=calls, reason="the method needs no more"),
-        rates=lambda acc, x, v: (v, acc(x)),
-        order=(order, ORDER),
-        stability=limit,
-        chart=20.0,
-        mistakes=mistakes,
-    )
+    ask["h"] = uniform(0.02, 0.1)
+    least = Tolerance(limit=calls, reason="the method needs no more")
+    measured = {"rates": lambda acc, x, v: (v, acc(x)), "order": (order, ORDER), "stability": limit, "chart": 20.0}
+    agree = {"x": ROUNDING, "v": ROUNDING}
+    planet = stepper(solution, ask, agree, truth=truth, calls=least, **measured, mistakes=mistakes)
     name = solution.__name__
-    call = f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
 
     def exact(acc, other, x, v, h):
-        return asking.evaluate(call, {"acc": acc, "other": other, "x": x, "v": v, "h": h, name: truth})
+        first = np.array(truth(acc, x, v, h))
+        return [first, truth(other, *first, h), truth(other, x, v, h)]
 
+    call = f"[{name}(acc, x, v, h), {name}(other, *np.array({name}(acc, x, v, h)), h), {name}(other, x, v, h)]"
     ask = {"acc": family("-sin(k * x)", "x", k=uniform(1, 3)), "other": family("cos(x) - x", "x")}
     ask |= {"x": uniform(-1, 1, 2), "v": uniform(-1, 1, 2), "h": uniform(0.1, 1.5)}
     label = f"{name} is right for large steps and other forces"
@@ -273,7 +266,7 @@ ask = {
 }
 cost = values(calls_needed, ask, EXACT, truth=by_formula, uses=[final_error], rows=(5, 15), mistakes=wrong)
 # A step to x = 2⁶⁰ h, beside which cos 5 is nothing: the error is 5 · 2⁶⁰/n exactly. The last row's tol holds for 1 or 2 steps too.
-ask = {"step": family("(2.0**60 * h, 0 * acc(x))", "acc", "x", "v", "h")}
+ask = {"step": family("(2.0**60 * h + 0 * x, 0 * acc(x))", "acc", "x", "v", "h")}
 ask["tol"] = lambda rng, row: 5 * 2.0**60 / rng.choice([(8, 16), (64, 512), (1, 2)][row % 3])
 given = {"truth": lambda tol: max(8.0, 5 * 2.0**60 / tol), "label": "calls_needed takes an error that equals tol"}
 equal = values(calls_needed, ask, EXACT, **given, uses=[final_error], rows=(3, 6))

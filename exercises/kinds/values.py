@@ -47,11 +47,11 @@ def values(
     )
 
 
-def other_sizes(question: Question, call: str, label: str, **ask: Any) -> Question:
+def other_inputs(question: Question, call: str, label: str, **ask: Any) -> Question:
     """Return a ``question`` asked again with the arguments ``ask``, which need not be those of its function.
 
-    ``call`` is an expression of the function and these arguments, such as one that calls it for a drawn size and returns an array
-    of constant size. Exact is its value with the truth in place of the solution. ``label`` follows "NAME is right".
+    ``call`` is an expression of the function and these arguments, such as an array of constant size that contains its answer for a
+    drawn size. Exact is its value with the truth in place of the solution. ``label`` follows "NAME is right".
     """
     name, truth = question.function, question.truth
 

@@ -1,15 +1,17 @@
 """The inputs drawn for each submission: boxes, tensors, motions by family, and motions (t, ω) for ``precession_rate``."""
 
+import itertools
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import reference
 from exercises.assignment import Inputs
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 UNEQUAL = 8  # boxes with no two moments nearly equal
@@ -48,16 +50,14 @@ def tensors(rng: np.random.Generator) -> Inputs:
     return {"tensors": np.array(given)}
 
 
-def tilted(boxes: NDArray[np.float64], rng: np.random.Generator) -> Inputs:
+def tilted(boxes: Array, rng: np.random.Generator) -> Inputs:
     """Return the tensors of boxes (m, a, b, c) (n, 4), each turned at random."""
     return {"tensors": [reference.box_tensor(m, a, b, c, _rotation(rng)).tolist() for m, a, b, c in boxes]}
 
 
 def _unequal_box(rng: np.random.Generator) -> tuple[float, ...]:
-    while True:
-        box = (rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3))
-        if are_apart(reference.box_moments(*box)):
-            return box
+    boxes = ((rng.uniform(0.5, 3.0), *rng.uniform(0.2, 3.0, 3)) for _ in itertools.count())
+    return next(box for box in boxes if are_apart(reference.box_moments(*box)))
 
 
 def _rotation(rng: np.random.Generator) -> Array:
@@ -65,12 +65,10 @@ def _rotation(rng: np.random.Generator) -> Array:
     return np.asarray(Q * np.linalg.det(Q))
 
 
-def body(rng: Rng) -> Array:
-    """Return moments (3,) of a box in kg m², in any order, no two nearly equal."""
-    while True:
-        moments = reference.box_moments(rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3))
-        if are_apart(moments):
-            return moments
+def body(rng: Rng, mass: float | None = None) -> Array:
+    """Return moments (3,) of a box in kg m², in any order, no two nearly equal. Its ``mass`` in kg is drawn too unless given."""
+    boxes = (reference.box_moments(mass or rng.uniform(2.0, 8.0), *rng.uniform(0.4, 2.0, 3)) for _ in itertools.count())
+    return next(filter(are_apart, boxes))
 
 
 def are_apart(moments: Array) -> bool:
@@ -78,20 +76,20 @@ def are_apart(moments: Array) -> bool:
     return bool(np.diff(np.sort(moments)).min() > APART * moments.max())
 
 
-def long_run(rng: Rng) -> Inputs:
-    """Draw a general motion over sixty radians."""
-    w0 = _spin(rng)
-    return _inputs(w0, body(rng), 60.0 / np.linalg.norm(w0), 600)
+def general(angle: float, n: int, orientation: bool, rng: Rng) -> Inputs:
+    """Draw a general motion over ``angle`` in rad, with its attitude if ``orientation`` is set."""
+    return _inputs(_spin(rng), body(rng), angle, n, orientation)
 
 
-def about_least(rng: Rng) -> Inputs:
-    """Draw a polhode around the axis of the least moment."""
-    return _family(rng, -1)
+def about_axis(side: int, rng: Rng) -> Inputs:
+    """Draw a polhode around the axis of the least moment (``side`` −1) or of the greatest (1)."""
+    moments = body(rng)
 
+    def excess(w0: Array) -> float:
+        return float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
 
-def about_greatest(rng: Rng) -> Inputs:
-    """Draw a polhode around the axis of the greatest moment."""
-    return _family(rng, 1)
+    spins = (_spin(rng) for _ in itertools.count())
+    return _inputs(next(w0 for w0 in spins if side * excess(w0) > OFF_SEPARATRIX), moments, 20.0, 300)
 
 
 def symmetric(rng: Rng) -> Inputs:
@@ -99,14 +97,12 @@ def symmetric(rng: Rng) -> Inputs:
     equal = rng.uniform(0.5, 3.0)
     moments = np.full(3, equal)
     moments[rng.integers(3)] = equal * rng.choice([rng.uniform(0.2, 0.9), rng.uniform(1.1, 1.9)])
-    w0 = _spin(rng)
-    return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+    return _inputs(_spin(rng), moments, 20.0, 300)
 
 
 def sphere(rng: Rng) -> Inputs:
     """Draw a body with three equal moments, whose ω is constant."""
-    w0 = _spin(rng)
-    return _inputs(w0, np.full(3, rng.uniform(0.5, 3.0)), 10.0 / np.linalg.norm(w0), 100)
+    return _inputs(_spin(rng), np.full(3, rng.uniform(0.5, 3.0)), 10.0, 100)
 
 
 def tumble(rng: Rng) -> Inputs:
@@ -119,22 +115,7 @@ def tumble(rng: Rng) -> Inputs:
         w0[axis] = spin * rng.choice([-1.0, 1.0])
         path = reference.Exact(w0, moments).omega(np.linspace(0.0, t_end, 100))[axis]
         if path.min() / spin < -0.9 and path.max() / spin > 0.9:  # with other signs it first comes nearer to the axis
-            return _inputs(w0, moments, t_end, 400)
-
-
-def attitude(rng: Rng) -> Inputs:
-    """Draw a general motion with its attitude."""
-    w0 = _spin(rng)
-    return _inputs(w0, body(rng), 20.0 / np.linalg.norm(w0), 120, orientation=True)
-
-
-def _family(rng: Rng, side: int) -> Inputs:
-    moments = body(rng)
-    while True:
-        w0 = _spin(rng)
-        excess = float(np.sum((moments * w0) ** 2) / (2 * reference.kinetic_energy(w0, moments) * np.median(moments))) - 1
-        if side * excess > OFF_SEPARATRIX:
-            return _inputs(w0, moments, 20.0 / np.linalg.norm(w0), 300)
+            return _inputs(w0, moments, 0.0, 400) | {"t_end": float(t_end)}
 
 
 def _spin(rng: Rng) -> Array:
@@ -142,74 +123,58 @@ def _spin(rng: Rng) -> Array:
     return np.asarray(rng.uniform(0.8, 4.0) * direction / np.linalg.norm(direction))
 
 
-def _inputs(w0: Array, moments: Array, t_end: "float | np.floating[Any]", n: int, orientation: bool = False) -> Inputs:
-    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": float(t_end), "n": n, "orientation": orientation}
+def _inputs(w0: Array, moments: Array, angle: float, n: int, orientation: bool = False) -> dict[str, Any]:
+    t_end = float(angle / np.linalg.norm(w0))
+    return {"w0": w0.tolist(), "I": moments.tolist(), "t_end": t_end, "n": n, "orientation": orientation}
 
 
 DRAWN: dict[str, tuple[Callable[[Rng], Inputs], int, bool]] = {
-    "drawn-long": (long_run, 600, False),
-    "drawn-least": (about_least, 300, False),
-    "drawn-greatest": (about_greatest, 300, False),
+    "drawn-long": (partial(general, 60.0, 600, False), 600, False),
+    "drawn-least": (partial(about_axis, -1), 300, False),
+    "drawn-greatest": (partial(about_axis, 1), 300, False),
     "drawn-symmetric": (symmetric, 300, False),
     "drawn-sphere": (sphere, 100, False),
     "drawn-tumble": (tumble, 400, False),
-    "drawn-attitude": (attitude, 120, True),
+    "drawn-attitude": (partial(general, 20.0, 120, True), 120, True),
 }
 
 
-def uneven_times(rng: Rng) -> Inputs:
-    """Draw even turning at uneven times: the last steps are several times as long as the first, or the first
-    as the last.
+def uneven(rng: Rng) -> tuple[Array, float]:
+    """Draw uneven times (n,), from 0 to 1, of even turning: the last steps are much longer than the first, or the first ones."""
+    samples = np.linspace(0.0, 1.0, TURN_SAMPLES)
+    times = (1 - UNEVEN) * samples + UNEVEN * samples**3
+    return times if rng.random() < 0.5 else 1 - times[::-1], 0.0
+
+
+def swaying(rng: Rng) -> tuple[Array, float]:
+    """Draw even times (n,), from 0 to 1, of turning at a varying rate; its mean, slope and median are the same."""
+    return np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY
+
+
+def even(steps: int, step: tuple[float, float], late: int, samples: int, rng: Rng) -> Inputs:
+    """Draw ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at zero.
+
+    Each of the ``steps`` is a share of a turn within the limits ``step``. The angle passes ±π for the first time before the last
+    ``late`` turns.
     """
-    rate, samples = _top(rng, rng.uniform(1.1, 1.9)), np.linspace(0.0, 1.0, TURN_SAMPLES)
-    uneven = (1 - UNEVEN) * samples + UNEVEN * samples**3
-    return _turning(rng, rate, uneven if rng.random() < 0.5 else 1 - uneven[::-1], 0.0)
-
-
-def backward(rng: Rng) -> Inputs:
-    """Draw backward turning at even times with a varying rate; its mean, slope and median are the same."""
-    rate = _top(rng, rng.uniform(0.3, 0.8))
-    return _turning(rng, rate, np.linspace(0.0, 1.0, TURN_SAMPLES), rng.choice([-1.0, 1.0]) * SWAY)
-
-
-def coarse(rng: Rng) -> Inputs:
-    """Draw even turning in steps of nearly half a turn: ten of the twenty steps jump past ±π."""
-    turns = (COARSE_SAMPLES - 1) * rng.uniform(*COARSE_STEP)
-    return _even(rng, turns, rng.uniform(0.1, 0.9) * (turns - 9), COARSE_SAMPLES)
-
-
-def short(rng: Rng) -> Inputs:
-    """Draw even turning through less than one turn, past ±π."""
-    turns = rng.uniform(*SHORT_TURNS)
-    return _even(rng, turns, rng.uniform(0.1, 0.9) * turns, SHORT_SAMPLES)
-
-
-def _even(rng: Rng, turns: float, before: float, samples: int) -> Inputs:
-    """Return ω (3, n) turning at an even rate, forward or backward, at even times (n,) that do not start at
-    zero.
-
-    It passes ±π for the first time after ``before`` of its ``turns``.
-    """
+    turns = steps * rng.uniform(*step)
+    before = rng.uniform(0.1, 0.9) * (turns - late)
     part, transverse, w3 = np.linspace(0.0, 1.0, samples), rng.uniform(0.1, 0.8), rng.uniform(1.0, 4.0)
     duration, angle = turns * rng.uniform(2.0, 6.0), rng.choice([-1.0, 1.0]) * np.pi * (1 - 2 * before + 2 * turns * part)
     w = np.array([transverse * np.cos(angle), transverse * np.sin(angle), np.full_like(part, w3)])
     return {"t": duration * (rng.uniform(0.5, 1.5) + part), "w": w}
 
 
-def _top(rng: Rng, i3: float) -> tuple[float, float]:
-    """Return precession rate and ω₃ of a symmetric top with I₃ = ``i3`` I₁."""
-    w3 = rng.uniform(1.0, 4.0)
-    return reference.free_precession_rate((1.0, 1.0, i3), w3), w3
+def turning(i3: tuple[float, float], times: Callable[[Rng], tuple[Array, float]], rng: Rng) -> Inputs:
+    """Draw ω (3, n) of a symmetric top with I₃ / I₁ within the limits ``i3``, over two to three turns, so that a phase that is not
+    unwrapped jumps, at times (n,) that do not start at zero.
 
-
-def _turning(rng: Rng, top: tuple[float, float], part: Array, sway: float) -> Inputs:
-    """Return ω (3, n) over two to three turns, so that a phase that is not unwrapped jumps, at times (n,)
-    that do not start at zero.
-
-    ``part`` (n,) runs from 0 to 1. The rate of turn varies by ``sway`` in two and a half periods about the
-    middle. It is odd there, so every way of taking the mean (slope, total, median) gives the same number.
+    ``times`` draws them from 0 to 1, and how much the rate of turn varies, in two and a half periods about the middle. It is odd
+    there, so every way of taking the mean (slope, total, median) gives the same number.
     """
-    (rate, w3), transverse, phase, turns = top, rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
+    ratio, w3 = rng.uniform(*i3), rng.uniform(1.0, 4.0)
+    (part, sway), rate = times(rng), reference.free_precession_rate((1.0, 1.0, ratio), w3)
+    transverse, phase, turns = rng.uniform(0.1, 0.8), rng.uniform(0.0, 6.0), rng.uniform(2.2, 2.9)
     duration = turns * 2 * np.pi / abs(rate)
     ahead = sway * rate * duration / (2 * np.pi * SWAYS) * np.cos(2 * np.pi * SWAYS * (part - 0.5))
     angle = phase + rate * duration * part + ahead
@@ -218,8 +183,9 @@ def _turning(rng: Rng, top: tuple[float, float], part: Array, sway: float) -> In
 
 
 TURNING: dict[str, Callable[[Rng], Inputs]] = {
-    "rate": uneven_times,
-    "rate-retrograde": backward,
-    "rate-coarse": coarse,
-    "rate-short": short,
+    "rate": partial(turning, (1.1, 1.9), uneven),
+    "rate-retrograde": partial(turning, (0.3, 0.8), swaying),
+    # ten of the twenty steps, each of nearly half a turn, jump past ±π
+    "rate-coarse": partial(even, COARSE_SAMPLES - 1, COARSE_STEP, 9, COARSE_SAMPLES),
+    "rate-short": partial(even, 1, SHORT_TURNS, 0, SHORT_SAMPLES),  # through less than one turn,
 }

@@ -5,13 +5,11 @@ compare.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from ecp.checks import Arrays
 from exercises.assignment import ArraySpec, Ask, HostVerification, Inputs
-
-Array = NDArray[np.float64]
+from exercises.rigid_body.public.quantities import Array
 
 EXACT = 1e-12  # of the scale of each point: correct formulas stay well below it
 RTOL, ATOL = 1e-10, 1e-12

@@ -3,14 +3,11 @@ verified.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from ecp.checks import Arrays
 from exercises.assignment import Inputs
-from exercises.rigid_body.public.quantities import SYMMETRIC
-
-Array = NDArray[np.float64]
+from exercises.rigid_body.public.quantities import SYMMETRIC, Array
 
 CLOSE = 0.02  # largest difference of an element of R: below a drawing's tolerance, above any integrator's default tolerance
 MOST_ANGLE = 1e4  # rad

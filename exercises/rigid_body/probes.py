@@ -9,18 +9,15 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from exercises.assignment import Inputs
-from exercises.rigid_body.draws import are_apart
-
-Array = NDArray[np.float64]
-Rng = np.random.Generator
+from exercises.rigid_body.draws import Rng, body
+from exercises.rigid_body.public.quantities import Array
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
 PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random; repeated; at another time; along each motion
-SPECIAL = 20
+SPECIAL, MASS = 20, 6.0  # special points; of their bodies and of the random ones, in kg
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
 AT_REST = 1e-20  # rad/s², the scale at ω = 0, where a right rate is exactly zero
 
@@ -62,14 +59,7 @@ def scale(w: Array, I: Array) -> Array:
 
 def _random(rng: Rng, order: tuple[int, ...], signs: tuple[float, ...]) -> tuple[Array, Array]:
     spin = 10 ** rng.uniform(-1.0, 1.5) * rng.uniform(0.2, 1.0, 3)
-    return spin * signs, np.sort(_moments(rng))[list(order)]
-
-
-def _moments(rng: Rng) -> Array:
-    while True:
-        moments = reference.box_moments(6.0, *rng.uniform(0.4, 2.0, 3))
-        if are_apart(moments):
-            return moments
+    return spin * signs, np.sort(body(rng, MASS))[list(order)]
 
 
 def _special(rng: Rng) -> list[tuple[Array, Array]]:
@@ -77,17 +67,16 @@ def _special(rng: Rng) -> list[tuple[Array, Array]]:
         return np.asarray(rng.uniform(0.5, 3.0, 3) * rng.choice([-1.0, 1.0], 3))
 
     axes = np.eye(3)
-    found = [(axis * spin(), _moments(rng)) for axis in axes]
-    found += [((1 - axis) * spin(), _moments(rng)) for axis in axes]
-    found += [(np.where(axis > 0, 1e-3 * spin(), spin()), _moments(rng)) for axis in axes]
-    found.append((np.zeros(3), _moments(rng)))
+    found = [(mask * spin(), body(rng, MASS)) for mask in (*axes, *(1 - axes))]
+    found += [(np.where(axis > 0, 1e-3 * spin(), spin()), body(rng, MASS)) for axis in axes]
+    found.append((np.zeros(3), body(rng, MASS)))
     for axis in axes:
         equal = rng.uniform(0.5, 3.0)
         found.append((spin(), np.where(axis > 0, equal * rng.choice([rng.uniform(0.3, 0.8), rng.uniform(1.2, 1.9)]), equal)))
     found.append((spin(), np.full(3, rng.uniform(0.5, 3.0))))
     for faster, heavier in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, -1), (-1, 1)):
         size, weight = 10.0 ** (np.array([faster, heavier]) * rng.uniform(*EXTREME, 2))
-        found.append((size * spin(), weight * _moments(rng)))
+        found.append((size * spin(), weight * body(rng, MASS)))
     return found
 
 

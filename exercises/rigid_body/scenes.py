@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import reference
@@ -14,9 +13,7 @@ from exercises.kinds.animation import RECORDING
 from exercises.rigid_body import draws, probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
-from exercises.rigid_body.public.quantities import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE
-
-Array = NDArray[np.float64]
+from exercises.rigid_body.public.quantities import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE, Array
 
 BOOK = reference.box_moments(*BOX)
 SENSED = 60  # times at which a motion's sensitivity is evaluated

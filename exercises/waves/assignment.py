@@ -10,7 +10,7 @@ import numpy as np
 from scipy.fft import dst
 
 from exercises.author import Notebook, Tolerance, ended, family, integers, mistake, normal, uniform
-from exercises.kinds.values import other_sizes, values
+from exercises.kinds.values import other_inputs, values
 
 notebook = Notebook("Waves", notebook="notebook.ipynb")
 ROUNDING = Tolerance(limit=1e-12, reason="a thousand times the rounding errors of a sum over the grid")
@@ -81,16 +81,18 @@ wrong = [
     mistake("np.tanh(k * d)", "k * d", "missing-term", "the water is taken as shallow"),
     mistake("- w**2,", "- (2 * np.pi * w) ** 2,", "units", "w is taken as a frequency in Hz"),
 ]
-many = {"rows": (32, 128)}  # deep water begins at k d between 5 and 9, in a few of a hundred cases
-number = values(wave_number, ask, TO_8, truth=by_iteration, uses=[find_root], mistakes=wrong, **many)
+number = values(wave_number, ask, TO_8, truth=by_iteration, uses=[find_root], mistakes=wrong, rows=(32, 96))
+call, label = "wave_number(sqrt(9.81 * y / d * tanh(y)), d)", "between shallow and deep water"
+between = other_inputs(number, call, label, y=uniform(0.4, 12), d=uniform(3.3, 5.9))
 wrong = [
     mistake("(2 * w)", "w", "constant-factor", "the factor 1/2 is missing"),
     mistake(" + k * d / np.cosh(k * d) ** 2", "", "missing-term", "the derivative of tanh kd is missing"),
     mistake("    return ", "    return w / k\n    return ", "wrong-quantity", "this is the phase velocity"),
 ]
 ask = {"k": ended(0.01, 10, log=True), "d": depth}
-group = values(group_velocity, ask, TO_6, truth=by_phase_velocity, mistakes=wrong, **many)
-notebook.exercise("2", "Waves on water", number, group)
+group = values(group_velocity, ask, TO_6, truth=by_phase_velocity, mistakes=wrong, rows=(32, 96))
+groups = other_inputs(group, "group_velocity(y / d, d)", label, y=uniform(0.4, 12), d=uniform(1.2, 32))
+notebook.exercise("2", "Waves on water", number, between, group, groups)
 
 
 def string(rng, N=20):
@@ -147,7 +149,7 @@ wrong = [
 ask = {"u": string, "before": string, "r": courant}
 step = values(string_step, ask, ROUNDING, truth=by_modes, mistakes=wrong)
 call = ragged("string_step(np.pad(u[1:n], 1), np.pad(before[1:n], 1), r)")
-other = other_sizes(step, call, "for other sizes", before=normal(200), **strings)
+other = other_inputs(step, call, "for other sizes", before=normal(200), **strings)
 notebook.exercise("3", "A step of the string", step, other)
 
 
@@ -172,7 +174,7 @@ ask = {"u": string, "r": uniform(0.3, 1), "n": 60}
 LONG = Tolerance(limit=1e-11, reason="a thousand times the rounding errors of 60 steps, ten times those of 200")
 run = values(vibrate, ask, LONG, truth=by_cosines, uses=[string_step], mistakes=wrong)
 call = ragged("np.append(vibrate(np.pad(u[1:n], 1), r, 3), vibrate(np.pad(u[1:7], 1), min(r, 1), n - 1))")
-other = other_sizes(run, call, "for other sizes", **strings)
+other = other_inputs(run, call, "for other sizes", **strings)
 notebook.exercise("4", "A plucked string", run, other)
 
 
@@ -209,7 +211,7 @@ text = "2 * u - before + (r * p[1]) ** 2 * np.pad(np.diff(u + p[0] * np.pad(np.d
 text += " + p[2] * ((r / p[3]) ** 2 - 1) * (u - before)"
 ask = {
     "step": family(text, "u", "before", "r", p=scheme),
-    "N": lambda rng: rng.choice([2, *rng.integers(3, 11, 4), rng.integers(11, 31)]),
+    "N": lambda rng: rng.choice([2, *rng.integers(3, 13, 4)]),
 }
 wrong = [
     mistake("> 1 + 1e-7", "> 1.1", "wrong-constant", "a growth of a tenth in each step counts as stable"),
@@ -218,7 +220,7 @@ wrong = [
     mistake("    return stable", "    return 1.0", "wrong-constant", "this is the limit of string_step on a fine grid"),
 ]
 near = Tolerance(atol=2e-6, reason="twice the precision that is asked for")
-limit = values(stability_limit, ask, near, truth=by_traces, rows=(6, 12), mistakes=wrong)
+limit = values(stability_limit, ask, near, truth=by_traces, rows=(3, 10), mistakes=wrong)
 notebook.exercise("5", "The limit of Courant, Friedrichs and Lewy", limit)
 
 
@@ -261,7 +263,7 @@ wrong = [
     mistake("-np.fft", "np.fft", "sign-flipped", "the amplitudes have the opposite sign"),
 ]
 amplitude = values(modes, {"u": string}, ROUNDING, truth=by_solving, mistakes=wrong)
-others = other_sizes(amplitude, ragged("modes(np.pad(u[1:n], 1))"), "for other sizes", **strings)
+others = other_inputs(amplitude, ragged("modes(np.pad(u[1:n], 1))"), "for other sizes", **strings)
 wrong = [
     mistake("found[1:-1] *= 2", "found *= 2", "constant-factor", "the ends of the spectrum are doubled too"),
     mistake("    found[1:-1] *= 2\n", "", "missing-term", "the amplitudes of the negative frequencies are missing"),
@@ -274,7 +276,7 @@ fourier = {"frequencies": ROUNDING, "amplitudes": ROUNDING}
 ask = {"x": normal(48), "dt": uniform(0.001, 0.1)}
 whole = values(spectrum, ask, fourier, truth=by_sums, mistakes=wrong)
 call = "[np.concatenate(one) for one in zip(*[spectrum(x[: n // 2 * 2], dt) for n in (2, N, 203 - N)])]"
-samples = other_sizes(whole, call, "for other sizes", x=normal(200), dt=uniform(0.001, 0.1), N=integers(3, 200))
+samples = other_inputs(whole, call, "for other sizes", x=normal(200), dt=uniform(0.001, 0.1), N=integers(3, 200))
 wrong = [
     mistake("np.arcsin", "", "wrong-function", "arcsin is missing"),
     mistake("r * np.sin", "np.sin", "missing-term", "the time step is missing: the ratio is always 1"),
@@ -283,5 +285,5 @@ EIGEN = Tolerance(rtol=1e-7, atol=0, reason="the root of the rounding errors, wh
 ask = {"m": integers(1, 9), "N": integers(10, 200), "r": ended(0.02, 1)}
 ratio = values(frequency_ratio, ask, EIGEN, truth=by_eigenvalue, mistakes=wrong)
 call = ragged("[frequency_ratio(m, n, min(r, 1)) for m in (1, n // 2, n - 1)]")
-ends = other_sizes(ratio, call, "for other sizes", r=courant, N=integers(3, 200))
+ends = other_inputs(ratio, call, "for other sizes", r=courant, N=integers(3, 200))
 notebook.exercise("6", "Spectrum and modes", amplitude, others, whole, samples, ratio, ends)

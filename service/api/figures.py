@@ -71,7 +71,9 @@ async def cached_artefact(
 @router.get(
     "/v1/submissions/{id}/sweep.{form}",
     response_class=Response,
-    responses=media("application/json", FORMATS["svg"]) | NOT_MODIFIED | problems(PICTURE | {409: "not-ready"}),
+    responses=media("application/json", FORMATS["svg"], model="SweepResult")
+    | NOT_MODIFIED
+    | problems(PICTURE | {409: "not-ready"}),
 )
 async def speed_against_accuracy(
     stored: Submission, form: Literal["json", "svg"], request: Request, database: Db, listener: Held[Listener]

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
 from exercises.catalogue import load_catalogue
+from service.api.answers import Ready
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
 from service.http.state import Db, Held
@@ -48,7 +49,7 @@ async def livez() -> dict[str, str]:
     return {"status": "alive"}
 
 
-@router.get("/readyz", responses=problems({}) | also(503, "Not ready"))
+@router.get("/readyz", response_model=Ready, responses=problems({}) | also(503, "Not ready", Ready))
 async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
     """Report whether submissions can be graded, with the result of each check."""
     checks = {"isolation": "no worker is running: start one with polhode worker", "database": "ok"}

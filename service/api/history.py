@@ -3,12 +3,13 @@
 import asyncio
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import asdict
 from itertools import zip_longest
-from typing import Any
 
 from fastapi import APIRouter
 
 from ecp.judge import MARKS, Verdict
+from service.api import answers
 from service.api.submissions import Assigned
 from service.auth.identity import Reader
 from service.http.openapi import PERSON, problems
@@ -21,49 +22,35 @@ router = APIRouter()
 @router.get(
     "/v1/assignments/{slug}/submissions", responses=problems(PERSON | {404: "not-found", 503: ("assignment-broken", "busy")})
 )
-async def list_own(assignment: Assigned, person: Reader, database: Db) -> dict[str, Any]:
+async def list_own(assignment: Assigned, person: Reader, database: Db) -> answers.History:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
     and the best and last ids.
     """
     found = await past_submissions(database, person.name, assignment.slug)
-    listed = await asyncio.to_thread(_to_json, found)
-    graded = [one for one in listed if one["points"] is not None]
-    best = max(graded, key=lambda one: one["points"], default=None)  # the newest of equals
-    last = listed[0]["id"] if listed else None
-    return {"assignment": assignment.slug, "submissions": listed, "best": best and best["id"], "last": last}
+    graded = [one for one in found if one.points is not None]
+    best = max(graded, key=lambda one: one.points or 0, default=None)  # the newest of equals
+    return answers.History(
+        assignment=assignment.slug,
+        submissions=await asyncio.to_thread(_answers, found),
+        best=best and best.id,
+        last=found[0].id if found else None,
+    )
 
 
-def _to_json(found: Sequence[PastSubmission]) -> list[dict[str, Any]]:
+def _answers(found: Sequence[PastSubmission]) -> list[answers.Past]:
     return [
-        {
-            "id": str(one.id),
-            "submitted_at": one.submitted_at.isoformat(),
-            "late": one.late,
-            "filename": one.filename,
-            "status": one.status,
-            "score": one.score,
-            "max_score": one.max_score,
-            "total": one.total,
-            "points": one.points,
-            "sha256": one.sha256,
-            "verdicts": one.verdicts,
-            "changed": None if earlier is None else _changed(earlier, one),
-        }
+        answers.Past(**asdict(one), changed=None if earlier is None else _changed(earlier, one))
         for one, earlier in zip_longest(found, found[1:])
     ]
 
 
-def _changed(earlier: PastSubmission, later: PastSubmission) -> dict[str, Any]:
-    """Return the checks whose verdict changed, each with both verdicts, and a summary in words.
-
-    API v1 calls the summary ``told``; ``summary`` is the same text.
-    """
+def _changed(earlier: PastSubmission, later: PastSubmission) -> answers.Changed:
     common = sorted(earlier.verdicts.keys() & later.verdicts.keys())
     changed = {id: [earlier.verdicts[id], later.verdicts[id]] for id in common if earlier.verdicts[id] != later.verdicts[id]}
     kinds = Counter(" → ".join(MARKS[Verdict(verdict)] for verdict in pair) for pair in changed.values())
     counts = [f"{count} check{'s' if count > 1 else ''} {kind}" for kind, count in kinds.items()]
     summary = "; ".join([_difference(earlier, later), *counts])
-    return {"checks": changed, "summary": summary, "told": summary}
+    return answers.Changed(checks=changed, summary=summary, told=summary)
 
 
 def _difference(earlier: PastSubmission, later: PastSubmission) -> str:

@@ -6,7 +6,6 @@ import secrets
 import time
 import uuid
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,7 +18,7 @@ from exercises import packages, wheel
 from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import assignments, find
 from exercises.validation_cells import is_self_reported
-from service.api import parse_submission
+from service.api import answers, parse_submission
 from service.api.health import WorkerStatus
 from service.auth.identity import STAFF, Person, Reader, Submitter
 from service.formats import junit
@@ -74,42 +73,47 @@ Submission = Annotated[SubmissionRecord, Depends(_submission)]
 
 
 @router.get("/v1/assignments", responses=problems({}))
-async def list_assignments() -> list[dict[str, str]]:
+async def list_assignments() -> list[answers.Named]:
     """Return slug, title and version of every assignment."""
-    return [{"slug": a.slug, "title": a.title, "version": a.version} for a in assignments().values()]
+    return [answers.Named(slug=a.slug, title=a.title, version=a.version) for a in assignments().values()]
 
 
 @router.get("/v1/assignments/{slug}", responses=problems({404: "not-found", 503: "assignment-broken"}))
-async def show_assignment(assignment: Assigned) -> dict[str, Any]:
+async def show_assignment(assignment: Assigned) -> answers.Described:
     """Return the exercises with their functions and checks; each check has its tolerance, the reason
     for it, and ``hidden``.
     """
     slug = assignment.slug
     sections = [
-        {
-            "number": e.number,
-            "title": e.title,
-            "functions": list(e.functions),
-            "optional": list(e.optional),
-            "variables": list(e.variables),
-            "checks": [
-                {
-                    "id": c.id,
-                    "label": c.label,
-                    "hidden": assignment.hidden(c),
-                    "self_reported": is_self_reported(c),
-                    "tolerance": {key: value for key, value in document(c.tolerance).items() if value is not None},
-                }
+        answers.Exercise(
+            number=e.number,
+            title=e.title,
+            functions=list(e.functions),
+            optional=list(e.optional),
+            variables=list(e.variables),
+            checks=[
+                answers.Check(
+                    id=c.id,
+                    label=c.label,
+                    hidden=assignment.hidden(c),
+                    self_reported=is_self_reported(c),
+                    tolerance={key: value for key, value in document(c.tolerance).items() if value is not None},
+                )
                 for c in e.checks
             ],
-        }
+        )
         for e in assignment.exercises
     ]
-    described = {"slug": slug, "title": assignment.title, "version": assignment.version, "exercises": sections}
-    notebook = f"/v1/assignments/{slug}/notebook.ipynb"
-    build = await asyncio.to_thread(wheel.build, slug)
-    importable = packages.versions(assignment.packages)
-    return described | {"kit": f"/kit/{wheel.filename(slug)}", "kit_build": build, "notebook": notebook, "packages": importable}
+    return answers.Described(
+        slug=slug,
+        title=assignment.title,
+        version=assignment.version,
+        exercises=sections,
+        kit=f"/kit/{wheel.filename(slug)}",
+        kit_build=await asyncio.to_thread(wheel.build, slug),
+        notebook=f"/v1/assignments/{slug}/notebook.ipynb",
+        packages=packages.versions(assignment.packages),
+    )
 
 
 SUBMIT_BODY = {
@@ -155,7 +159,9 @@ SUBMIT_PROBLEMS: dict[int, Kinds] = {
 @router.post(
     "/v1/assignments/{slug}/submissions",
     status_code=202,
-    responses=also(200, "Graded within the time to wait") | also(202, "Stored") | problems(SUBMIT_PROBLEMS),
+    response_model=answers.Submission,
+    response_description="Stored",
+    responses=also(200, "Graded within the time to wait", answers.Submission) | problems(SUBMIT_PROBLEMS),
     openapi_extra={"requestBody": SUBMIT_BODY},
 )
 async def submit(
@@ -189,20 +195,23 @@ async def submit(
     except SubmissionRejected as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
-    queued = _summary(accepted.id, "queued", accepted.submitted_at, late=accepted.late, sha256=new.submission.sha256) | {
-        "report": None
-    }
+    given = {"id": accepted.id, "submitted_at": accepted.submitted_at, "late": accepted.late, "sha256": source.sha256}
+    queued = answers.Submission(**given, status="queued", report=None)
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
-        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "1"})
+        return _response(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
         stored = _visible(person, await _wait(database, listener, accepted.id, wait_s))
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
-        return JSONResponse(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
+        return _response(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
     if stored.finished and wait_s > 0:
-        return JSONResponse(_document(stored), 200, {"Location": location})
-    return JSONResponse(_document(stored), 202, {"Location": location, "Retry-After": "1"})
+        return _response(_document(stored), 200, {"Location": location})
+    return _response(_document(stored), 202, {"Location": location, "Retry-After": "1"})
+
+
+def _response(submission: answers.Submission, status: int, headers: dict[str, str]) -> JSONResponse:
+    return JSONResponse(submission.model_dump(mode="json", exclude_unset=True), status, headers)
 
 
 async def _accept(database: Db, most: int, person: Person, new: NewSubmission, key: str | None) -> Accepted:
@@ -217,12 +226,12 @@ async def _accept(database: Db, most: int, person: Person, new: NewSubmission, k
     raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 
 
-@router.get("/v1/submissions/{id}", responses=problems(PERSON | {404: "not-found"}))
-async def show_submission(stored: Submission, database: Db) -> dict[str, Any]:
+@router.get("/v1/submissions/{id}", response_model_exclude_unset=True, responses=problems(PERSON | {404: "not-found"}))
+async def show_submission(stored: Submission, database: Db) -> answers.Submission:
     """Return the status of a submission, its report if graded, and an instructor's overrides."""
     in_force = [one for one in await overrides.of_submission(database, stored.id) if one.in_force]
-    listed = [{"check": o.check, "points": o.points, "reason": o.reason, "by": o.by, "at": o.at.isoformat()} for o in in_force]
-    return _document(stored) | ({"points": stored.points, "overrides": listed} if listed else {})
+    listed = [answers.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at) for o in in_force]
+    return _document(stored, **({"points": stored.points, "overrides": listed} if listed else {}))
 
 
 def _visible(person: Person, stored: SubmissionRecord) -> SubmissionRecord:
@@ -239,15 +248,12 @@ def _uuid(text: str) -> uuid.UUID | None:
         return None
 
 
-def _document(stored: SubmissionRecord) -> dict[str, Any]:
-    result = _summary(stored.id, stored.status, stored.submitted_at, late=stored.late, sha256=stored.submission.sha256)
-    result |= {"report": document(stored.report) if stored.report else None}
-    result |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
-    return result | ({"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {})
-
-
-def _summary(id: uuid.UUID, status: str, submitted_at: datetime, *, late: bool, sha256: str) -> dict[str, Any]:
-    return {"id": str(id), "status": status, "submitted_at": submitted_at.isoformat(), "late": late, "sha256": sha256}
+def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
+    more |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
+    more |= {"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {}
+    more |= {name: getattr(stored, name) for name in ("id", "status", "submitted_at", "late")}
+    report = document(stored.report) if stored.report else None
+    return answers.Submission(**more, sha256=stored.submission.sha256, report=report)
 
 
 async def _wait(database: Db, listener: Listener, id: uuid.UUID, seconds: float) -> SubmissionRecord:

@@ -56,10 +56,10 @@ async def checked_public_form(request: Request, person: OptionalUser, cookies: B
 PublicForm = Annotated[FormData, Depends(checked_public_form)]
 
 
-async def checked_form(person: CurrentUser, form: PublicForm) -> FormData:
+async def checked_form(request: Request, person: CurrentUser, cookies: BrowserCookies, origin: SameOrigin) -> FormData:
     """Return the form of a logged-in person. Raises Problem 403 if the person's token may not log in."""
     person.with_scope("login")  # a token limited to reading or submitting may not send forms
-    return form
+    return await checked_public_form(request, person, cookies, origin)
 
 
 Form = Annotated[FormData, Depends(checked_form)]

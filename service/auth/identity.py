@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from uuid import UUID
 
 from fastapi import Depends, Request
+from fastapi.security import HTTPBearer
 
 from service.auth import sessions
 from service.auth.jupyterhub import Hub
@@ -23,6 +24,8 @@ from service.store.database import Database
 LOCAL = "local"  # the only person in single-user mode
 COOKIE = sessions.COOKIE
 STAFF = ("assistant", "instructor")
+# The OpenAPI document declares it. ``identify`` reads the header itself, because JupyterHub sends the scheme "token" too.
+Bearer = Annotated[object, Depends(HTTPBearer(auto_error=False, description="A token of polhode, or of JupyterHub."))]
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,13 @@ class Person:
 
 
 async def identify(
-    request: Request, settings: Config, database: Db, hub: Held[Hub], cookies: BrowserCookies, address: PublicAddress
+    request: Request,
+    settings: Config,
+    database: Db,
+    hub: Held[Hub],
+    cookies: BrowserCookies,
+    address: PublicAddress,
+    bearer: Bearer,
 ) -> Person | Problem:
     """Return the person that sent the request, or the Problem 401 to raise if the route needs a person.
 

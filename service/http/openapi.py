@@ -1,12 +1,14 @@
-"""The OpenAPI document's responses: their media types, and errors as problems."""
+"""The OpenAPI document, with the media types of responses and errors as problems, and its page."""
 
 from collections.abc import Mapping
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request, Response
 from fastapi.openapi.utils import get_openapi
+from pydantic import BaseModel
 
 from service.http.errors import PROBLEM_TYPE, TITLES
+from service.http.templating import templates
 
 JSON = "application/json"
 Kinds = str | tuple[str, ...]
@@ -42,18 +44,22 @@ def problems(kinds: Mapping[int, Kinds]) -> Responses:
     }
 
 
-def media(*types: str) -> Responses:
-    """Return the response 200 with these media types. Use it with ``response_class=Response``."""
-    return {200: {"content": {type: {"schema": {} if type == JSON else {"type": "string"}} for type in types}}}
+def media(*types: str, model: str | None = None) -> Responses:
+    """Return the response 200 with these media types; JSON is an object of the named schema, if one is given.
+
+    Use it with ``response_class=Response``.
+    """
+    of_json = {"$ref": f"#/components/schemas/{model}"} if model else {"type": "object"}
+    return {200: {"content": {type: {"schema": of_json if type.endswith("json") else {"type": "string"}} for type in types}}}
 
 
-def also(status: int, description: str) -> Responses:
+def also(status: int, description: str, model: type[BaseModel]) -> Responses:
     """Return one more response with JSON."""
-    return {status: {"description": description, "content": {JSON: {"schema": {}}}}}
+    return {status: {"description": description, "model": model}}
 
 
 def install(app: FastAPI) -> None:
-    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it."""
+    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it, and a page that shows it."""
 
     def document() -> dict[str, Any]:
         if not app.openapi_schema:
@@ -67,5 +73,9 @@ def install(app: FastAPI) -> None:
             schemas["Problem"] = PROBLEM
             app.openapi_schema = made
         return app.openapi_schema
+
+    @app.get("/docs", include_in_schema=False)
+    async def page(request: Request) -> Response:
+        return templates.TemplateResponse(request, "api.html")
 
     app.openapi = document  # type: ignore[method-assign]

@@ -59,9 +59,9 @@ def _self_reported(checks: Sequence[Check]) -> str:
 async def own_submissions(request: Request, person: CurrentUser, assignment: Assigned, database: Db) -> Response:
     """Show the person's submissions to an assignment and the changes between them."""
     history = await list_own(assignment, person, database)
-    by_id = {one["id"]: one for one in history["submissions"]}
+    best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
     context = {"assignment": assignment, "person": person.name, "history": history}
-    context |= {"best": by_id.get(history["best"]), "last": by_id.get(history["last"]), "session": COOKIE in request.cookies}
+    context |= {"best": best, "last": last, "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "submissions.html", context)
 
 

@@ -13,15 +13,14 @@ from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
     DEVICES,
     GUEST,
+    KIT,
+    SITE_PACKAGES,
+    STANDARD_LIBRARY,
     font_list,
-    interpreter,
-    kit,
     packages,
     runtime,
-    site_packages,
-    standard_library,
 )
-from service.sandbox.isolation import DATA, ENVIRONMENT, LAYERS, Guest, Isolation, reason_to_stay_root
+from service.sandbox.isolation import DATA, ENVIRONMENT, LAYERS, Isolation, reason_to_stay_root, zygote_command
 
 GUEST_HOME = "/polhode"  # not /tmp: the checkout itself may lie there
 # Apart, because Landlock's rules hold for everything below a folder.
@@ -35,15 +34,23 @@ def namespace_isolation(
 
     A zygote started as root keeps only the capabilities that it needs to change to an unprivileged user id.
     """
-    binds = [*runtime(), *(site_packages() / name for name in packages(more))]
-    stays_root = reason_to_stay_root([*binds, GUEST, kit()])
+    binds = [*runtime(), *(SITE_PACKAGES / name for name in packages(more))]
+    stays_root = reason_to_stay_root([*binds, GUEST, KIT])
     user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     applied = [x for x in LAYERS if x in layers]
-    path, listable = [GUEST_CODE, str(site_packages())], [str(site_packages()), str(standard_library())]
-    guest = Guest(path, user, applied, [*map(str, binds), GUEST_CODE, *DEVICES, DATA], listable)
-    around = (program, *_namespaces(), *_files(binds), *_variables(), "--remount-ro", "/", "--chdir", GUEST_DATA, "--")
-    command = guest.command(interpreter())
-    return Isolation("namespaces", ("bubblewrap", *applied), around, command, {"PATH": "/usr/bin:/bin"}, stays_root, allow_root)
+    readable = [*map(str, binds), GUEST_CODE, *DEVICES, DATA]
+    inside = zygote_command(
+        path=[GUEST_CODE, SITE_PACKAGES],
+        user=user,
+        layers=applied,
+        readable=readable,
+        listable=[SITE_PACKAGES, STANDARD_LIBRARY],
+        folders=[],
+    )
+    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
+    setting = (part for pair in variables.items() for part in ("--setenv", *pair))
+    around = (program, *_namespaces(), *_files(binds), "--clearenv", *setting, "--remount-ro", "/", "--chdir", GUEST_DATA, "--")
+    return Isolation("namespaces", ("bubblewrap", *applied), around, inside, {"PATH": "/usr/bin:/bin"}, stays_root, allow_root)
 
 
 def _namespaces() -> list[str]:
@@ -61,7 +68,7 @@ def _files(binds: list[Path]) -> list[str]:
         args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
     for path in binds:
         args += ["--ro-bind", os.path.realpath(path), str(path)]
-    args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(kit()), f"{GUEST_CODE}/ecp"]
+    args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(KIT), f"{GUEST_CODE}/ecp"]
     args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
@@ -69,11 +76,6 @@ def _files(binds: list[Path]) -> list[str]:
     for cached in font_list():
         args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
     return args
-
-
-def _variables() -> list[str]:
-    variables = ENVIRONMENT | {"MPLCONFIGDIR": f"{SCRATCH}/mpl", "HOME": GUEST_HOME}
-    return ["--clearenv", *(part for pair in variables.items() for part in ("--setenv", *pair))]
 
 
 def find_bubblewrap() -> str | None:

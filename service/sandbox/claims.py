@@ -24,7 +24,11 @@ def read(
 
     Raises ValueError if ``header`` and ``raw`` are not a claim made in one of ``cells``.
     """
-    kind, numbers, shapes = KINDS[_one_of(header.get("kind"), KINDS)], header.get("numbers"), header.get("arrays")
+    numbers, shapes = header.get("numbers"), header.get("arrays")
+    for key, known in (("kind", KINDS), ("cell", cells)):
+        if not isinstance(header.get(key), str) or header[key] not in known:
+            raise ValueError(f"unknown {key}")
+    kind = KINDS[header["kind"]]
     texts = {key: one_line(harmless(header.get(key, "")), MOST_DETAIL) for key in ("label", "detail", "unfit", "left_out")}
     if not isinstance(numbers, dict) or set(numbers) != set(kind.numbers) or not all(type(n) is float for n in numbers.values()):
         raise ValueError("not the numbers of this kind of claim")
@@ -33,7 +37,7 @@ def read(
     claim = Claim(
         str(header["kind"]), texts["label"][:MOST_LABEL], arrays, numbers, texts["detail"], texts["unfit"], texts["left_out"]
     )
-    return _one_of(header.get("cell"), cells), _place(header.get("place")), claim
+    return str(header["cell"]), _place(header.get("place")), claim
 
 
 def _place(place: Any) -> tuple[int, int] | None:
@@ -60,9 +64,3 @@ def _arrays(shapes: Any, expected: Collection[str], of_complex: Any, raw: bytes)
     if at != len(raw):
         raise ValueError("more bytes than the shapes need")
     return arrays
-
-
-def _one_of(name: Any, names: Collection[str]) -> str:
-    if not isinstance(name, str) or name not in names:
-        raise ValueError("unknown kind or cell")
-    return name

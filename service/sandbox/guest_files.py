@@ -10,9 +10,14 @@ from collections.abc import Collection
 from importlib import metadata
 from pathlib import Path
 
+import ecp
 from exercises.packages import SANDBOX
 
-GUEST = Path(__file__).parent / "guest"
+GUEST, KIT = Path(__file__).parent / "guest", Path(ecp.__path__[0])
+# the one that a virtual environment links to, at the path from which it finds its libraries
+INTERPRETER = Path(os.path.realpath(sys._base_executable))  # type: ignore[attr-defined]
+BASE_PREFIX = Path(os.path.realpath(sys.base_prefix))
+SITE_PACKAGES, STANDARD_LIBRARY = (Path(sysconfig.get_path(name)) for name in ("purelib", "stdlib"))
 # Extension modules whose libraries (X11, TLS, databases, terminals) no submission needs.
 LEFT_OUT = re.compile(r"_(tkinter|ssl|curses|curses_panel|sqlite3|dbm|gdbm)\b|readline|nis|ossaudiodev|test")
 # manylinux wheels contain their own libraries; of the system's they use only the C library and the C++ runtime (PEP 600).
@@ -25,69 +30,38 @@ CPP_USER = "matplotlib/ft2font*.so"
 DEVICES = ("/dev/null", "/dev/urandom")
 
 
-def interpreter() -> Path:
-    """Return the interpreter that a virtual environment links to, at the path from which it finds its libraries."""
-    return Path(os.path.realpath(sys._base_executable))  # type: ignore[attr-defined]
-
-
-def base_prefix() -> Path:
-    """Return the folder of the interpreter's installation."""
-    return Path(os.path.realpath(sys.base_prefix))
-
-
-def site_packages() -> Path:
-    """Return the folder of installed packages."""
-    return Path(sysconfig.get_path("purelib"))
-
-
-def standard_library() -> Path:
-    """Return the folder of the standard library."""
-    return Path(sysconfig.get_path("stdlib"))
-
-
-def kit() -> Path:
-    """Return the folder of ``ecp``."""
-    import ecp
-
-    return Path(ecp.__path__[0])
-
-
 def packages(more: Collection[str] = ()) -> list[str]:
     """Return the top-level names in site-packages of numpy, scipy, matplotlib, the distributions ``more`` and their requirements.
 
     A requirement that is not installed is left out: many are for another system or another version of Python.
     """
     names: set[str] = set()
-    todo, done = [*SANDBOX, *more], set()
+    todo, done = {*SANDBOX, *more}, set()
     while todo:
         name = todo.pop()
-        if name in done:
-            continue
         done.add(name)
         try:
             distribution = metadata.distribution(name)
         except metadata.PackageNotFoundError:
             continue
-        for requirement in distribution.requires or []:
-            if "extra ==" not in requirement:
-                todo.append(re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower())
+        required = [requirement for requirement in distribution.requires or [] if "extra ==" not in requirement]
+        todo |= {re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower() for requirement in required} - done
         tops = {file.parts[0] for file in distribution.files or [] if len(file.parts) > 1 or file.suffix == ".py"}
         names |= {top for top in tops if top not in ("..", "__pycache__") and not top.endswith(".dist-info")}
-    return sorted(name for name in names if (site_packages() / name).exists())
+    return sorted(name for name in names if (SITE_PACKAGES / name).exists())
 
 
 @functools.cache
 def runtime() -> tuple[Path, ...]:
     """Return the interpreter, the standard library and the shared libraries they are linked with, at the paths the loader uses."""
-    stdlib = standard_library()
-    linked = [interpreter(), *sorted((stdlib / "lib-dynload").glob("*.so"))]
-    linked += sorted(site_packages().glob(CPP_USER))
+    linked = [INTERPRETER, *sorted((STANDARD_LIBRARY / "lib-dynload").glob("*.so")), *sorted(SITE_PACKAGES.glob(CPP_USER))]
     files = [str(f) for f in linked if f.exists() and not LEFT_OUT.search(f.name)]
     libraries = set(re.findall(r"^\s+(?:\S+ => )?(/\S+) \(0x", _linked_libraries(files), re.MULTILINE)) - set(files)
     libraries |= {f"{os.path.dirname(p)}/{name}" for p in set(libraries) if p.endswith("/libc.so.6") for name in C_LIBRARY}
-    outside = [Path(p) for p in sorted(libraries) if os.path.exists(p) and not _within(p, stdlib, site_packages())]
-    own = sorted(p for p in stdlib.iterdir() if p.name not in OTHERS)
-    return (interpreter(), *own, *outside, *(p for p in [Path("/etc/ld.so.cache")] if p.exists()))
+    inside = (STANDARD_LIBRARY, SITE_PACKAGES)
+    outside = [p for p in map(Path, sorted(libraries)) if p.exists() and not any(map(p.is_relative_to, inside))]
+    own = sorted(p for p in STANDARD_LIBRARY.iterdir() if p.name not in OTHERS)
+    return (INTERPRETER, *own, *outside, *(p for p in [Path("/etc/ld.so.cache")] if p.exists()))
 
 
 def _linked_libraries(files: list[str]) -> str:
@@ -103,7 +77,3 @@ def font_list() -> list[Path]:
     import matplotlib.font_manager
 
     return sorted(Path(matplotlib.get_cachedir()).glob("fontlist-*.json"))
-
-
-def _within(path: str, *folders: Path) -> bool:
-    return any(Path(path).is_relative_to(folder) for folder in folders)

@@ -5,21 +5,21 @@ import json
 import os
 import subprocess
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from service.sandbox.guest.lockdown import GUEST_UID
 from service.sandbox.guest_files import (
+    BASE_PREFIX,
     DEVICES,
     GUEST,
-    base_prefix,
-    interpreter,
-    kit,
+    INTERPRETER,
+    KIT,
+    SITE_PACKAGES,
+    STANDARD_LIBRARY,
     packages,
     runtime,
-    site_packages,
-    standard_library,
 )
 
 BOOT = """
@@ -86,24 +86,9 @@ class Isolation:
         return self.around + self.inside
 
 
-@dataclass(frozen=True)
-class Guest:
-    """Settings of a zygote.
-
-    ``path`` is its import path and ``user`` the user id that it changes to (None: unchanged). Its children apply ``layers``,
-    which let them read below ``readable`` and list below ``listable``. They keep ``folders`` open.
-    """
-
-    path: Sequence[str]
-    user: int | None
-    layers: Sequence[str]
-    readable: Sequence[str]
-    listable: Sequence[str]
-    folders: Sequence[str] = ()
-
-    def command(self, interpreter: Path) -> tuple[str, ...]:
-        """Return the command that starts the zygote with ``interpreter``."""
-        return (str(interpreter), "-I", "-S", "-B", "-c", BOOT, json.dumps(asdict(self), ensure_ascii=False))
+def zygote_command(**settings: Any) -> tuple[str, ...]:
+    """Return the command that starts a zygote with these ``settings``: its import ``path``, and the arguments of its ``main``."""
+    return (str(INTERPRETER), "-I", "-S", "-B", "-c", BOOT, json.dumps(settings, default=str, ensure_ascii=False))
 
 
 def process_isolation(layers: Collection[str] = LAYERS, more: Collection[str] = (), allow_root: bool = False) -> Isolation:
@@ -115,17 +100,19 @@ def process_isolation(layers: Collection[str] = LAYERS, more: Collection[str] = 
     """
     import matplotlib
 
-    path = [GUEST.parent, kit().parent, site_packages()]
-    readable = [*runtime(), *(site_packages() / name for name in packages(more)), GUEST, kit(), *map(Path, DEVICES)]
-    folders = [folder for folder in dict.fromkeys((*path, base_prefix())) if not _reachable(folder)]
+    path = [GUEST.parent, KIT.parent, SITE_PACKAGES]
+    readable = [*runtime(), *(SITE_PACKAGES / name for name in packages(more)), GUEST, KIT, *map(Path, DEVICES)]
+    folders = [folder for folder in dict.fromkeys((*path, BASE_PREFIX)) if not _reachable(folder)]
     stays_root = reason_to_stay_root([*readable, *path]) or _reason_unreachable([*readable, *path], folders)
     user = GUEST_UID if os.geteuid() == 0 and not stays_root else None
     opened = folders if user is not None else []
-    applied, listable = [x for x in LAYERS if x in layers], [*map(str, path), str(standard_library())]
-    guest = Guest([*map(str, path)], user, applied, [*map(str, readable), DATA], listable, [*map(str, opened)])
-    around = (str(interpreter()), "-I", "-S", "-c", OPEN_FOLDERS, json.dumps(guest.folders)) if opened else ()
+    applied = [x for x in LAYERS if x in layers]
+    inside = zygote_command(
+        path=path, user=user, layers=applied, readable=[*readable, DATA], listable=[*path, STANDARD_LIBRARY], folders=opened
+    )
+    around = (str(INTERPRETER), "-I", "-S", "-c", OPEN_FOLDERS, json.dumps(opened, default=str)) if opened else ()
     environment = ENVIRONMENT | {"MPLCONFIGDIR": matplotlib.get_cachedir(), "HOME": "/"}
-    return Isolation("process", tuple(applied), around, guest.command(interpreter()), environment, stays_root, allow_root)
+    return Isolation("process", tuple(applied), around, inside, environment, stays_root, allow_root)
 
 
 def reason_to_stay_root(paths: Sequence[Path]) -> str:
@@ -143,7 +130,7 @@ def reason_to_stay_root(paths: Sequence[Path]) -> str:
 @functools.cache
 def _refused_to_change_user() -> str:
     """Return why this machine does not let root become the guest's user, or an empty string if it does."""
-    command = [str(interpreter()), "-I", "-S", "-c", CHANGE_USER]
+    command = [str(INTERPRETER), "-I", "-S", "-c", CHANGE_USER]
     tried = subprocess.run(command, capture_output=True, text=True, timeout=TRY_S, check=False)
     reason = tried.stderr.strip().rpartition("\n")[2]
     return f"root may not change to user {GUEST_UID} here ({reason})" if tried.returncode != 0 else ""

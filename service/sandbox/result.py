@@ -59,12 +59,8 @@ class PlayResult:
 
     def add(self, other: "PlayResult") -> None:
         """Add the result of another child that ran the same submission."""
-        self.defined |= other.defined
-        self.arrays |= other.arrays
-        self.scene_ends |= other.scene_ends
-        self.cells |= other.cells
-        self.driven |= other.driven
-        self.author_errors |= other.author_errors
+        for name in ("defined", "arrays", "scene_ends", "cells", "driven", "author_errors"):
+            getattr(self, name).update(getattr(other, name))
         if not self.claims:  # each child runs the cells again
             self.claims, self.claims_left_out = other.claims, other.claims_left_out
         self.reported = self.reported or other.reported

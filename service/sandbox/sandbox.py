@@ -30,34 +30,30 @@ class Sandbox:
         self.identity: Identity | None = None  # what the guest of the self-test reported
         self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
 
-    def start(self) -> None:
-        """Start a guest unless there is one. Return before it is warm."""
+    def start(self) -> Zygote:
+        """Return the guest, started now unless there is one. It may not be warm yet."""
         if self._zygote is None:
             self._plays = 0
             self.zygotes += 1
             self._zygote = Zygote(self.isolation.command, self.isolation.environment, self.cancelled)
+        return self._zygote
 
-    def wait_ready(self) -> None:
-        """Return when a guest is warm. Raises SystemFault if it cannot start."""
-        self.start()
-        assert self._zygote is not None
-        self._zygote.wait_ready()
+    def wait_ready(self) -> Identity:
+        """Return the guest's identity when it is warm. Raises SystemFault if it cannot start."""
+        return self.start().wait_ready()
 
     def self_test(self) -> None:
         """Run the self-test.
 
         Raises SystemFault if the sandbox cannot start, if its guest has privileges, or if a forbidden operation succeeds.
         """
-        self.wait_ready()
-        assert self._zygote is not None
-        self.identity = self._zygote.identity
+        self.identity = self.wait_ready()
         result = self.play(self_test_job())
         if result.stdout:
             raise SystemFault(f"the sandbox is not secure: a submission could {', '.join(result.stdout.splitlines())}")
         (scene_end,) = result.scene_ends.values()
         if scene_end.ended is not Ended.MISSING:
             raise SystemFault(f"the sandbox self-test did not finish: it ended as {scene_end.ended}")
-        assert self.identity is not None
         if refusal := self.identity.refusal(self.isolation):
             raise SystemFault(refusal)
         if self.identity.is_root:
@@ -86,17 +82,16 @@ class Sandbox:
             if len(result.scene_ends) == before:
                 break
             self._skip_followers(job, result)
+        result.scene_ends = {s.name: result.scene_ends[s.name] for s in job.scenes if s.name in result.scene_ends}
         return result
 
     def _play_once(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> None:
         """Play the job in one child. If the zygote is lost, try again with a second one."""
         for number in range(TRIES):
-            self.start()
-            assert self._zygote is not None
-            cpu_s = budget.cpu_s
+            zygote, cpu_s = self.start(), budget.cpu_s
             played = PlayResult()  # of this try alone: what a lost zygote sent is discarded
             try:
-                reusable = self._zygote.play(job, budget, played, on_scene)
+                reusable = zygote.play(job, budget, played, on_scene)
             except ZygoteLost as lost:
                 self.close()
                 if number == TRIES - 1:

@@ -9,7 +9,8 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from io import FileIO
+from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -33,16 +34,6 @@ CHUNK = 1 << 16
 POLL_S = 0.2  # interval at which a cancellation is noticed
 
 
-@dataclass
-class Pipes:
-    """The host's ends of a child's pipes. ``control`` is the zygote's socket, which reports the child's exit."""
-
-    control: socket.socket
-    job: int
-    result: int
-    output: int
-
-
 class ChildExit(NamedTuple):
     """The wait ``status`` of a child, that of the child with its ``reference`` functions, and the seconds of CPU time of both."""
 
@@ -57,11 +48,6 @@ class ChildExit(NamedTuple):
             raise OSError("the sandbox process stopped unexpectedly")
         return cls(*REAPED.unpack(data))
 
-    @property
-    def signal(self) -> int:
-        """The signal that ended the child, or 0."""
-        return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
-
 
 class NoAnswer(BaseException):
     """The child will not answer a question because the scene has ended. Not an Exception, so that a driver does not catch it."""
@@ -71,6 +57,8 @@ class NoAnswer(BaseException):
 class PlaySession:
     """One play of ``job`` in a child, within the ``budget`` of the grading.
 
+    ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes, unbuffered, are
+    ``questions``, which begin with the job, ``answers``, which are frames, and ``printed``.
     ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is known, and ``waited``
     the time that it had no processor. Another thread may set ``cancelled`` to end the play.
     """
@@ -78,7 +66,10 @@ class PlaySession:
     job: Job
     budget: TimeBudget
     reader: Reader
-    pipes: Pipes
+    control: socket.socket
+    questions: FileIO
+    answers: FileIO
+    printed: FileIO
     waited: ProcessorWait
     cancelled: threading.Event = field(default_factory=threading.Event)
     output: bytearray = field(default_factory=bytearray)
@@ -86,10 +77,9 @@ class PlaySession:
     ended: ChildExit | None = None
     _received: int = 0
     _printed: int = 0
-    _job_open: bool = True
 
     def run(self) -> None:
-        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded. Close the pipes.
+        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded.
 
         Raises OSError if the zygote has ended.
         """
@@ -97,10 +87,10 @@ class PlaySession:
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
-        os.set_blocking(self.pipes.job, False)
+        os.set_blocking(self.questions.fileno(), False)
         with selectors.DefaultSelector() as self._selector:
-            self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
-            for end in (self.pipes.result, self.pipes.output, self.pipes.control):
+            self._selector.register(self.questions, selectors.EVENT_WRITE)
+            for end in (self.answers, self.printed, self.control):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
                 while self._is_running():
@@ -109,11 +99,6 @@ class PlaySession:
                         self._drive(self.reader.started)
             finally:
                 self.waited.update()
-                for fd in (self.pipes.result, self.pipes.output):
-                    if fd in self._selector.get_map():
-                        os.close(fd)
-                if self._job_open:
-                    os.close(self.pipes.job)
 
     def _is_running(self) -> bool:
         return self.stopped is None and not self.cancelled.is_set() and bool(self._selector.get_map())
@@ -126,15 +111,10 @@ class PlaySession:
         if self.budget.wall_left() == 0 or (not ready and self._deadline.left(self.reader.started) == 0):
             self.stopped = Ended.TIMED_OUT
         for key, _ in ready:
-            if key.fd == self.pipes.job:
-                self._unsent = _write_some(key.fd, self._unsent)
-                if not self._unsent:
-                    self._selector.unregister(key.fd)
-                    self._close_job_unless_needed()
-            elif not self._read_from(key.fd):
+            if key.fileobj is self.questions:
+                self._write_some()
+            elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
-                if key.fd != self.pipes.control.fileno():
-                    os.close(key.fd)
 
     def _drive(self, scene: str) -> None:
         """Run the scene's driver and keep its result, unless the scene ends first."""
@@ -155,13 +135,11 @@ class PlaySession:
     def _send(self, data: bytes, scene: str | None) -> None:
         """Write to the child that plays ``scene``. An answer before the whole question is written violates the protocol."""
         try:
-            self._unsent = memoryview(data)[os.write(self.pipes.job, data) :]
+            self._unsent = memoryview(data)[self.questions.write(data) or 0 :]
         except BrokenPipeError:
             raise NoAnswer from None
-        except BlockingIOError:
-            self._unsent = memoryview(data)
         if self._unsent:  # the question is larger than the pipe, or the child answers without reading
-            self._selector.register(self.pipes.job, selectors.EVENT_WRITE)
+            self._selector.register(self.questions, selectors.EVENT_WRITE)
             while self._unsent:
                 self._step_in(scene)
 
@@ -170,10 +148,19 @@ class PlaySession:
             raise NoAnswer
         self._step()
 
+    def _write_some(self) -> None:
+        """Write what fits of ``_unsent``, or nothing if the child has closed the pipe."""
+        try:
+            self._unsent = self._unsent[self.questions.write(self._unsent[:CHUNK]) or 0 :]
+        except BrokenPipeError:
+            self._unsent = memoryview(b"")
+        if not self._unsent:
+            self._selector.unregister(self.questions)
+            self._close_job_unless_needed()
+
     def _close_job_unless_needed(self) -> None:
-        if self._job_open and not self._undriven:
-            os.close(self.pipes.job)
-            self._job_open = False
+        if not self._undriven:
+            self.questions.close()
 
     def record_end(self, result: PlayResult) -> None:
         """Record the scene end that follows from the child's exit, for the scene in progress or else for all scenes that are left.
@@ -205,13 +192,13 @@ class PlaySession:
                 scene=scene, ended=scene_end, sentence=sentence or SENTENCES[scene_end], code=CODES.get(scene_end)
             )
 
-    def _read_from(self, fd: int) -> bool:
+    def _read_from(self, end: Any) -> bool:
         """Read from one end. Return False at its end of file."""
-        if fd == self.pipes.control.fileno():
-            self.ended = ChildExit.unpack(self.pipes.control.recv(REAPED.size))
+        if end is self.control:
+            self.ended = ChildExit.unpack(end.recv(REAPED.size))
             return False
-        data = os.read(fd, CHUNK)
-        if fd == self.pipes.output:
+        data = end.read(CHUNK)
+        if end is self.printed:
             self._printed += len(data)
             self.output += data[: KEPT_OUTPUT - len(self.output)]
         else:
@@ -233,9 +220,10 @@ class PlaySession:
         assert self.ended is not None
         if os.waitstatus_to_exitcode(self.ended.reference) == MALFORMED:
             return Ended.PROTOCOL
-        if self.ended.signal == signal.SIGXCPU or (self.ended.signal and not self.budget.cpu_left()):
+        ended_by = -os.waitstatus_to_exitcode(self.ended.status)  # a signal, if positive
+        if ended_by == signal.SIGXCPU or (ended_by > 0 and not self.budget.cpu_left()):
             return Ended.TIMED_OUT
-        if self.ended.signal:
+        if ended_by > 0:
             return Ended.KILLED
         return None if self.reader.done else Ended.EXITED
 
@@ -256,11 +244,3 @@ class _Deadline:
             self._scene, self._since = scene, time.monotonic()
         until = self._since + GRACE_S + self._budgets.get(scene or "", self._load_s)
         return max(0.0, min(until, self._last) - time.monotonic())
-
-
-def _write_some(fd: int, data: memoryview) -> memoryview:
-    """Write what fits and return the rest, which is empty if the reader has closed the pipe."""
-    try:
-        return data[os.write(fd, data[:CHUNK]) :]
-    except BrokenPipeError:
-        return memoryview(b"")

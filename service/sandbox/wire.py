@@ -1,12 +1,12 @@
 """Reading and validating the frames of a guest, which are untrusted bytes.
 
-A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` is an
-array: header length (2 bytes), JSON header with scene, name and shape, then raw little-endian numbers. Kind ``R`` answers a
-question with all arrays of its scene: header length, JSON header of shapes by name, numbers. Kind ``C`` is a claim of the
-notebook's own checks (claims.py). The host knows which arrays a scene returns, their element type and largest shape, and its own
-questions; anything else violates the protocol.
+A frame is ``kind`` (1 byte), payload length (4 bytes, little endian) and payload. Kind ``J`` is a JSON event. Kind ``A`` are all
+arrays of the scene in progress, or of the answer to one question of it: header length (2 bytes), JSON header of shapes by name,
+then raw little-endian numbers. Kind ``C`` is a claim of the notebook's own checks (claims.py). The host knows which arrays a scene
+returns, their element type and largest shape, and its own questions; anything else violates the protocol.
 """
 
+import functools
 import json
 import math
 import struct
@@ -47,20 +47,17 @@ class Reader:
 
     def __init__(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> None:
         self._on_scene = on_scene
-        self.result, self.prepared, self.done, self.started = result, False, False, None
+        self.result, self.prepared, self.done = result, False, False
+        self.started: str | None = None
         self.not_prepared = ""
         self._scenes = {s.name: s for s in job.scenes}
-        self._functions = set(job.functions)
-        self._cells = {c.name for c in job.cells}
-        self._longest = MOST_JSON + max([sum(map(_size, s.returns.values())) for s in job.scenes], default=0)
+        self._functions, self._cells = set(job.functions), {c.name for c in job.cells}
+        sizes = [sum(math.prod(a.shape) * DTYPES[a.dtype].itemsize for a in s.returns.values()) for s in job.scenes]
+        self._longest = MOST_JSON + max(sizes, default=0)
         self._buffer = bytearray()
-        self._driven = {s.name for s in job.scenes if s.drive}
         self._names_known = False
-        self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()
+        self.open_questions, self.answers = 0, deque[dict[str, NDArray[Any]]]()  # a scene without a driver is one question
         self._claims, self._numbers = {False: 0, True: 0}, 0  # of the submission's own cells and of published ones
-        self._answer_header, self._answer_size, self._places = b"", 0, list[Place]()
-
-    started: str | None
 
     def feed(self, data: bytes) -> None:
         """Read more bytes. Raises ProtocolError as soon as they are invalid."""
@@ -70,17 +67,15 @@ class Reader:
                 raise ProtocolError("bytes after the end")
             if kind == b"J":
                 self._event(_json(payload))
-            elif kind == b"R":
-                self._answer(payload)
             elif kind == b"C":
                 self._claim(payload)
             else:
-                self._array(payload)
+                self._arrays(payload)
 
     def _frames(self) -> Iterator[tuple[bytes, bytes]]:
         while len(self._buffer) >= HEAD.size:
             kind, length = HEAD.unpack_from(self._buffer)
-            if length > {b"J": MOST_JSON, b"A": self._longest, b"R": self._longest, b"C": claims.MOST_BYTES}.get(kind, -1):
+            if length > {b"J": MOST_JSON, b"A": self._longest, b"C": claims.MOST_BYTES}.get(kind, -1):
                 raise ProtocolError("not a frame")
             if len(self._buffer) < HEAD.size + length:
                 return
@@ -99,7 +94,8 @@ class Reader:
                 self.result.defined = {n for n in event["names"] if isinstance(n, str)} & self._functions
                 self.result.claims_left_out = _count(event.get("claims_left_out", 0))
             case "start":
-                self.started, self._answer_header = self._next(event), b""
+                self.started = self._next(event)
+                self.open_questions = 0 if self._scenes[self.started].drive else 1
                 self._on_scene(self.started)
             case "scene":
                 self._end(event)
@@ -113,19 +109,15 @@ class Reader:
                 raise ProtocolError("unknown event")
 
     def _end(self, event: Mapping[str, Any]) -> None:
-        """Record the end of the scene in progress, or of one that did not start."""
-        running = self.started
-        name = running or self._known(event, self._scenes)
-        if event.get("scene") != name or name in self.result.scene_ends:
+        """Record the end of the scene in progress."""
+        name = self.started
+        if name is None or event.get("scene") != name:
             raise ProtocolError("another scene ended than was started")
         scene_end = _scene_end(name, event)
-        if scene_end.ended is Ended.FINISHED and running is None:
-            raise ProtocolError("a scene that was not started is finished")
-        whole = name in self._driven or set(self.result.arrays.get(name, {})) == set(self._scenes[name].returns)
-        if scene_end.ended is Ended.FINISHED and not whole:
-            raise ProtocolError("a scene ended without its arrays")
         if scene_end.ended is not Ended.FINISHED:
             self.result.arrays.pop(name, None)
+        elif not self._scenes[name].drive and name not in self.result.arrays:
+            raise ProtocolError("a scene ended without its arrays")
         if scene_end.ended is Ended.RAISED and isinstance(author := event.get("author"), str):
             self.result.author_errors[name] = " ".join(text(author, 600).split())
         self.result.scene_ends[name], self.started = scene_end, None
@@ -145,25 +137,27 @@ class Reader:
             raise ProtocolError("unknown scene")
         return name
 
-    def _answer(self, payload: bytes) -> None:
-        if self.started not in self._driven or self.open_questions < 1 or len(payload) < HEADER.size:
+    def _arrays(self, payload: bytes) -> None:
+        if self.started is None or self.open_questions < 1 or len(payload) < HEADER.size:
             raise ProtocolError("an answer without a question")
         self.open_questions -= 1
-        header = payload[: HEADER.size + HEADER.unpack_from(payload)[0]]
-        if header != self._answer_header:  # most answers of a scene have the same
-            self._places, self._answer_size = _layout(header, self._scenes[self.started].returns)
-            self._answer_header = header
-        if len(payload) != self._answer_size:
+        scene, header = self._scenes[self.started], payload[: HEADER.size + HEADER.unpack_from(payload)[0]]
+        places, size = _layout(header, tuple(scene.returns.items()))
+        if len(payload) != size:
             raise ProtocolError("an answer of another length than its shapes")
-        self.answers.append(
-            {name: np.frombuffer(payload, dtype, count, at).reshape(shape) for name, dtype, shape, count, at in self._places}
-        )
+        arrays = {name: np.frombuffer(payload, dtype, count, at).reshape(shape) for name, dtype, shape, count, at in places}
+        if scene.drive:
+            self.answers.append(arrays)
+        else:
+            self.result.arrays[scene.name] = arrays
 
     def _claim(self, payload: bytes) -> None:
         if self._names_known:
             raise ProtocolError("a claim after the cells")
+        (length,) = HEADER.unpack_from(payload) if len(payload) >= HEADER.size else (0,)
+        header, numbers = _json(payload[HEADER.size : HEADER.size + length]), payload[HEADER.size + length :]
         try:
-            cell, place, claim = claims.read(*_headed(payload), self._cells, text)
+            cell, place, claim = claims.read(header, numbers, self._cells, text)
         except ValueError:
             raise ProtocolError("not a claim") from None
         self._claims[place is not None] += 1
@@ -175,22 +169,11 @@ class Reader:
         else:
             self.result.reported.setdefault((cell, place), []).append(claim)
 
-    def _array(self, payload: bytes) -> None:
-        header, raw = _headed(payload)
-        scene = self._known(header, self._scenes)
-        spec = self._scenes[scene].returns.get(str(header.get("name")))
-        if spec is None or scene != self.started or scene in self._driven or header["name"] in self.result.arrays.get(scene, {}):
-            raise ProtocolError("an unexpected array")
-        shape = _shape(header.get("shape"), spec)
-        if len(raw) != math.prod(shape) * DTYPES[spec.dtype].itemsize:
-            raise ProtocolError("an array of another length than its shape")
-        array: NDArray[Any] = np.frombuffer(raw, DTYPES[spec.dtype]).reshape(shape)
-        self.result.arrays.setdefault(scene, {})[str(header["name"])] = array
 
-
-def _layout(header: bytes, specs: Mapping[str, ArraySpec]) -> tuple[list[Place], int]:
+@functools.lru_cache(maxsize=64)  # most answers of a scene have the same header
+def _layout(header: bytes, returns: tuple[tuple[str, ArraySpec], ...]) -> tuple[list[Place], int]:
     """Return the places of an answer's arrays and the length of the answer."""
-    shapes, places, at = _json(header[HEADER.size :]), list[Place](), len(header)
+    shapes, specs, places, at = _json(header[HEADER.size :]), dict(returns), list[Place](), len(header)
     if set(shapes) != set(specs):
         raise ProtocolError("an answer with other arrays than asked for")
     for name, listed in shapes.items():
@@ -198,12 +181,6 @@ def _layout(header: bytes, specs: Mapping[str, ArraySpec]) -> tuple[list[Place],
         places.append((name, dtype, shape, math.prod(shape), at))
         at += math.prod(shape) * dtype.itemsize
     return places, at
-
-
-def _headed(payload: bytes) -> tuple[Mapping[str, Any], bytes]:
-    """Return the JSON header of a payload and the bytes after it."""
-    (length,) = struct.unpack_from("<H", payload) if len(payload) >= 2 else (0,)
-    return _json(payload[2 : 2 + length]), payload[2 + length :]
 
 
 def _count(value: Any) -> int:
@@ -234,10 +211,6 @@ def _shape(shape: Any, spec: ArraySpec) -> tuple[int, ...]:
     if not within and tuple(shape) != spec.shape:
         raise ProtocolError("an array of another shape than asked for")
     return tuple(shape)
-
-
-def _size(spec: ArraySpec) -> int:
-    return math.prod(spec.shape) * DTYPES[spec.dtype].itemsize
 
 
 def _json(data: bytes) -> Mapping[str, Any]:

@@ -12,13 +12,14 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from io import FileIO
 from pathlib import Path
 
 from service.sandbox.guest.zygote import PLAY, READY, REAPED
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
-from service.sandbox.session import ChildExit, Pipes, PlaySession
+from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorWait, TimeBudget, processor_wait
 from service.sandbox.untrusted_text import text
 from service.sandbox.wire import Reader
@@ -44,8 +45,7 @@ class Zygote:
         os.chmod(self._data.name, 0o755)  # noqa: S103 -- the guest may be another user
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
-        self._ready = False
-        self.identity: Identity | None = None  # known once it is ready
+        self._identity: Identity | None = None  # known once it is ready
         self._process = subprocess.Popen(
             [*command, str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
@@ -60,18 +60,16 @@ class Zygote:
         with contextlib.suppress(OSError):  # Linux may schedule each session as a group (sched_autogroup) whose niceness counts
             Path(f"/proc/{self._process.pid}/autogroup").write_text(str(os.getpriority(os.PRIO_PROCESS, 0)))
 
-    def wait_ready(self) -> None:
-        """Return when the zygote has imported everything. Raises SystemFault with its output if it cannot start."""
-        if self._ready:
-            return
-        message = self._first_message()
-        self._ready = message.startswith(READY)
-        self.identity = Identity(**json.loads(message[len(READY) :])) if self._ready else None
-        if not self._ready:
-            self._log.seek(0)
-            words = self._log.read(2000).decode(errors="replace").strip()
-            self.kill()
-            raise SystemFault(f"the sandbox did not start: {words or 'no output'}")
+    def wait_ready(self) -> Identity:
+        """Return the guest's identity when it has imported everything. Raises SystemFault with its output if it cannot start."""
+        if self._identity is None:
+            if not (message := self._first_message()).startswith(READY):
+                self._log.seek(0)
+                words = self._log.read(2000).decode(errors="replace").strip()
+                self.kill()
+                raise SystemFault(f"the sandbox did not start: {words or 'no output'}")
+            self._identity = Identity(**json.loads(message[len(READY) :]))
+        return self._identity
 
     def _first_message(self) -> bytes:
         """Return what the zygote sends first, b"" if it ends or freezes. Waiting for a processor does not count as frozen."""
@@ -96,38 +94,37 @@ class Zygote:
         """
         self.wait_ready()
         with self._data_files(job):
-            return self._play(job, budget, result, on_scene)
+            return self._play(job, budget, Reader(job, result, on_scene))
 
-    def _play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> bool:
+    def _play(self, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        own, theirs = (job_w, result_r, output_r), [job_r, result_w, output_w]
-        try:
+        theirs = [job_r, result_w, output_w]
+        with FileIO(job_w, "w") as questions, FileIO(result_r) as answers, FileIO(output_r) as printed:
             try:
                 if job.reference:
                     theirs.append(_file(job.encode_reference()))
                 children = self._fork(theirs, budget.cpu_left())
             finally:
                 _close(*theirs)
-        except BaseException:
-            _close(*own)
-            raise
-        began, waited = time.monotonic(), ProcessorWait(*children)
-        session = PlaySession(job, budget, Reader(job, result, on_scene), Pipes(self._control, *own), waited, self._cancelled)
+            began, waited = time.monotonic(), ProcessorWait(*children)
+            session = PlaySession(job, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
+            try:
+                session.run()
+            except OSError as error:
+                raise ZygoteLost(f"the sandbox process was lost: {error}") from error
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    signal.pidfd_send_signal(children[0], signal.SIGKILL)  # no child of this job survives it
+                _close(*children)
         try:
-            session.run()
+            session.ended = session.ended or ChildExit.unpack(self._control.recv(REAPED.size))
         except OSError as error:
-            raise ZygoteLost(f"the sandbox process was lost: {error}") from error
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                signal.pidfd_send_signal(children[0], signal.SIGKILL)  # no child of this job survives it
-            _close(*children)
-        if session.ended is None:
-            session.ended = self._wait_for_exit()
+            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
         budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
-        result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
-        session.record_end(result)
+        reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
+        session.record_end(reader.result)
         return not session.abnormal
 
     @contextlib.contextmanager
@@ -164,13 +161,6 @@ class Zygote:
             raise ZygoteLost("the sandbox process stopped unexpectedly")
         return handles
 
-    def _wait_for_exit(self) -> ChildExit:
-        """Return what the zygote reports of a killed child."""
-        try:
-            return ChildExit.unpack(self._control.recv(REAPED.size))
-        except OSError as error:
-            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
-
     def kill(self) -> None:
         """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s."""
         with contextlib.suppress(ProcessLookupError):
@@ -196,7 +186,7 @@ def _with_children(pid: int) -> list[int]:
 def _file(content: bytes) -> int:
     """Return a descriptor of a file in memory, to read from its beginning."""
     fd = os.memfd_create("job")
-    with os.fdopen(os.dup(fd), "wb") as file:
+    with open(fd, "wb", closefd=False) as file:
         file.write(content)
     os.lseek(fd, 0, os.SEEK_SET)
     return fd

@@ -14,14 +14,13 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.probes import scale
 from exercises.rigid_body.public.diagnosis import AGREEMENT, BACKWARDS, COMPONENT, ROUNDING, TORQUE, cause, multiple
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 Order = tuple[int, ...]
 Form = tuple[tuple[Order, str, Order], list[float]]
 """A fitted component: the ω of its product, the text and the moments of its divisor; its weights of the three moments and of 1."""

@@ -4,11 +4,10 @@ from collections.abc import Hashable, Mapping
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exercises.rigid_body.public.diagnosis import AGREEMENT
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 Label = TypeVar("Label", bound=Hashable)
 LEAST_POINTS = 10  # a fit to fewer points is not conclusive
 

@@ -5,14 +5,12 @@ missing brackets, absolute values, floor division, clipping, normalized or inver
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from exercises.rigid_body.public.diagnosis import Mistake, answers
-from exercises.rigid_body.public.quantities import BODY, SYMMETRIC
+from exercises.rigid_body.public.quantities import BODY, SYMMETRIC, Array
 from exercises.rigid_body.scenes import BOOK
 
-Array = NDArray[np.float64]
 COEFFICIENTS = 1e-9  # agreement of a body's three coefficients
 LEAST_LIMIT = 1e-9  # of rates that were clipped, not lost
 LIMITS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)  # to which ω may have been clipped

@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from ecp.outcome import Diagnosis
@@ -11,8 +10,7 @@ from exercises.assignment import Inputs
 from exercises.rigid_body.causes.algebra import MOMENT
 from exercises.rigid_body.causes.fit import sums
 from exercises.rigid_body.public.diagnosis import Mistake, cause
-
-Array = NDArray[np.float64]
+from exercises.rigid_body.public.quantities import Array
 
 AGREEMENT = 1e-10
 NEARLY = 0.03

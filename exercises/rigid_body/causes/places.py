@@ -11,8 +11,8 @@ from ecp.outcome import Diagnosis
 from exercises.rigid_body.causes.algebra import MOMENT, SPIN, Slip, diagnoses, forms, readings
 from exercises.rigid_body.probes import scale
 from exercises.rigid_body.public.diagnosis import COMPONENT, agree, cause
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 LEAST_POINTS = 3  # that are right, and on each side of a threshold
 PAIRS = list(itertools.combinations(range(3), 2))

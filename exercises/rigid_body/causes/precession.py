@@ -4,15 +4,14 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import reference
 from ecp.outcome import Diagnosis
 from exercises.assignment import Answers
 from exercises.rigid_body.causes.algebra import SPIN
 from exercises.rigid_body.public.diagnosis import TURN, cause
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 Numbers = tuple[str, str, Sequence[Any]]
 
 AGREEMENT = 1e-5

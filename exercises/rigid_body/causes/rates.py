@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp.outcome import Diagnosis
 from exercises.assignment import Inputs
@@ -25,8 +24,8 @@ from exercises.rigid_body.public.diagnosis import (
     nearly_right,
     not_finite,
 )
+from exercises.rigid_body.public.quantities import Array
 
-Array = NDArray[np.float64]
 ORDERS = list(itertools.permutations(range(3)))
 MOST = 4  # errors of forms: more of them may reproduce any numbers of that kind
 SINGLE = 1e-6  # agreement to expect in single precision

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ecp.checks import Arrays
 from ecp.outcome import Diagnosis
 
-Array = NDArray[np.float64]
+from .quantities import Array
+
 Mask = NDArray[np.bool_]
 Mistake = tuple[str, str, Array]
 """A wrong answer: code, sentence and the numbers that it predicts."""

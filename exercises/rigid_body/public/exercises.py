@@ -1,7 +1,6 @@
 """The six exercises of notebook 2.6 with their public checks: the notebook's nine lines and the exact solution."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecp import judge
 from ecp.checks import Arrays, Check, below, close, conserved, holds
@@ -17,6 +16,7 @@ from .quantities import (
     NUDGE,
     SPIN,
     SYMMETRIC_RATE,
+    Array,
     kinetic_energy,
     momentum_norm,
     orthonormality_error,
@@ -25,8 +25,6 @@ from .quantities import (
     turning_rate,
 )
 from .quantities import SYMMETRIC as SYMMETRIC_BODY
-
-Array = NDArray[np.float64]
 
 MOMENTS = Exercise(
     "1",

@@ -80,8 +80,10 @@ def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None
     for i in range(3):
         delta = np.abs(seen[0]["w"][i] - truth[0]["w"][i])
         axes.semilogy(seen[0]["t"], np.maximum(delta, FLOOR), color=COLORS[i], lw=0.9, label=f"|Δω{'₁₂₃'[i]}|")
-    _tolerance_line(axes, float(as_closely(truth[0]).limit or 0.0) * float(np.linalg.norm(truth[0]["w"][:, 0])))
+    limit = float(as_closely(truth[0]).limit or 0.0) * float(np.linalg.norm(truth[0]["w"][:, 0]))
+    axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:.3g}")
     axes.set(xlabel="t / s", ylabel="rad/s")
+    axes.legend(fontsize=8, loc="lower right")
 
 
 def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -123,7 +125,13 @@ def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
 
 
 def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
-    _stills(canvas, seen, np.linspace(0.0, 0.7, 6), [f"about ê{k}" for k in "₁₂₃"])
+    shares = np.linspace(0.0, 0.7, 6)
+    grid = canvas.subplots(len(seen), len(shares), subplot_kw={"projection": "3d"}, gridspec_kw={"wspace": 0, "hspace": 0})
+    for row, run in enumerate(seen):
+        for column, share in enumerate(shares):
+            at = int(share * (len(run["t"]) - 1))
+            _draw_box(grid[row, column], run["R"][at])
+            grid[row, column].set_title(f"about ê{'₁₂₃'[row]}, t = {run['t'][at]:.2f} s", fontsize=7, pad=-2)
 
 
 def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -150,26 +158,12 @@ def _upright(n: np.ndarray) -> np.ndarray:
     return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]])
 
 
-def _stills(canvas: "Canvas", runs: list[Arrays], shares: np.ndarray, titles: list[str]) -> None:
-    grid = canvas.subplots(len(runs), len(shares), subplot_kw={"projection": "3d"}, gridspec_kw={"wspace": 0, "hspace": 0})
-    for row, run in enumerate(runs):
-        for column, share in enumerate(shares):
-            at = int(share * (len(run["t"]) - 1))
-            _draw_box(grid[row, column], run["R"][at])
-            grid[row, column].set_title(f"{titles[row]}, t = {run['t'][at]:.2f} s", fontsize=7, pad=-2)
-
-
 def _draw_box(axes: Any, R: np.ndarray, alpha: float = 1.0) -> None:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     faces = Poly3DCollection(box_polys(R, HALF_BOX), facecolors=FACE_COLORS, edgecolors="k", linewidths=0.4, alpha=alpha)
     axes.add_collection3d(faces)
     cube_axes(axes, 0.85).set_axis_off()
-
-
-def _tolerance_line(axes: Any, limit: float) -> None:
-    axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:.3g}")
-    axes.legend(fontsize=8, loc="lower right")
 
 
 SPINS = ("spin-min", "spin-mid", "spin-max")

@@ -25,7 +25,6 @@ MOST_BYTES = 16 << 20  # of a frame
 MOST_NESTED = 16  # lists and dicts in each other
 MOST_OPEN = 20  # calls that wait for an answer
 MOST_TEXT = 1000  # characters of an exception's message
-CHUNK = 1 << 16
 DTYPE = re.compile(r"[<>|][biufc]\d{1,2}")
 DRAWS = (
     "binomial",
@@ -58,6 +57,7 @@ class Channel:
 
     def __init__(self, fd: int, exported: Mapping[str | int, Callable[..., Any]] = NOTHING, *, exits: bool = False) -> None:
         self._fd, self._exits, self.lost = fd, exits, False
+        self._incoming = open(fd, "rb", closefd=False)  # noqa: SIM115 -- lives as long as the channel
         self._functions = dict(exported)
         self._passed = self._received = self._open = self._raised = 0
         self._exception: BaseException | None = None  # the last one that a function of this end raised, number ``_raised``
@@ -147,16 +147,13 @@ class Channel:
             raise
 
     def _read(self, size: int) -> bytes:
-        parts = []
-        while size:
-            try:
-                parts.append(os.read(self._fd, min(size, CHUNK)))
-            except OSError:
-                self._end(0)
-            if not parts[-1]:
-                self._end(0)
-            size -= len(parts[-1])
-        return b"".join(parts)
+        try:
+            data = self._incoming.read(size)
+        except OSError:
+            data = b""
+        if len(data) < size:
+            self._end(0)
+        return data
 
     def _end(self, code: int) -> None:
         if self._exits:

@@ -1,6 +1,5 @@
 """The calls of ``ecp.validate`` in a notebook's cells, sent to the host as data while the cells run."""
 
-import importlib
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -14,6 +13,7 @@ import ecp
 from ecp import validate
 from ecp.claims import Claim
 
+from .seal import private_modules
 from .wire import Writer
 
 MOST_CLAIMS = 100  # of the cells of one submission
@@ -23,6 +23,7 @@ MOST_CUT = 1000  # calls of published cells of which not every claim is sent
 MOST_NUMBERS = 1 << 16  # of one claim: 512 KiB
 MOST_IN_ALL = 1 << 20  # numbers of all claims: 8 MiB
 MOST_AXES = 8
+PRIVATE = ("ecp.judge", "ecp.claims", "ecp.validate")
 _getframe = sys._getframe  # a submission can replace it
 
 
@@ -38,7 +39,8 @@ class Recorder:
         self._reported, self._all_reported = Counter[tuple[str, int, int]](), 0
         self._cut = set[tuple[str, int, int]]()
         self.places = False  # whether claims are sent with their place in the cell's source
-        self.validate = _private_copy()
+        with private_modules(PRIVATE) as copies:
+            self.validate: Any = copies[-1]
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
 
     @contextmanager
@@ -53,11 +55,8 @@ class Recorder:
                 module.watchers.clear()
 
     @contextmanager
-    def in_place(self, student: dict[str, Any], *, published: bool) -> Iterator[None]:
-        """Let a ``published`` cell that runs inside the ``with`` block find the private copy of ``ecp.validate``."""
-        if not published:
-            yield
-            return
+    def in_place(self, student: dict[str, Any]) -> Iterator[None]:
+        """Let a published cell that runs inside the ``with`` block find the private copy of ``ecp.validate``."""
         theirs = student.get("validate", validate)
         student["validate"] = ecp.validate = self.validate
         sys.modules |= {"ecp": ecp, "ecp.validate": self.validate}
@@ -115,18 +114,6 @@ class Recorder:
         if self._numbers[self.places] + size > MOST_IN_ALL:
             return f"all checks together have more than {MOST_IN_ALL} numbers"
         return ""
-
-
-def _private_copy() -> Any:
-    """Return a copy of ``ecp.validate`` and of what it imports, which a submission cannot replace by their names."""
-    names = ("ecp.judge", "ecp.claims", "ecp.validate")
-    public = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    try:
-        return [importlib.import_module(name) for name in names][-1]
-    finally:
-        sys.modules |= public
-        for name, module in public.items():
-            setattr(sys.modules["ecp"], name.removeprefix("ecp."), module)
 
 
 def _place(cell: str) -> list[int]:

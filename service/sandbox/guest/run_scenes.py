@@ -1,12 +1,12 @@
 """The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
 import ast
-import importlib
 import linecache
 import signal
 import sys
 import types
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from time import monotonic, process_time
@@ -22,9 +22,9 @@ from ecp.return_value import describe_exception, is_written, missing
 
 from .calls import LOADED, Channel
 from .claims import Recorder
-from .ipython_stubs import install_stubs, stand_ins
+from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, pieces, runnable, statements
-from .seal import Seal
+from .seal import Seal, private_modules
 from .wire import Questions, Writer
 
 Names = dict[str, Any]
@@ -108,9 +108,8 @@ def _run(
     asked = {scene["name"] for scene in job["scenes"]}
     for scene in job["scenes"]:
         if scene["after"] in asked - finished:
-            sentence = f"not run: it needs the scene {scene['after']}, which did not finish"
-            write.event("scene", scene=scene["name"], ended="not-played", sentence=sentence)
-        elif absent := _missing(scene, student, job["variables"]):
+            continue
+        if absent := _missing(scene, student, job["variables"]):
             write.event("start", scene=scene["name"])
             write.event("scene", scene=scene["name"], ended="missing-function", code="missing-function", sentence=absent)
         elif _play(scene, plays, student, questions, write, unchanged=unchanged):
@@ -139,14 +138,11 @@ def _play(
             exec(compile(scene["source"], "source.py", "exec"), names)
         play = plays[scene["play"]]
         asked = (names,) if scene["question"] is None else (scene["question"], names)
-        if scene["asked"]:
-            for arguments in questions:
-                write.answer(checked_arrays(play, play(*asked, arguments), scene["returns"]))
-            return
-        arrays = play(*asked, scene["inputs"])
-        unchanged()
-        for key, array in checked_arrays(play, arrays, scene["returns"]).items():
-            write.array(name, key, array)
+        for inputs in questions if scene["asked"] else [scene["inputs"]]:
+            arrays = play(*asked, inputs)
+            if not scene["asked"]:
+                unchanged()
+            write.arrays(checked_arrays(play, arrays, scene["returns"]))
 
     ended = _run_limited(answer, Budget(scene["budget_s"]))
     write.event("scene", scene=name, **ended)
@@ -160,15 +156,12 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
     too, by the name ``unchanged``.
     """
     names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
-    public = {name: importlib.import_module(name) for name in names}
     plays: Names = {"__name__": "plays"}
     seal = Seal()
     own = types.ModuleType("numpy")
     own.__dict__.update(vars(np))
-    try:
-        for name in names:
-            del sys.modules[name]
-        private = [vars(importlib.import_module(name)) for name in names]
+    with private_modules(names) as modules:
+        private = [vars(module) for module in modules]
         for space in private:
             space["np"] = own
             if "unchanged" in space:
@@ -176,11 +169,6 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
         seal.close([plays, *private, vars(own)], ["plays", *names])
-    finally:
-        sys.modules |= public
-        for name, module in public.items():
-            parent, _, child = name.rpartition(".")
-            setattr(sys.modules[parent], child, module)
     return plays, seal.check
 
 
@@ -188,7 +176,6 @@ def prepare(setup: str) -> Names:
     """Return the namespace of a notebook after its setup cell, with the assignment's own modules."""
     use_modules(Path(MODULES).absolute())
     module = types.ModuleType("__main__")
-    sys.modules |= stand_ins()
     install_stubs(module.__dict__)
     exec(compile(setup, "Setup", "exec"), module.__dict__)
     sys.modules["__main__"] = module
@@ -222,7 +209,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
         for piece in pieces(source):
             if budget.left():
                 before = animate.shown[:]
-                with recorder.in_place(student, published=published):
+                with recorder.in_place(student) if published else nullcontext():
                     ended = _run_limited(partial(_execute, piece, name, student, kept), budget)
                 recorder.send(write)
                 if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):

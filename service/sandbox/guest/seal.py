@@ -1,7 +1,10 @@
 """A seal on the code that calls a submission and records what it draws: detects that the submission has replaced part of it."""
 
+import importlib
+import sys
 import types
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from ecp.return_value import WrongAnswer
@@ -37,6 +40,21 @@ class Seal:
         for function, parts in self._functions:
             if _parts(function) != parts:
                 raise WrongAnswer(None, REPLACED.format(name=function.__name__))
+
+
+@contextmanager
+def private_modules(names: Sequence[str]) -> Iterator[list[types.ModuleType]]:
+    """Import copies of the modules ``names``, for the ``with`` block in their place. A submission cannot replace the copies."""
+    public = {name: importlib.import_module(name) for name in names}
+    try:
+        for name in names:
+            del sys.modules[name]
+        yield [importlib.import_module(name) for name in names]
+    finally:
+        sys.modules |= public
+        for name, module in public.items():
+            parent, _, child = name.rpartition(".")
+            setattr(sys.modules[parent], child, module)
 
 
 def _parts(function: types.FunctionType) -> list[int]:

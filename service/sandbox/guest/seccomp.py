@@ -31,26 +31,26 @@ def program(machine: Machine) -> bytes:
     code = [_step(LOAD, ARCHITECTURE), _step(EQUAL, machine.audit, 1, 0), _step(RETURN, KILL), _step(LOAD, NUMBER)]
     if machine.foreign is not None:
         code += [_step(AT_LEAST, machine.foreign, 0, 1), _step(RETURN, KILL)]
-    n = machine.narrow
-    for name, flags in (("open", 1), ("openat", 2)):
-        if name in n:
-            code += _rule(n[name], _no_truncation(flags))
-    code += _rule(n["clone3"], [_step(RETURN, FAIL | errno.ENOSYS)])
-    code += _rule(n["clone"], [_step(RETURN, FAIL | errno.EAGAIN)])
-    for name in ("kill", "tgkill"):
-        code += _rule(n[name], _only(0, (OWN_PID,), refuse))
-    for name in ("getpgid", "sched_getaffinity"):
-        code += _rule(n[name], _only(0, (0, OWN_PID), refuse))
-    for name in ("clock_gettime", "clock_getres", "clock_nanosleep"):
-        clock = [_step(LOAD, ARGUMENTS), _step(AT_LEAST, CLOCKS, 0, 1)]
-        code += _rule(n[name], [*clock, _step(RETURN, refuse), _step(RETURN, ALLOW)])
-    code += _rule(n["prctl"], _only(0, (PR_GET_NAME, PR_SET_VMA), refuse))
-    code += _rule(n["ioctl"], _only(1, (TCGETS, FIOCLEX), FAIL | errno.ENOTTY))
-    code += _rule(n["fcntl"], _only(1, (F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC), refuse))
-    code += _rule(n["setitimer"], _only(0, (ITIMER_REAL,), refuse))
-    own = _only(0, (0, OWN_PID), refuse)[:-1]  # without the step that allows the call: the next ones decide
+    own = _only(0, (0, OWN_PID), refuse)
     read_only = [_step(LOAD, ARGUMENTS + 16), _step(EQUAL, 0, 0, 3), _step(LOAD, ARGUMENTS + 20), _step(EQUAL, 0, 0, 1)]
-    code += _rule(n["prlimit64"], [*own, *read_only, _step(RETURN, ALLOW), _step(RETURN, refuse)])
+    clock = [_step(LOAD, ARGUMENTS), _step(AT_LEAST, CLOCKS, 0, 1), _step(RETURN, refuse), _step(RETURN, ALLOW)]
+    rules = {
+        "open": _no_truncation(1),
+        "openat": _no_truncation(2),
+        "clone3": [_step(RETURN, FAIL | errno.ENOSYS)],
+        "clone": [_step(RETURN, FAIL | errno.EAGAIN)],
+        **dict.fromkeys(("kill", "tgkill"), _only(0, (OWN_PID,), refuse)),
+        **dict.fromkeys(("getpgid", "sched_getaffinity"), own),
+        **dict.fromkeys(("clock_gettime", "clock_getres", "clock_nanosleep"), clock),
+        "prctl": _only(0, (PR_GET_NAME, PR_SET_VMA), refuse),
+        "ioctl": _only(1, (TCGETS, FIOCLEX), FAIL | errno.ENOTTY),
+        "fcntl": _only(1, (F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC), refuse),
+        "setitimer": _only(0, (ITIMER_REAL,), refuse),
+        # without the step that allows the call: the next ones decide
+        "prlimit64": [*own[:-1], *read_only, _step(RETURN, ALLOW), _step(RETURN, refuse)],
+    }
+    for name in filter(machine.narrow.__contains__, rules):
+        code += _rule(machine.narrow[name], rules[name])
     for number in sorted(machine.allowed.values()):
         code += _rule(number, [_step(RETURN, ALLOW)])
     code += [_step(AT_LEAST, NEWEST, 0, 1), _step(RETURN, FAIL | errno.ENOSYS), _step(RETURN, refuse)]

@@ -92,11 +92,6 @@ class Writer:
         """Write a JSON event. Characters that cannot be encoded are escaped."""
         self._frame(b"J", json.dumps({"event": name, **fields}, ensure_ascii=True).encode())
 
-    def array(self, scene: str, name: str, value: Any) -> None:
-        """Write an array: its shape, then raw little-endian numbers."""
-        array = np.asarray(value, _dtype(value))
-        self._headed(b"A", {"scene": scene, "name": name, "shape": list(array.shape)}, array.tobytes())
-
     def claim(self, header: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Write a claim of the notebook's own checks: its header with the shapes of its arrays and the names of complex ones, then
         raw little-endian numbers.
@@ -104,15 +99,12 @@ class Writer:
         types = {name: "<c16" if array.dtype.kind == "c" else "<f8" for name, array in arrays.items()}
         raw = b"".join(np.ascontiguousarray(array, dtype=types[name]).tobytes() for name, array in arrays.items())
         shapes = {name: list(array.shape) for name, array in arrays.items()}
-        self._headed(b"C", header | {"arrays": shapes, "complex": [name for name in types if types[name] == "<c16"]}, raw)
+        head = json.dumps(header | {"arrays": shapes, "complex": [name for name in types if types[name] == "<c16"]}).encode()
+        self._frame(b"C", HEADER.pack(len(head)) + head + raw)
 
-    def answer(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """Write the named arrays that answer a question."""
-        self._frame(b"R", pack(arrays))
-
-    def _headed(self, kind: bytes, header: dict[str, Any], raw: bytes) -> None:
-        head = json.dumps(header).encode()
-        self._frame(kind, HEADER.pack(len(head)) + head + raw)
+    def arrays(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Write the named arrays of a scene, or of an answer to one question of it."""
+        self._frame(b"A", pack(arrays))
 
     def _frame(self, kind: bytes, payload: bytes) -> None:
         data = memoryview(struct.pack("<cI", kind, len(payload)) + payload)

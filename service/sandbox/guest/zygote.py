@@ -51,7 +51,10 @@ def main(
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
-    _warm_up()
+    for name in WARM:
+        importlib.import_module(name)
+    sys.modules["matplotlib"].use("Agg")
+    sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it
@@ -79,13 +82,6 @@ def main(
         control.send(_reap(children, handles))
 
 
-def _warm_up() -> None:
-    for name in WARM:
-        importlib.import_module(name)
-    sys.modules["matplotlib"].use("Agg")
-    sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
-
-
 def _reap(children: list[int], handles: list[int]) -> bytes:
     """Wait until all children have exited: the others soon after the first. Close their handles."""
     statuses, cpu_s = list[int](), 0.0
@@ -101,13 +97,8 @@ def _reap(children: list[int], handles: list[int]) -> bytes:
 
 def _fork(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> int:
     """Start a child that runs a program of this package with descriptors at ``places``, from 3 on, None for /dev/null."""
-    child = os.fork()
-    if child == 0:
-        _child(program, layers, places, cpu_s)
-    return child
-
-
-def _child(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> None:
+    if child := os.fork():
+        return child
     code = LOCKDOWN_FAILED
     try:
         devnull = os.open(os.devnull, os.O_RDWR)

@@ -12,7 +12,7 @@ from ecp.judge import RowsRight, Verdict
 from ecp.kinds.values import agreement, credited
 from ecp.outcome import Tolerance
 from exercises.author import integers, normal, uniform
-from exercises.kinds.values import other_sizes, values
+from exercises.kinds.values import other_inputs, values
 from exercises.question_errors import question_errors
 from service.grading.grade import grade
 from service.grading.submission import Submission
@@ -143,7 +143,7 @@ def test_rounding_errors_are_relative_to_the_largest_number(exact):
 TYPES = """
 import numpy as np
 from exercises.author import Notebook, Tolerance, choice, integers, uniform
-from exercises.kinds.values import other_sizes, values
+from exercises.kinds.values import other_inputs, values
 from exercises.question_errors import question_errors
 notebook = Notebook("Types", setup="import numpy as np")
 def ask(number, function, given, truth, **more):
@@ -285,10 +285,10 @@ def by_products(x):
     return [one * one for one in x], np.flip(x)
 
 
-def test_a_question_is_asked_again_for_other_sizes():
+def test_a_question_is_asked_again_for_other_inputs():
     agree, ask = {"square": NEAR, "reversed": NEAR}, {"x": normal(9), "N": integers(2, 9)}
     question = values(squares, {"x": normal(3)}, agree, truth=by_products)
-    larger = replace(other_sizes(question, "[np.pad(one, (0, 9 - N)) for one in squares(x[:N])]", "for 2 to 9", **ask), id="1")
+    larger = replace(other_inputs(question, "[np.pad(one, (0, 9 - N)) for one in squares(x[:N])]", "for 2 to 9", **ask), id="1")
     assert not list(question_errors(larger))
     assert {o.label for o in judged(larger, squares).values()} >= {"squares is right for 2 to 9: square"}
     assert failed(judged(larger, squares)) == set()

@@ -32,7 +32,7 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
             for row in await database.rows("SELECT args->>'attempt' AS grading FROM procrastinate_jobs WHERE task_name = 'sweep'"):
                 await worker._sweep(row.grading)
                 async with database.begin() as connection:
-                    await connection.exec_driver_sql("DELETE FROM procrastinate_jobs WHERE task_name = 'sweep'")
+                    await connection.execute("DELETE FROM procrastinate_jobs WHERE task_name = 'sweep'")
             await asyncio.sleep(0.05)
         await worker._database.close()
 

@@ -100,7 +100,7 @@ def driven(source, drive, budget_s=2.0):
     return Job("import numpy as np", PLAYS, (Cell("submission.py", source),), ("f",), (scene, after))
 
 
-FORGED_ANSWER = struct.pack("<cI", b"R", len(pack({"x": np.ones(3)}))) + pack({"x": np.ones(3)})
+FORGED_ANSWER = struct.pack("<cI", b"A", len(pack({"x": np.ones(3)}))) + pack({"x": np.ones(3)})
 
 
 def ten(ask):

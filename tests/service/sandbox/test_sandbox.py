@@ -365,9 +365,10 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
     start = either_sandbox.start
 
     def start_and_kill():
-        start()
+        started = start()
         either_sandbox.wait_ready = None
         os.kill(zygote_pid(either_sandbox), signal.SIGKILL)
+        return started
 
     either_sandbox.wait_ready()
     monkeypatch.setattr(either_sandbox, "start", start_and_kill)

@@ -18,8 +18,8 @@ PRELUDE = """
 import json, os, struct, signal, time
 def J(**event):
     data = json.dumps(event).encode(); os.write(4, struct.pack("<cI", b"J", len(data)) + data)
-def A(scene, name, shape, raw):
-    head = json.dumps({"scene": scene, "name": name, "shape": shape}).encode()
+def A(raw, **shapes):
+    head = json.dumps(shapes).encode()
     data = struct.pack("<H", len(head)) + head + raw; os.write(4, struct.pack("<cI", b"A", len(data)) + data)
 """
 FILM = PRELUDE + 'J(event="defined", names=["animate_precession"])\nJ(event="start", scene="film")\n'
@@ -29,9 +29,9 @@ RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
 LIES = {
     "names are null": PRELUDE + 'J(event="defined", names=None)',
     "finished without arrays": PRELUDE + 'J(event="start", scene="probes")\nJ(event="scene", scene="probes", ended="finished")',
-    "no colours": FILM + 'A("film", "frames", [24, 360, 480, 0], b"")\n' + ENDED,
-    "two colours": FILM + 'A("film", "frames", [2, 4, 4, 2], bytes(64))\n' + ENDED,
-    "no frames": FILM + 'A("film", "frames", [0, 4, 4, 3], b"")\n' + ENDED,
+    "no colours": FILM + 'A(b"", frames=[24, 360, 480, 0])\n' + ENDED,
+    "two colours": FILM + "A(bytes(64), frames=[2, 4, 4, 2])\n" + ENDED,
+    "no frames": FILM + 'A(b"", frames=[0, 4, 4, 3])\n' + ENDED,
     "blames the sandbox": "import os\nos.write(1, b'\\0hi')\nos._exit(97)",
     "sleeps through its alarm": PRELUDE
     + "signal.signal(signal.SIGALRM, signal.SIG_IGN)\nJ(event='defined', names=5)\ntime.sleep(60)",
@@ -164,8 +164,7 @@ I, w0 = np.array([2.0, 3.0, 4.0]), np.array([1.0, 0.6, 0.8])
 t = np.linspace(0, 20, 3100)
 w, R = integrate_body(lambda t, w, I: -np.cross(w, I * w) / I, w0, I, t)
 J(event="start", scene="torque-free")
-A("torque-free", "w", [3, 3100], np.ascontiguousarray(w).tobytes())
-A("torque-free", "R", [3100, 3, 3], np.ascontiguousarray(R).tobytes())
+A(np.ascontiguousarray(w).tobytes() + np.ascontiguousarray(R).tobytes(), w=[3, 3100], R=[3100, 3, 3])
 J(event="scene", scene="torque-free", ended="finished")
 os._exit(0)
 """

@@ -27,14 +27,17 @@ def event(**fields):
     return struct.pack("<cI", b"J", len(payload)) + payload
 
 
-def array(header, raw):
+def headed(header, raw, kind=b"A"):
     head = json.dumps(header).encode()
     payload = struct.pack("<H", len(head)) + head + raw
-    return struct.pack("<cI", b"A", len(payload)) + payload
+    return struct.pack("<cI", kind, len(payload)) + payload
 
 
-W = array({"scene": "s", "name": "w", "shape": [3, 2]}, np.arange(6.0).tobytes())
-FILM = array({"scene": "s", "name": "film", "shape": [1, 2, 2, 3]}, bytes(12))
+def arrays(size=48 + 12, **shapes):
+    return headed({"w": [3, 2], "film": [1, 2, 2, 3]} | shapes, np.arange(6.0).tobytes() + bytes(size - 48))
+
+
+ARRAYS = arrays()
 START, FINISHED = event(event="start", scene="s"), event(event="scene", scene="s", ended="finished", sentence="")
 
 
@@ -50,7 +53,7 @@ def read(*frames, at_once=True):
 @pytest.mark.parametrize("at_once", [True, False])
 def test_a_whole_play(at_once):
     defined = event(event="defined", names=["f", "print", 3])
-    reader, seen = read(defined, START, W, FILM, FINISHED, event(event="done"), at_once=at_once)
+    reader, seen = read(defined, START, ARRAYS, FINISHED, event(event="done"), at_once=at_once)
     assert reader.done and seen.defined == {"f"} and seen.finished("s")
     assert seen.arrays["s"]["w"].tolist() == [[0, 1], [2, 3], [4, 5]]
     assert seen.arrays["s"]["film"].shape == (1, 2, 2, 3)
@@ -65,24 +68,28 @@ def test_a_whole_play(at_once):
         [struct.pack("<cI", b"J", 2) + b"[]"],
         [event(event="defined", names=None)],
         [START, FINISHED],
-        [START, array({"scene": "s", "name": "film", "shape": [0, 2, 2, 3]}, b"")],
-        [START, array({"scene": "s", "name": "film", "shape": [1, 2, 2, 2]}, bytes(8))],
+        [START, arrays(48, film=[0, 2, 2, 3])],
+        [START, arrays(48 + 8, film=[1, 2, 2, 2])],
         [struct.pack("<cI", b"J", 40000) + b"[" * 40000],
         [event(event="verdict", passed=True)],
         [event(event="start", scene="other")],
         [event(event="start", scene=["s"])],
         [event(event="scene", scene="s", ended="perfect")],
         [event(event="cell", scene="cell 9", ended="raised")],
-        [W],
-        [START, array({"scene": "s", "name": "R", "shape": [3, 2]}, bytes(48))],
-        [START, array({"scene": "s", "name": "w", "shape": [2, 3]}, bytes(48))],
-        [START, array({"scene": "s", "name": "w", "shape": [3, 2]}, bytes(40))],
-        [START, array({"scene": "s", "name": "w", "shape": [3, -2]}, bytes(48))],
-        [START, array({"scene": "s", "name": "w", "shape": [3, True]}, bytes(48))],
-        [START, array({"scene": "s", "name": "w", "shape": [10**12, 10**12]}, b"")],
-        [START, array({"scene": "s", "name": "film", "shape": [5, 2, 2, 3]}, bytes(60))],
+        [event(event="scene", scene="s", ended="not-played", sentence="")],
+        [ARRAYS],
+        [START, ARRAYS, ARRAYS],
+        [START, ARRAYS, FINISHED, ARRAYS],
+        [START, arrays(48 + 12 + 48, R=[3, 2])],
+        [START, arrays(w=[2, 3])],
+        [START, arrays(48 + 4)],
+        [START, arrays(48 + 20)],
+        [START, arrays(w=[3, -2])],
+        [START, arrays(w=[3, True])],
+        [START, arrays(w=[10**12, 10**12])],
+        [START, arrays(48 + 60, film=[5, 2, 2, 3])],
         [START, struct.pack("<cI", b"A", 1) + b"\x00"],
-        [START, W, FINISHED],
+        [START, headed({"w": [3, 2]}, bytes(48)), FINISHED],
         [event(event="done"), START],
     ],
 )
@@ -92,13 +99,13 @@ def test_anything_else_breaks_the_protocol(frames):
 
 
 def test_arrays_of_a_scene_that_did_not_finish_are_dropped():
-    _, seen = read(START, W, event(event="scene", scene="s", ended="timed-out", sentence="late"))
+    _, seen = read(START, ARRAYS, event(event="scene", scene="s", ended="timed-out", sentence="late"))
     assert "s" not in seen.arrays and seen.scene_ends["s"].ended is Ended.TIMED_OUT
 
 
 def answer(**arrays):
     payload = pack(arrays)
-    return struct.pack("<cI", b"R", len(payload)) + payload
+    return struct.pack("<cI", b"A", len(payload)) + payload
 
 
 ANSWER = answer(x=np.array([1.0, 2.0, 3.0]), n=np.array(4.0))
@@ -132,18 +139,18 @@ def test_lengths_may_change_from_answer_to_answer_where_the_specification_allows
 @pytest.mark.parametrize(
     "frame",
     [
-        struct.pack("<cI", b"R", len(ANSWER) - 13) + ANSWER[5:-8],
+        struct.pack("<cI", b"A", len(ANSWER) - 13) + ANSWER[5:-8],
         answer(x=np.ones(3)),
         answer(x=np.ones(3), n=np.ones(()), more=np.ones(1)),
         answer(x=np.ones(4), n=np.ones(())),
         answer(x=np.ones((3, 1)), n=np.ones(())),
         answer(x=np.ones(3), n=np.ones(1)),
         answer(x=np.ones(3, np.uint8), n=np.ones(())),
-        struct.pack("<cI", b"R", 0),
-        struct.pack("<cI", b"R", 1) + b"\x00",
-        struct.pack("<cIH", b"R", 34, 1000) + bytes(32),
-        struct.pack("<cI", b"R", 1 << 20),
-        array({"scene": "s", "name": "x", "shape": [3]}, bytes(24)),
+        struct.pack("<cI", b"A", 0),
+        struct.pack("<cI", b"A", 1) + b"\x00",
+        struct.pack("<cIH", b"A", 34, 1000) + bytes(32),
+        struct.pack("<cI", b"A", 1 << 20),
+        headed({"scene": "s", "name": "x", "shape": [3]}, bytes(24)),
     ],
 )
 def test_an_answer_has_the_arrays_asked_for(frame):
@@ -152,7 +159,7 @@ def test_an_answer_has_the_arrays_asked_for(frame):
 
 
 CLAIM_HEAD = {"kind": "check", "label": "a", "detail": "", "unfit": "", "left_out": "", "cell": "cell 1", "numbers": {}}
-CLAIM = array(CLAIM_HEAD | {"arrays": {"condition": []}}, struct.pack("<d", 1.0)).replace(b"A", b"C", 1)
+CLAIM = headed(CLAIM_HEAD | {"arrays": {"condition": []}}, struct.pack("<d", 1.0), b"C")
 DEFINED = event(event="defined", names=[], claims_left_out=7)
 
 

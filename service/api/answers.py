@@ -1,0 +1,144 @@
+"""The JSON that API v1 returns, as models. Fields are added or aliased, never removed."""
+
+import types
+from dataclasses import fields, is_dataclass
+from datetime import datetime
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from uuid import UUID
+
+from pydantic import BaseModel, Field, GetPydanticSchema, PlainSerializer, WithJsonSchema, create_model
+
+from ecp.report import Report
+
+Moment = Annotated[datetime, PlainSerializer(datetime.isoformat), WithJsonSchema({"type": "string", "format": "date-time"})]
+Status = Literal["queued", "running", "graded", "faulted"]
+
+
+def model_of(kind: Any) -> Any:
+    """Return the type of what ``ecp.document`` writes for values of the type ``kind``; of a dataclass, a model."""
+    if is_dataclass(kind):
+        assert isinstance(kind, type)
+        hints, members = get_type_hints(kind), dict[str, Any]()
+        for field in fields(kind):
+            if not field.metadata.get("local_only"):
+                names = (field.name, field.metadata.get("formerly", field.name))
+                members |= dict.fromkeys(names, (model_of(hints[field.name]), ...))
+        for name in getattr(kind, "COMPUTED_FIELDS", ()):
+            members[name] = get_type_hints(getattr(kind, name).fget)["return"], ...
+        return create_model(kind.__name__, __doc__=kind.__doc__, **members)
+    if get_origin(kind) is types.UnionType:
+        return Union[tuple(map(model_of, get_args(kind)))]  # noqa: UP007
+    if get_origin(kind) is not None:
+        return get_origin(kind)[tuple(map(model_of, get_args(kind)))]
+    return float | None if kind is float else kind
+
+
+_REPORT = model_of(Report).__pydantic_core_schema__
+# ``ecp.document`` has written it, so it is described but not validated again.
+ReportDocument = Annotated[dict[str, Any], GetPydanticSchema(get_pydantic_json_schema=lambda _, handler: handler(_REPORT))]
+
+
+class Named(BaseModel):
+    """An assignment."""
+
+    slug: str
+    title: str
+    version: str
+
+
+class Check(BaseModel):
+    """A check of an exercise; ``tolerance`` has the numbers it uses, and its ``reason``."""
+
+    id: str
+    label: str
+    hidden: bool
+    self_reported: bool
+    tolerance: dict[str, float | str]
+
+
+class Exercise(BaseModel):
+    """A numbered section with its functions and checks."""
+
+    number: str
+    title: str
+    functions: list[str]
+    optional: list[str]
+    variables: list[str]
+    checks: list[Check]
+
+
+class Described(Named):
+    """An assignment with its exercises, its kit and the packages that submissions can import."""
+
+    exercises: list[Exercise]
+    kit: str
+    kit_build: str
+    notebook: str
+    packages: dict[str, str]
+
+
+class Override(BaseModel):
+    """An instructor's override of a check's points, or of the whole submission (check null)."""
+
+    check: str | None
+    points: int
+    reason: str
+    by: str
+    at: Moment
+
+
+class Submission(BaseModel):
+    """A submission. Fields that do not apply are missing."""
+
+    id: UUID
+    status: Status
+    submitted_at: Moment
+    late: bool
+    sha256: str
+    report: ReportDocument | None = None
+    fault: str = Field("", description="The former name of system_fault.")
+    system_fault: str = ""
+    cancelled_by: str = ""
+    points: int = 0
+    overrides: list[Override] = []
+
+
+class Changed(BaseModel):
+    """The changes from the previous submission: verdicts by check id, and a sentence."""
+
+    checks: dict[str, list[str]]
+    summary: str
+    told: str = Field(description="The former name of summary.")
+
+
+class Past(BaseModel):
+    """A submission in a list."""
+
+    id: UUID
+    submitted_at: Moment
+    late: bool
+    filename: str
+    status: Status
+    score: int | None
+    max_score: int | None
+    total: int | None
+    points: int | None
+    sha256: str
+    verdicts: dict[str, str]
+    changed: Changed | None
+
+
+class History(BaseModel):
+    """A person's submissions to an assignment, newest first, and the ids of the best and the last."""
+
+    assignment: str
+    submissions: list[Past]
+    best: UUID | None
+    last: UUID | None
+
+
+class Ready(BaseModel):
+    """Whether submissions can be graded."""
+
+    status: Literal["ready", "not ready"]
+    checks: dict[str, str]

@@ -34,7 +34,6 @@ __all__ = [
     "Tolerance",
     "Value",
     "choice",
-    "ended",
     "family",
     "integers",
     "itself",
@@ -42,6 +41,7 @@ __all__ = [
     "mistake",
     "normal",
     "uniform",
+    "with_ends",
 ]
 
 
@@ -54,7 +54,7 @@ def uniform(low: float, high: float, *shape: int) -> Draw:
     return lambda rng: rng.uniform(low, high, shape or None)
 
 
-def ended(low: float, high: float, *, log: bool = False) -> Draw:
+def with_ends(low: float, high: float, *, log: bool = False) -> Draw:
     """Return a draw of a number from ``low`` to ``high``, each end in a fifth of cases; with ``log`` uniform in its logarithm."""
 
     def draw(rng: np.random.Generator) -> float:

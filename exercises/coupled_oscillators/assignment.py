@@ -11,7 +11,7 @@ import numpy as np
 import scipy.linalg
 from scipy.optimize import curve_fit
 
-from exercises.author import Notebook, Tolerance, Value, ended, integers, mistake, uniform
+from exercises.author import Notebook, Tolerance, Value, integers, mistake, uniform, with_ends
 from exercises.kinds.fit import fit
 from exercises.kinds.values import other_inputs, values
 from exercises.kinds.variables import variables
@@ -169,7 +169,7 @@ wrong = [
     mistake("(np.sqrt(w0**2 + 2 * kappa) + w0)", "2 * w0", "missing-term", "this is the limit of weak coupling"),
 ]
 agree = Tolerance(rtol=1e-12, reason="a thousand rounding errors; the difference of the frequencies loses up to all digits")
-ask = {"w0": ended(1, 10), "kappa": ended(1e-12, 1, log=True)}
+ask = {"w0": with_ends(1, 10), "kappa": with_ends(1e-12, 1, log=True)}
 notebook.exercise("5", "Beats", values(beat_time, ask, agree, truth=with_60_digits, rows=(32, 96), mistakes=wrong))
 
 

@@ -9,7 +9,7 @@ from math import inf, pi, sin, sinh, sqrt, tanh
 import numpy as np
 from scipy.fft import dst
 
-from exercises.author import Notebook, Tolerance, ended, family, integers, mistake, normal, uniform
+from exercises.author import Notebook, Tolerance, family, integers, mistake, normal, uniform, with_ends
 from exercises.kinds.values import other_inputs, values
 
 notebook = Notebook("Waves", notebook="notebook.ipynb")
@@ -46,13 +46,13 @@ wrong = [
     mistake("            fa /= 2\n", "            pass\n"),
     mistake("fx * fb < 0", "fx * fb > 0", "wrong-comparison", "the search keeps the end with the same sign"),
 ]
-f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=ended(0.1, 10, log=True))
+f = family("9.81 * k * tanh(k * d) - w**2", "k", w=uniform(1, 6), d=with_ends(0.1, 10, log=True))
 ask = {"f": f, "a": 0.0, "b": 20.0, "tol": 1e-10}
 twice = Tolerance(atol=2e-10, reason="tol, twice")
 budget = Tolerance(limit=30, reason="bisection needs 38, methods that converge faster than linearly at most 24")
 waves = values(find_root, ask, twice, truth=by_iteration, calls=budget, mistakes=wrong)
 text = "c * arctan(s * (x - a - p * l) / l) if 0 <= x - a <= 1.000001 * l else np.nan"
-steep = family(text, "x", "a", "l", "p", s=uniform(20, 100), c=ended(1e-3, 1e3, log=True))
+steep = family(text, "x", "a", "l", "p", s=uniform(20, 100), c=with_ends(1e-3, 1e3, log=True))
 ask = {"steep": steep, "a": uniform(-200, 200), "l": uniform(5, 100), "p": uniform(0.1, 0.9)}
 call = "find_root(lambda x: steep(x, a, l, p), a, a + l, 1e-10)"
 asked = {"calls": budget, "call": call, "label": "find_root is right for steep functions and other intervals"}
@@ -74,8 +74,8 @@ def by_phase_velocity(k, d):
 
 
 TO_8, TO_6 = (Tolerance(rtol=2 * precision, atol=0, reason="twice the precision that is asked for") for precision in (1e-8, 1e-6))
-depth = ended(0.05, 32, log=True)
-ask = {"w": ended(0.5, 6), "d": depth}
+depth = with_ends(0.05, 32, log=True)
+ask = {"w": with_ends(0.5, 6), "d": depth}
 wrong = [
     mistake(" * np.tanh(k * d)", "", "missing-term", "the waves do not feel the bottom"),
     mistake("np.tanh(k * d)", "k * d", "missing-term", "the water is taken as shallow"),
@@ -89,7 +89,7 @@ wrong = [
     mistake(" + k * d / np.cosh(k * d) ** 2", "", "missing-term", "the derivative of tanh kd is missing"),
     mistake("    return ", "    return w / k\n    return ", "wrong-quantity", "this is the phase velocity"),
 ]
-ask = {"k": ended(0.01, 10, log=True), "d": depth}
+ask = {"k": with_ends(0.01, 10, log=True), "d": depth}
 group = values(group_velocity, ask, TO_6, truth=by_phase_velocity, mistakes=wrong, rows=(32, 96))
 groups = other_inputs(group, "group_velocity(y / d, d)", label, y=uniform(0.4, 12), d=uniform(1.2, 32))
 notebook.exercise("2", "Waves on water", number, between, group, groups)
@@ -204,7 +204,7 @@ def by_traces(N, p):
 def scheme(rng):
     """Return q, c, g, L of a step with a limit from 0.1 to 4. For q > 1/8 the zigzag is not the first to grow; g = 1: complex λ."""
     q = rng.choice([rng.uniform(-0.2, 0.1), rng.uniform(0.18, 0.24)])
-    return np.array([q, sqrt(2 / (1 - 2 * q)) / rng.uniform(0.25, 3.9), rng.integers(2), ended(0.11, 3.9, log=True)(rng)])
+    return np.array([q, sqrt(2 / (1 - 2 * q)) / rng.uniform(0.25, 3.9), rng.integers(2), with_ends(0.11, 3.9, log=True)(rng)])
 
 
 text = "2 * u - before + (r * p[1]) ** 2 * np.pad(np.diff(u + p[0] * np.pad(np.diff(u, 2), 1), 2), 1)"
@@ -282,7 +282,7 @@ wrong = [
     mistake("r * np.sin", "np.sin", "missing-term", "the time step is missing: the ratio is always 1"),
 ]
 EIGEN = Tolerance(rtol=1e-7, atol=0, reason="the root of the rounding errors, where two eigenvalues meet")
-ask = {"m": integers(1, 9), "N": integers(10, 200), "r": ended(0.02, 1)}
+ask = {"m": integers(1, 9), "N": integers(10, 200), "r": with_ends(0.02, 1)}
 ratio = values(frequency_ratio, ask, EIGEN, truth=by_eigenvalue, mistakes=wrong)
 call = ragged("[frequency_ratio(m, n, min(r, 1)) for m in (1, n // 2, n - 1)]")
 ends = other_inputs(ratio, call, "for other sizes", r=courant, N=integers(3, 200))

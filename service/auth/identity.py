@@ -1,4 +1,4 @@
-"""Authentication of requests: bearer token of polhode or Hub, proxy header, session cookie, or
+"""Authentication of requests: bearer token of polhode or JupyterHub, proxy header, session cookie, or
 single-user mode.
 """
 

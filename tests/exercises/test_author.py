@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from exercises.author import Tolerance, ended
+from exercises.author import Tolerance, with_ends
 from exercises.kinds.values import values
 
 
-@pytest.mark.parametrize(("draw", "middle"), [(ended(-2.0, 8.0), 3.0), (ended(0.05, 32.0, log=True), np.sqrt(1.6))])
+@pytest.mark.parametrize(("draw", "middle"), [(with_ends(-2.0, 8.0), 3.0), (with_ends(0.05, 32.0, log=True), np.sqrt(1.6))])
 def test_an_ended_draw_has_each_end_in_a_fifth_of_cases(draw, middle):
     rng = np.random.default_rng(1)
     drawn = np.array([draw(rng) for _ in range(4000)])

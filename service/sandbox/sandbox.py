@@ -72,6 +72,8 @@ class Sandbox:
             self._play_once(job, budget, result, on_scene)
         while (left := job.without(set(result.scene_ends))).scenes:
             if sentence := budget.exceeded():
+                if budget.delayed:
+                    raise _too_busy(budget)
                 for scene in left.scenes:
                     result.scene_ends[scene.name] = SceneEnd(
                         scene=scene.name, ended=Ended.TIMED_OUT, sentence=sentence, code=CODES[Ended.TIMED_OUT]
@@ -108,10 +110,7 @@ class Sandbox:
                 self.close()
                 self.start()  # warms up while the report is written
             if _lacked_processor(job, played, budget, budget.cpu_s - cpu_s):
-                raise SystemFault(
-                    f"this machine was too busy: of {budget.running_s:.0f} s, the submission waited {budget.waited_s:.0f} s for a "
-                    "processor; run fewer other programs on it, or fewer workers"
-                )
+                raise _too_busy(budget)
             return
 
     def close(self) -> None:
@@ -131,7 +130,15 @@ def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget, cpu_s: f
     """Return whether a process that used ``cpu_s`` reached a wall-clock limit because other programs had the processors."""
     budgets = [scene.budget_s for scene in job.scenes if _timed_out(played.scene_ends.get(scene.name))]
     budgets += [job.load_budget_s for cell_end in played.cells.values() if _timed_out(cell_end)]
-    return budget.starved and budget.cpu_left() > 0 and cpu_s < max(budgets, default=0.0)
+    in_scene = budget.starved and budget.cpu_left() > 0 and cpu_s < max(budgets, default=0.0)
+    return in_scene or (budget.delayed and bool(budgets))
+
+
+def _too_busy(budget: TimeBudget) -> SystemFault:
+    return SystemFault(
+        f"this machine was too busy: of {budget.running_s:.0f} s, the submission waited {budget.waited_s:.0f} s for a "
+        "processor; run fewer other programs on it, or fewer workers"
+    )
 
 
 def _timed_out(scene_end: SceneEnd | None) -> bool:

@@ -56,6 +56,11 @@ class TimeBudget:
         return "" if self.wall_left() else f"your submission did not finish within {self.limits.wall_s:g} s in all"
 
     @property
+    def delayed(self) -> bool:
+        """Whether the wall-clock limit was reached with CPU time left, and waiting for a processor took a tenth of it or more."""
+        return self.cpu_left() > 0 == self.wall_left() and self.waited_s > 0.1 * self.limits.wall_s
+
+    @property
     def starved(self) -> bool:
         """Whether the processes waited for a processor during most of their time, as on an overloaded machine."""
         return self.waited_s > self.running_s / 2

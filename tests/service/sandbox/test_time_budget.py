@@ -106,17 +106,23 @@ def on_a_busy_processor(hogs):
             other.wait()
 
 
-@pytest.fixture
-def one_busy_processor(sandbox):
-    """Let the guest share a processor with a dozen programs that never sleep."""
+@contextlib.contextmanager
+def shared_with(hogs, sandbox):
+    """Let the guest share a processor with so many programs that never sleep."""
     sandbox.wait_ready()
     pid, before = zygote_pid(sandbox), os.sched_getaffinity(0)
-    with on_a_busy_processor(12):
+    with on_a_busy_processor(hogs):
         os.sched_setaffinity(pid, os.sched_getaffinity(0))
         os.sched_setaffinity(0, before)
         yield
     with contextlib.suppress(ProcessLookupError):
         os.sched_setaffinity(pid, before)
+
+
+@pytest.fixture
+def one_busy_processor(sandbox):
+    with shared_with(12, sandbox):
+        yield
 
 
 @pytest.mark.slow
@@ -150,6 +156,23 @@ def f(x):
 def test_a_submission_without_a_processor_is_not_judged(sandbox, one_busy_processor):
     with pytest.raises(SystemFault, match="this machine was too busy"):
         sandbox.play(job(COMPUTE, scene("one", budget_s=0.3)))
+
+
+@pytest.mark.slow
+def test_a_submission_that_waits_through_the_limit_of_all_scenes_is_not_judged(sandbox):
+    limits = TimeLimits(cpu_s=10.0, wall_s=2.5)  # eight scenes need 2 s of a processor
+    scenes = [scene(f"s{k}", budget_s=0.6) for k in range(8)]
+    with shared_with(2, sandbox), pytest.raises(SystemFault, match="this machine was too busy"):
+        sandbox.play(job(COMPUTE, *scenes), budget=TimeBudget(limits))
+
+
+@pytest.mark.slow
+def test_a_submission_that_sleeps_through_the_limit_on_a_busy_machine_has_timed_out(sandbox):
+    scenes = [scene(f"s{k}", budget_s=1.0) for k in range(8)]
+    with shared_with(2, sandbox):
+        budget = TimeBudget(TimeLimits(cpu_s=10.0, wall_s=2.5))
+        seen = sandbox.play(job("import time\ndef f(x):\n    time.sleep(0.5)\n    return [x, x]", *scenes), budget=budget)
+    assert seen.scene_ends["s7"].ended is Ended.TIMED_OUT
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from exercises.question import Question
 RATE = 1e-6
 """The rate at which all tests of a question together reject a right solution, at most."""
 RESERVE = 10  # the tests are computed for a rate this much smaller: numbers are normally distributed only nearly
-ROWS, BUDGET_S = (1, 2), 10.0
+ROWS, BUDGET_S = (1, 2), 20.0
 
 Distribution = Annotated[
     str, Rule("the name of a distribution of scipy.stats", lambda name: hasattr(getattr(scipy.stats, name, None), "cdf"))

@@ -68,6 +68,7 @@ NEVER = (0, Tolerance(rtol=0, atol=5e-3, reason="the search takes a growth of a 
 wrong = [
     mistake("x + h * v,", "x + h * (v + h * acc(x)),", "wrong-variable", "the place moves with the new velocity"),
     mistake("acc(x)", "acc(x + h * v)", "wrong-variable", "acc is that of the new place"),
+    mistake("+ h * acc(x)", "- h * acc(x)", "sign-flipped", "the acceleration is subtracted"),
 ]
 first = step_questions(euler_step, by_tableau(euler), 1, NEVER, 1, wrong)
 wrong = [

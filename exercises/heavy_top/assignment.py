@@ -206,7 +206,10 @@ def gimbal_lock(tilt, spin):
     return euler.nfev, matrix.nfev, np.arccos(matrix.y[11, -1])
 
 
-wrong = [mistake("matrix.y[11, -1]", "matrix.y[11, 0]", "wrong-index", "this is the tilt at the start")]
+wrong = [
+    mistake("matrix.y[11, -1]", "matrix.y[11, 0]", "wrong-index", "this is the tilt at the start"),
+    mistake("euler.nfev, matrix.nfev", "matrix.nfev, euler.nfev", "component-order", "the calls with Euler angles come first"),
+]
 ask = {"tilt": lambda rng, row: 10 ** -(row % 4 + rng.uniform(0, 1)), "spin": uniform(12, 20)}
 agree = {"calls_euler": CALLS, "calls_matrix": CALLS, "tilt_end": TILT}
 exact = {"truth": lambda tilt, spin: (*gimbal_lock(tilt, spin)[:2], HeavyTop(start(tilt, spin)[0], *TOP).motion([2.0])[0, 0])}

@@ -205,7 +205,7 @@ def test_artist_animations_work_too():
 
 
 @pytest.mark.parametrize("period", [5, 19, 24, 32, 48, 95])
-@pytest.mark.parametrize("frames", [96, 97])
+@pytest.mark.parametrize("frames", [96, pytest.param(97, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("known", [True, False])
 def test_a_periodic_motion_differs_in_the_stills(period, frames, known):
     anim, _ = _moving(frames if known else lambda: (k for k in range(frames)))

@@ -91,8 +91,10 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> "Assignment":
     if slug is not None:
         return find(slug)
     homes = [f for f in folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
+    if len(homes) == 1:
+        return find(slug_of(homes[0]))
     known, invalid = load_catalogue()
-    if len(only := [slug_of(home) for home in homes] or [*known, *invalid]) == 1:
+    if not homes and len(only := [*known, *invalid]) == 1:
         return find(only[0])
     named = _named({name for a in known.values() for name in a.functions()}, files) if len(known) > 1 else set()
     likely = [a for a in known.values() if a.functions() & named]

@@ -156,28 +156,19 @@ SUBMIT_PROBLEMS: dict[int, Kinds] = {
 }
 
 
-@router.post(
-    "/v1/assignments/{slug}/submissions",
-    status_code=202,
-    response_model=answers.Submission,
-    response_description="Stored",
-    responses=also(200, "Graded within the time to wait", answers.Submission) | problems(SUBMIT_PROBLEMS),
-    openapi_extra={"requestBody": SUBMIT_BODY},
-)
-async def submit(
+async def store_submission(
     request: Request,
     assignment: Assigned,
     person: Submitter,
     database: Db,
     settings: Config,
-    listener: Held[Listener],
     workers: Held[WorkerStatus],
     large: Held[parse_submission.LargeBodies],
-    prefer: Annotated[str | None, Header()] = None,
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
-) -> JSONResponse:
-    """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
-    wait=SECONDS``.
+) -> tuple[Accepted, str]:
+    """Store the submission in the body and queue its grading. Return also the SHA-256 of its source.
+
+    Raises Problem if there is no sandbox, or if the submission is invalid or not permitted.
     """
     arrived = time.monotonic()
     isolation, reason = await workers.current()
@@ -189,25 +180,49 @@ async def submit(
     source, drawn = parsed.submission, secrets.randbits(48)
     new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, source, parsed.exercises, drawn, arrived)
     try:
-        accepted = await _accept(database, settings.open_submissions, person, new, idempotency_key or None)
+        return await _accept(database, settings.open_submissions, person, new, idempotency_key or None), source.sha256
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
+
+
+Stored = Annotated[tuple[Accepted, str], Depends(store_submission)]
+
+
+@router.post(
+    "/v1/assignments/{slug}/submissions",
+    status_code=202,
+    response_model=answers.Submission,
+    response_description="Stored",
+    responses=also(200, "Graded within the time to wait", answers.Submission) | problems(SUBMIT_PROBLEMS),
+    openapi_extra={"requestBody": SUBMIT_BODY},
+)
+async def submit(
+    person: Submitter,
+    stored: Stored,
+    database: Db,
+    listener: Held[Listener],
+    prefer: Annotated[str | None, Header()] = None,
+) -> JSONResponse:
+    """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
+    wait=SECONDS``.
+    """
+    accepted, sha256 = stored
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
-    given = {"id": accepted.id, "submitted_at": accepted.submitted_at, "late": accepted.late, "sha256": source.sha256}
+    given = {"id": accepted.id, "submitted_at": accepted.submitted_at, "late": accepted.late, "sha256": sha256}
     queued = answers.Submission(**given, status="queued", report=None)
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return _response(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
-        stored = _visible(person, await _wait(database, listener, accepted.id, wait_s))
+        found = _visible(person, await _wait(database, listener, accepted.id, wait_s))
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
         return _response(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
-    if stored.finished and wait_s > 0:
-        return _response(_document(stored), 200, {"Location": location})
-    return _response(_document(stored), 202, {"Location": location, "Retry-After": "1"})
+    if found.finished and wait_s > 0:
+        return _response(_document(found), 200, {"Location": location})
+    return _response(_document(found), 202, {"Location": location, "Retry-After": "1"})
 
 
 def _response(submission: answers.Submission, status: int, headers: dict[str, str]) -> JSONResponse:

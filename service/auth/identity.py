@@ -155,7 +155,7 @@ async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | 
     info = await tokens.find(database, secret)
     if info is None or info.over is not None:
         return None
-    return await _person(database, info.person, info.scopes, info.id)
+    return await _person(database, info.person, [*info.scopes, "submit"], info.id)  # by the form on an assignment's page
 
 
 def _single_user(request: Request, settings: Settings) -> Person:

@@ -11,7 +11,7 @@ from exercises.catalogue import assignments
 from exercises.validation_cells import is_self_reported
 from service.api.health import WorkerStatus
 from service.api.history import list_own
-from service.api.submissions import Assigned
+from service.api.submissions import Assigned, Stored
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
 from service.auth.roles import CurrentUser, Instructor, Staff
@@ -19,7 +19,7 @@ from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.store.course import audit, gradebook, people, tokens
+from service.store.course import audit, deadlines, gradebook, people, tokens
 from service.store.course.audit import MOST, entries
 from service.store.records import recent
 
@@ -58,11 +58,17 @@ def _self_reported(checks: Sequence[Check]) -> str:
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
 async def own_submissions(request: Request, person: CurrentUser, assignment: Assigned, database: Db) -> Response:
     """Show the person's submissions to an assignment and the changes between them."""
-    history = await list_own(assignment, person, database)
+    history, own = await list_own(assignment, person, database), await deadlines.own(database, assignment.slug, person.name)
     best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
     context = {"assignment": assignment, "person": person.name, "history": history}
-    context |= {"best": best, "last": last, "session": COOKIE in request.cookies}
+    context |= {"best": best, "last": last, "own": own, "most": assignment.max_points(), "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "submissions.html", context)
+
+
+@router.post("/assignments/{slug}/submissions")
+async def upload(person: CurrentUser, stored: Stored) -> Response:
+    """Store an uploaded file as a submission, and show its page."""
+    return RedirectResponse(f"/submissions/{stored[0].id}", 303)
 
 
 @router.get("/people", response_class=HTMLResponse)

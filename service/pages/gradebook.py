@@ -110,16 +110,26 @@ async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, 
 @router.post("/assignments/{slug}/extensions")
 async def extend(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Give one person a new deadline with a reason. An empty deadline removes the extension."""
-    slug = assignment.slug
-    name, due, reason = forms.field(form, "name"), _datetime(form, "due"), forms.field(form, "reason")
+    slug, due, reason = assignment.slug, _datetime(form, "due"), forms.field(form, "reason")
+    name = await _login_name(database, slug, forms.field(form, "name"))
     if due is None:
         if not await deadlines.remove_extension(database, slug, name, person.name):
             raise Problem(422, "invalid-request", f"{name or 'this person'} has no extension to remove: check the name", "/name")
     elif not reason:
         raise Problem(422, "invalid-request", "an extension needs a reason: enter one", "/reason")
+    elif due <= datetime.now(UTC):
+        raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
     elif not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
         raise Problem(422, "invalid-request", f"no person named {name!r} in the course: check the name", "/name")
     return RedirectResponse(f"/assignments/{slug}/class#extensions", 303)
+
+
+async def _login_name(database: Db, slug: str, name: str) -> str:
+    """Return the login name of the only student with that full name, else ``name``."""
+    found = [s.name for s in await gradebook.students(database, slug) if name and s.full_name == name]
+    if len(found) > 1:
+        raise Problem(422, "invalid-request", f"several students are named {name}: enter one of {', '.join(found)}", "/name")
+    return found[0] if found else name
 
 
 def _matches(student: StudentRow, check: str | None, state: str | None, cause: str | None) -> bool:

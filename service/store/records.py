@@ -111,6 +111,10 @@ LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
     SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
 )), false)) AS late"""
 
+# Whether every grading of submission ``s`` ended in a system fault: it does not use up a submission.
+FAULTED = """(SELECT bool_and(r.fault IS NOT NULL) FROM grading a LEFT JOIN result r ON r.grading_id = a.id
+    WHERE a.submission_id = s.id AND NOT a.preview)"""
+
 _ONE = f"""
 SELECT s.id, x.slug AS assignment, p.name AS person, p.full_name, s.source, s.filename, s.exercises, s.submitted_at,
     {LATE}, shown.*,

@@ -16,7 +16,7 @@ from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database
 from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
-from service.store.records import LATE, NewSubmission
+from service.store.records import FAULTED, LATE, NewSubmission
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
 
@@ -166,11 +166,8 @@ SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assign
 WHERE s.person_id = :person AND s.idempotency_key = :key
 """
 
-_USED = """
-SELECT count(*) FROM submission s
-    JOIN LATERAL (SELECT bool_and(r.fault IS NOT NULL) AS faulted FROM grading a LEFT JOIN result r ON r.grading_id = a.id
-        WHERE a.submission_id = s.id AND NOT a.preview) state ON NOT state.faulted
-WHERE s.person_id = :person AND s.assignment_id = :assignment
+_USED = f"""
+SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment AND NOT {FAULTED}
 """
 
 

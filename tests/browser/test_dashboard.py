@@ -215,22 +215,31 @@ def test_the_class_is_filtered_by_typing_and_gone_through_by_keys(seen_by, sent)
 
 
 def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, url):
+    seen_by.allowed.append("status of 422")
     page = seen_by("prof", f"{BASE}/class")
     page.get_by_label("Deadline (UTC)", exact=True).fill("2036-02-29T12:30")
     page.get_by_label("Grace period (minutes)").fill("90")
     page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Deadline and limits saved.").wait_for()
     assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; unlimited" in " ".join(page.locator("main").inner_text().split())
     page.get_by_label("Name").fill("ann")
-    page.get_by_label("New deadline (UTC)").fill("2036-03-07T12:30")
+    page.get_by_label("New deadline (UTC)").fill("2020-03-07T12:30")
     page.get_by_label("Reason").fill("was ill for a week")
     page.get_by_role("button", name="Save extension").click()
+    page.get_by_role("alert").get_by_text("this deadline is past").wait_for()
+    assert page.get_by_label("Reason").input_value() == "was ill for a week", "nothing typed is lost"
+    assert page.evaluate("document.activeElement.name") == "due"
+    page.get_by_label("New deadline (UTC)").fill("2036-03-07T12:30")
+    page.get_by_role("button", name="Save extension").click()
+    page.get_by_text("Extensions saved.").wait_for()
     table = page.locator("table", has_text="Current extensions")
     assert re.search(r"ann\s+2036-03-07 12:30\s+was ill for a week\s+prof", table.inner_text())
     page.get_by_label("Name").fill("ann")
     page.get_by_role("button", name="Save extension").click()
-    assert table.count() == 0
+    table.wait_for(state="detached")
     page.get_by_label("Deadline (UTC)", exact=True).fill("")
     page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Deadline and limits saved.").wait_for()
     assert "Deadline: none; unlimited" in " ".join(page.locator("main").inner_text().split())
 
 
@@ -241,6 +250,7 @@ def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, ser
     prof.get_by_label("Points").fill("1")
     prof.get_by_label("Reason (shown to the student)").fill("the sign convention was not told in the notebook")
     prof.get_by_role("button", name="Save override").click()
+    prof.get_by_text("Override saved.").wait_for()
     assert "2 of 2 (graded 1)" in prof.locator("#points").inner_text()
     ann.goto(f"{server.url}/submissions/{sent['ann']}")
     told = ann.locator("#points").inner_text()
@@ -318,3 +328,20 @@ def test_an_endless_loop_is_seen_cancelled_and_retried_by_clicks(seen_by, server
     ann = seen_by("ann", f"/submissions/{waiting}")
     ann.locator(".outcomes li.pass").first.wait_for()
     assert sql(url, "SELECT count(*) FROM grading WHERE submission_id = %s", waiting) == [(2,)]
+
+
+def test_a_student_submits_a_file_and_watches_its_grading(seen_by, tmp_path):
+    seen_by.allowed.append("status of 422")
+    page = seen_by("dan", BASE)
+    wrong, right = tmp_path / "euler.pdf", tmp_path / "euler.py"
+    wrong.write_text("%PDF")
+    right.write_text(GOOD)
+    page.get_by_label("Completed notebook or Python file").set_input_files(wrong)
+    page.get_by_role("button", name="Submit").click()
+    page.get_by_role("alert").wait_for()
+    assert ".ipynb" in page.get_by_role("alert").inner_text() and page.url.endswith(BASE)
+    page.get_by_label("Completed notebook or Python file").set_input_files(right)
+    page.get_by_role("button", name="Submit").click()
+    page.wait_for_url("**/submissions/*")
+    page.locator(".outcomes").first.wait_for()
+    assert "euler.py" in page.locator("main").inner_text()

@@ -4,6 +4,8 @@
 //   input[data-filter=ID]  hides the rows of table ID that do not contain the typed text; / focuses it. Wrap it in [data-js][hidden]
 //   [data-live=URL][id]    is reloaded at each event of the stream URL; data-events lists the event names, default "message"
 //   [data-confirm=TEXT]    button that asks for confirmation
+//   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced
+//   form[data-drop]        takes a file that is dropped on it
 //   canvas[data-motion]    motion player, see player.js
 // Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
 
@@ -156,6 +158,54 @@ function replace(element, fresh) {
   for (const input of all("input[data-filter]")) if (input.value) filter(input);
 }
 
+// ---- forms
+
+function refuse(form, detail, pointer) {
+  const field = form.elements[(pointer ?? "").slice(1)], at = field instanceof HTMLElement ? field : form.querySelector("button");
+  const note = make("p", { className: "refused", id: "refused", textContent: detail });
+  note.setAttribute("role", "alert");
+  (at.closest("p, label") ?? at).after(note);
+  if (at !== field) return;
+  at.setAttribute("aria-invalid", "true");
+  at.setAttribute("aria-describedby", note.id);
+  at.focus();
+}
+
+async function send(form, submitter) {
+  document.getElementById("refused")?.remove();
+  for (const field of all("[aria-invalid]", form)) for (const name of ["aria-invalid", "aria-describedby"]) field.removeAttribute(name);
+  const data = new FormData(form, submitter);
+  if (submitter) submitter.disabled = true;
+  try {
+    const body = form.enctype === "multipart/form-data" ? data : new URLSearchParams(data);
+    const answer = await fetch(form.action, { method: "POST", body, headers: { Accept: "application/problem+json" } });
+    if (answer.ok) {
+      try { sessionStorage.setItem("saved", form.dataset.saved); } catch { /* storage is disabled */ }
+      const [page] = location.href.split("#"), [shown] = answer.url.split("#");
+      location.assign(answer.url);
+      if (shown === page) location.reload();
+      return;
+    }
+    const problem = await answer.json();
+    refuse(form, problem.detail, problem.errors?.[0]?.pointer);
+  } catch {
+    refuse(form, "The server did not answer. Try again.");
+  }
+  if (submitter) submitter.disabled = false;
+}
+
+for (const form of all("form[data-drop]")) {
+  const input = form.querySelector('input[type="file"]');
+  form.addEventListener("dragover", event => { event.preventDefault(); form.classList.add("over"); });
+  form.addEventListener("dragleave", () => form.classList.remove("over"));
+  form.addEventListener("drop", event => {
+    event.preventDefault();
+    form.classList.remove("over");
+    if (event.dataTransfer.files.length === 1) input.files = event.dataTransfer.files;
+    else refuse(form, "Drop one file.");
+  });
+}
+
 // ---- initialization
 
 function prepare(root) {
@@ -176,6 +226,7 @@ document.addEventListener("input", event => { if (event.target.matches?.("input[
 document.addEventListener("submit", event => {
   const question = event.submitter?.dataset.confirm;
   if (question && !confirm(question)) event.preventDefault();
+  else if (event.target.matches("form[data-saved]")) { event.preventDefault(); send(event.target, event.submitter); }
 });
 const bar = document.querySelector("header nav");
 if (bar) {
@@ -184,5 +235,6 @@ if (bar) {
   button.addEventListener("click", showKeys);
   bar.append(button);
 }
+try { announce(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
 prepare(document);
 for (const element of all("[data-live][id]")) live(element);

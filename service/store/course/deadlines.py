@@ -9,6 +9,7 @@ from sqlalchemy import Row
 from service.store.course import audit
 from service.store.course.people import COURSE
 from service.store.database import Database
+from service.store.records import FAULTED
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
@@ -36,6 +37,13 @@ async def extensions(database: Database, slug: str) -> Sequence[Row[Any]]:
     return await database.rows(_LIST, {"slug": slug, "course": COURSE})
 
 
+async def own(database: Database, slug: str, name: str) -> Row[Any]:
+    """Return a person's own rules: ``due_at`` with the extension, whether it is ``extended`` and, with ``grace_s``, ``over``, the
+    ``submission_limit``, and how many submissions are ``used``.
+    """
+    return (await database.rows(_OWN, {"slug": slug, "name": name, "course": COURSE}))[0]
+
+
 _OF = """
 FROM assignment x JOIN course c ON c.id = x.course_id JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id
 WHERE x.slug = :slug AND c.slug = :course"""
@@ -55,4 +63,14 @@ _LIST = f"""
 SELECT p.name, p.full_name, e.due_at, e.reason, e.given_by, e.given_at
 FROM extension e JOIN person p ON p.id = e.person_id
 WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due_at DESC, p.name
+"""
+
+_OWN = f"""
+SELECT own.due_at, coalesce(own.due_at > x.due_at, false) AS extended, x.grace_s, x.submission_limit,
+    coalesce(now() > own.due_at + make_interval(secs => x.grace_s), false) AS over,
+    (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id AND NOT {FAULTED}) AS used
+FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
+    LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
+    JOIN LATERAL (SELECT CASE WHEN x.due_at IS NOT NULL THEN greatest(x.due_at, e.due_at) END AS due_at) own ON true
+WHERE x.slug = :slug AND c.slug = :course
 """

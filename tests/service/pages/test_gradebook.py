@@ -22,7 +22,8 @@ from tests.support.database import entered, new_database, run, sql
 from tests.support.reports import ASSIGNMENT, SLIP
 from tests.support.submissions import hand_in
 
-CLASS = "/assignments/rigid-body/class"
+OWN = "/assignments/rigid-body"
+CLASS = f"{OWN}/class"
 EVIL = "<script>alert(1)</script>\u202e"
 RAISED = Diagnosis("raises", "ValueError: <img src=x onerror=alert(2)>", 1.0)
 
@@ -163,11 +164,15 @@ def test_rules_and_extensions(looks, url):
     extend = "/assignments/rigid-body/extensions"
     assert "ill &lt;b&gt;" in looks("prof", extend, at=CLASS, name="zoe", due="2099-02-01T12:00", reason="ill <b>")[1]
     for fields in ({"name": "nobody", "due": "2099-02-01T12:00", "reason": "x"}, {"name": "zoe", "due": "soon", "reason": "x"},
-                   {"name": "zoe", "due": "2099-02-01T12:00"}, {"name": "ben"}):  # fmt: skip
+                   {"name": "zoe", "due": "2099-02-01T12:00"}, {"name": "ben"},
+                   {"name": "zoe", "due": "2020-02-01T12:00", "reason": "x"}):  # fmt: skip
         assert looks("prof", extend, at=CLASS, **fields)[0] == 422, fields
     assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, due="", grace="-1")[0] == 422
     assert sql(url, "SELECT p.name, e.reason FROM extension e JOIN person p ON p.id = person_id") == [("zoe", "ill <b>")]
-    assert looks("prof", extend, at=CLASS, name="zoe", due="")[0] == 200
+    assert "2099-02-01 12:00" in looks("zoe", OWN)[1] and "with your extension" in looks("zoe", OWN)[1]
+    assert "with your extension" not in looks("ann", OWN)[1]
+    assert looks("prof", extend, at=CLASS, name="Zoe <b>Adams</b>", due="")[0] == 200
+    assert sql(url, "SELECT count(*) FROM extension") == [(0,)]
     assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, due="", grace="0", most="")[0] == 200
 
 
@@ -214,3 +219,16 @@ def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch
 async def _many(database, count):
     for k in range(count):
         await hand_in(database, f"more {k}", {"2-energy": "✓"})
+
+
+def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):
+    page = looks("ben", OWN)[1]
+    assert "<dd>1</dd>" in page and "best 0 of 2" in page
+    assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, most="2")[0] == 200
+    status, page, _ = looks("ben", f"{OWN}/submissions", at=OWN, files={"file": ("mine.py", b"def euler_eqs(t, w, I): pass")})
+    assert status == 200 and "mine.py" in page and "queued" in page
+    assert "<dd>2 of 2</dd>" in looks("ben", OWN)[1]
+    for name, content, code, words in (("mine.py", b"x", 403, "all 2 submissions"), ("mine.pdf", b"x", 422, ".ipynb")):
+        status, page, headers = looks("ben", f"{OWN}/submissions", at=OWN, files={"file": (name, content)})
+        assert status == code and words in page and headers["content-type"].startswith("text/html")
+    assert looks("prof", "/assignments/rigid-body/rules", at=CLASS, most="")[0] == 200

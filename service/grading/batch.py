@@ -163,7 +163,7 @@ def _grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) ->
     try:
         graded = grader.grade(parsed.submission, options.assignment, options.seed, parsed.exercises)
         if options.sweep:
-            graded.report.sweep = _sweep(grader, parsed.submission, options.assignment)
+            graded.report.sweep = _sweep(grader, parsed, options.assignment)
         drawn = _draw(graded, options)
     except SystemFault as fault:
         return GradedFile(file=request.file, source=source, fault=str(fault))
@@ -202,9 +202,9 @@ def _shortened(notebook: str) -> str:
     return _STRING.sub(lambda found: found[0] if len(found[0]) < LONG or json.loads(found[0]) in code else '""', notebook)
 
 
-def _sweep(grader: Grader, submission: Submission, assignment: Assignment) -> SweepResult:
+def _sweep(grader: Grader, parsed: ParsedSubmission, assignment: Assignment) -> SweepResult:
     try:
-        return grader.sweep(submission, assignment)
+        return grader.sweep(parsed.submission, assignment, parsed.exercises or ())
     except SweepFailed as reason:
         return SweepResult(scene="", points=[], line=f"speed and accuracy were not measured: {reason}")
 

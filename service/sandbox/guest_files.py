@@ -8,12 +8,14 @@ import sys
 import sysconfig
 from collections.abc import Collection
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
-import ecp
 from exercises.packages import SANDBOX
 
-GUEST, KIT = Path(__file__).parent / "guest", Path(ecp.__path__[0])
+_kit = find_spec("ecp")
+assert _kit is not None and _kit.origin is not None
+GUEST, KIT = Path(__file__).parent / "guest", Path(_kit.origin).parent
 # the one that a virtual environment links to, at the path from which it finds its libraries
 INTERPRETER = Path(os.path.realpath(sys._base_executable))  # type: ignore[attr-defined]
 BASE_PREFIX = Path(os.path.realpath(sys.base_prefix))

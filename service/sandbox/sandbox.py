@@ -38,6 +38,12 @@ class Sandbox:
             self._zygote = Zygote(self.isolation.command, self.isolation.environment, self.cancelled)
         return self._zygote
 
+    def copy(self) -> "Sandbox":
+        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. It has still to pass its self-test."""
+        other = type(self)(self.isolation, self.limits)
+        other._zygote = self.start().copy(other.cancelled)
+        return other
+
     def wait_ready(self) -> Identity:
         """Return the guest's identity when it is warm. Raises SystemFault if it cannot start."""
         return self.start().wait_ready()

@@ -236,12 +236,13 @@ def test_an_interrupted_batch_leaves_no_process(folder):
     assert not [h for h in hands if Path(f"/proc/{h}").exists()]
 
 
-def test_whatever_goes_wrong_before_a_command_is_no_verdict(tmp_path):
-    for library in ("numpy", "pydantic"):
+def test_whatever_goes_wrong_before_a_command_is_no_verdict(folder, tmp_path):
+    for library in ("numpy", "scipy"):
         (tmp_path / library).mkdir()
         (tmp_path / library / f"{library}.py").write_text(f"raise ImportError('no {library} here')")
         environment = os.environ | {"PYTHONPATH": f"{tmp_path / library}:{os.environ.get('PYTHONPATH', '')}"}
-        told = subprocess.run([*COMMAND, "grade", "x.py"], env=environment, capture_output=True, text=True, check=False)
+        command = [*COMMAND, "grade", folder / "right_terms.py"]
+        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert told.returncode == 2 and f"no {library} here" in told.stderr
 
 

@@ -89,13 +89,15 @@ def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Sandbox
 
 
 def _start(settings: "Settings | Defaults") -> "Sandbox":
+    from service.sandbox.guest_process import GuestProcess
     from service.sandbox.select import choose
 
     isolation = choose(settings.min_isolation, settings.allow_root_guest)
+    process = GuestProcess(isolation.command, isolation.environment)
     from service.sandbox.sandbox import Sandbox
     from service.sandbox.time_budget import TimeLimits
 
-    sandbox = Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall))
+    sandbox = Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall), process)
     sandbox.start()
     return sandbox
 

@@ -165,6 +165,8 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
             space["np"] = own
             if "unchanged" in space:
                 space["unchanged"] = seal.check
+            if "bind" in space:
+                space["bind"]()
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
         seal.close([plays, *private, vars(own)], ["plays", *names])

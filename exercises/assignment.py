@@ -158,7 +158,7 @@ class Assignment:
     plays: str
     diagnose: Callable[[str, Inputs, Arrays], list[Diagnosis]] = field(default=lambda scene, inputs, seen: [])
     diagnose_function: Callable[[str, Answers], list[Diagnosis] | None] = field(default=lambda function, answers: None)
-    sweep: Sweep | None = None
+    sweeps: tuple[Sweep, ...] = ()
     codes: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
     cpu_s: float | None = None
@@ -178,6 +178,16 @@ class Assignment:
         defines = re.compile(rf"^(?:def |class |){re.escape(function)}\b *[(:=]", re.MULTILINE)
         samples = (path.read_text(encoding="utf-8") for path in sorted((self.folder / "samples").glob("right_*.py")))
         return next((source for source in samples if defines.search(source)), None)
+
+    @property
+    def sweep(self) -> Sweep | None:
+        """The chart of speed against accuracy of a submission, if the assignment has one: the first."""
+        return self.sweeps[0] if self.sweeps else None
+
+    def sweep_of(self, numbers: Collection[str]) -> Sweep | None:
+        """Return the first chart of speed against accuracy of these exercises."""
+        functions = {name for number in numbers for name in self.exercise(number).functions}
+        return next((sweep for sweep in self.sweeps if sweep.scene.function in functions), None)
 
     def scene(self, name: str) -> Scene:
         """Return the scene of that name. Raises StopIteration if there is none."""

@@ -207,7 +207,7 @@ class Notebook:
             data=self.data,
             load_s=self.load_s,
             codes=self.codes,
-            sweep=self.sweep or self._chart(),
+            sweeps=(self.sweep,) if self.sweep else self._sweeps(),
             notebook=functools.cache(
                 lambda: publish.published(slug, cells or publish.plain(self.title, setup, self.sections), self.sections)
             ),
@@ -220,12 +220,11 @@ class Notebook:
             **{name: function for name, function in given.items() if function is not None},
         )
 
-    def _chart(self) -> Sweep | None:
-        """Return the chart of speed against accuracy of the first question that has one, and of the others of its kind."""
-        for question in self.questions():
-            if question.sweep:
-                return question.sweep([q for q in self.questions() if q.sweep and q.kind == question.kind])
-        return None
+    def _sweeps(self) -> tuple[Sweep, ...]:
+        """Return the chart of speed against accuracy of each question that has one, with the others of its kind behind it."""
+        charted = [(q.sweep, q) for q in self.questions() if q.sweep]
+        same = {kind: [q for _, q in charted if q.kind == kind] for kind in {q.kind for _, q in charted}}
+        return tuple(sweep([q, *(other for other in same[q.kind] if other is not q)]) for sweep, q in charted)
 
     def _cells(self, folder: Path) -> list[Cell]:
         """Return the cells of the author's notebook, none without one. Raises InvalidNotebook."""

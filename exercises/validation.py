@@ -122,7 +122,7 @@ def _of_scenes(assignment: Assignment) -> Iterator[str]:
             yield f"scene {scene.name}: {scene.function} is a variable, which cannot be called, neither twice nor by the host"
         if not (scene.budget_s > 0 and math.isfinite(scene.budget_s)):
             yield f"scene {scene.name}: its budget is {scene.budget_s} s; it must be positive and finite"
-    for scene in [*assignment.scenes, *([assignment.sweep.scene] if assignment.sweep else [])]:
+    for scene in [*assignment.scenes, *(sweep.scene for sweep in assignment.sweeps)]:
         for play in (scene.play, *([scene.drive.play] if scene.drive else [])):
             if play not in plays:
                 yield f"scene {scene.name}: plays.py has no function {play}"

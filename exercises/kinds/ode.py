@@ -60,8 +60,8 @@ def ode(
     ``conserved`` maps names to an expression over state, time and parameters, and the ``limit`` of its relative drift. ``scale``
     is the typical size of the state, or of each component. The integration stops after ``most_calls`` calls.
 
-    Only public inputs have a motion: the points certify the function for all others. A closed form also adds a chart of speed
-    against accuracy.
+    Only public inputs have a motion: the points certify the function for all others. It also adds a chart of speed against
+    accuracy.
     """
     kept = {name: [text, tolerance_data(tolerance)] for name, (text, tolerance) in (conserved or {}).items()}
     data = {"time": time, "state": state, "t_end": t_end, "scale": scale, "most_calls": most_calls, "conserved": kept}
@@ -92,7 +92,7 @@ def ode(
         truth=truth or (Itself("the closed form of its motion certifies it") if motion else None),
         data=data | ({"follow": tolerance_data(follow), "settings": SETTINGS} if follow else {}),
         parts={"motion": Part(exact)} if follow else {},
-        sweep=functools.partial(_sweep, exact) if motion else None,
+        sweep=functools.partial(_sweep, exact) if follow else None,
         errors=errors,
     )
 

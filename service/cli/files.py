@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 WORD = re.compile(r"\w+")
-DEFINED = re.compile(r"(?<=\bdef )\w+|(?<=\bclass )\w+|\b\w+(?= *(?::[^=\n]*)?=(?!=))")  # in a script or in a notebook's JSON
+DEFINED = re.compile(r"(?<=\bdef )\w+|(?<=\bclass )\w+|(?:(?<![^\n\"])|(?<== ))\w+(?= *(?::[^=\n]*)?=(?!=))")
+"""A function, a class or a variable that a cell defines, in a script or in a notebook's JSON."""
 
 
 class NoSubmissionFound(CommandError):
@@ -111,7 +112,7 @@ def _text(file: Path) -> str:
     from service.grading.submission import DEFAULT_SIZES
 
     with file.open("rb") as stream:
-        return stream.read(DEFAULT_SIZES.upload).decode("utf-8", "replace")
+        return stream.read(DEFAULT_SIZES.upload).decode("utf-8", "replace").replace("\\n", "\n")  # as JSON ends a line
 
 
 def _source(folder: Path) -> str:

@@ -6,22 +6,21 @@ Exit codes: 0 if every check is ✓, 1 if not, 2 if a file was not graded becaus
 import argparse
 import json
 import secrets
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ecp.document import document
 from service.cli import report_options
 from service.cli.arguments import add_exercise, count, seed
 from service.cli.files import find_files, resolve_assignment
-from service.cli.output_dir import OutputDir
-from service.cli.progress import Progress
-from service.grading.batch import GradeOptions, GradeRequest, grade_files
-from service.grading.result import GradedFile, summary
-from service.grading.submission import KIB, MIB, SizeLimits
-from service.sandbox.select import choose
-from service.sandbox.time_budget import TimeLimits
-from service.settings import Settings
+from service.cli.grading_settings import Defaults, read_settings
+
+if TYPE_CHECKING:
+    from service.grading.result import GradedFile
+    from service.sandbox.sandbox import Sandbox
+    from service.settings import Settings
 
 
 def add_grade(parser: argparse.ArgumentParser) -> None:
@@ -45,25 +44,28 @@ def add_grade(parser: argparse.ArgumentParser) -> None:
 
 
 def _grade(arguments: argparse.Namespace) -> int:
-    settings = Settings()
-    with ThreadPoolExecutor(1) as executor:  # select the sandbox while the assignment is imported
-        isolation = executor.submit(choose, settings.min_isolation, settings.allow_root_guest)
-        files = find_files(arguments.files)
-        assignment = resolve_assignment(arguments.assignment, files)
-    seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
-    limits = TimeLimits(settings.grading_cpu, settings.grading_wall)
-    sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
-    wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, limits, sizes)
+    settings, files = read_settings(), find_files(arguments.files)
     written = report_options.ReportFiles(arguments, files)
-    asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
-    folder = OutputDir(arguments.out, files) if arguments.out else None
-    graded: list[GradedFile] = []
-    with Progress(len(files), escape=report_options.escape(arguments)) as progress:
-        for file in grade_files(asks, wanted, isolation.result(), arguments.jobs, progress.update):
-            graded.append(file)
-            if folder:
-                folder.add(file)
-            progress.show(file, text=not arguments.json)
+    with _starting(settings) as sandbox:  # while the modules below and the assignment are imported
+        from service.cli.output_dir import OutputDir
+        from service.cli.progress import Progress
+        from service.grading.batch import GradeOptions, GradeRequest, grade_files
+        from service.grading.result import summary
+        from service.grading.submission import KIB, MIB, SizeLimits
+
+        assignment = resolve_assignment(arguments.assignment, files)
+        seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
+        sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
+        wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, sizes=sizes)
+        asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
+        folder = OutputDir(arguments.out, files) if arguments.out else None
+        graded: list[GradedFile] = []
+        with Progress(len(files), escape=report_options.escape(arguments)) as progress:
+            for file in grade_files(asks, wanted, sandbox(), arguments.jobs, progress.update):
+                graded.append(file)
+                if folder:
+                    folder.add(file)
+                progress.show(file, text=not arguments.json)
     if folder:
         folder.write_index(graded, assignment)
     written.write(graded, assignment)
@@ -74,7 +76,35 @@ def _grade(arguments: argparse.Namespace) -> int:
     return 2 if any(file.fault for file in graded) else 0 if all(file.passed for file in graded) else 1
 
 
-def _entry(file: GradedFile) -> dict[str, Any]:
+@contextmanager
+def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Sandbox"]]:
+    """Start a sandbox of the strongest isolation that this machine supports. Yield a function that waits for it."""
+    with ThreadPoolExecutor(1) as executor:  # the guest ends with the thread that starts it
+        started = executor.submit(_start, settings)
+        try:
+            yield started.result
+        finally:
+            if started.exception() is None:
+                started.result().close()
+
+
+def _start(settings: "Settings | Defaults") -> "Sandbox":
+    from service.sandbox.guest_process import GuestProcess
+    from service.sandbox.select import choose
+
+    isolation = choose(settings.min_isolation, settings.allow_root_guest)
+    process = GuestProcess(isolation.command, isolation.environment)
+    from service.sandbox.sandbox import Sandbox
+    from service.sandbox.time_budget import TimeLimits
+
+    sandbox = Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall), process)
+    sandbox.start()
+    return sandbox
+
+
+def _entry(file: "GradedFile") -> dict[str, Any]:
+    from ecp.document import document
+
     entry: dict[str, Any] = {"file": str(file.file), "report": document(file.report) if file.report else None}
     error = {"error": file.refused} if file.refused else {}
     fault = {"fault": file.fault, "system_fault": file.fault} if file.fault else {}

@@ -10,6 +10,7 @@ measured ones.
 import argparse
 import json
 from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
@@ -23,12 +24,19 @@ from service.store.queue import STEP
 
 MEASURED = Path(__file__).parents[1] / "grading" / "measured" / "service-times.json"
 MOST, YEAR_MIN = 5_000_000, 366 * 24 * 60
+CLASSES = (300, 1000, 3000, 10_000, 30_000, 100_000)
+KINDS = {"exercise": "one exercise", "notebook": "a whole notebook"}
+COLORS = ("#0072b2", "#d55e00")
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 
 
 def add_plan(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("--students", type=int, required=True, metavar="N", help="number of students")
+    asked = parser.add_mutually_exclusive_group(required=True)
+    asked.add_argument("--students", type=int, metavar="N", help="number of students")
+    asked.add_argument(
+        "--chart", type=Path, metavar="FILE.svg", help="draw the cost per submission for 300 to 100 000 students; needs --p99"
+    )
     parser.add_argument(
         "--minutes", type=float, required=True, metavar="M", help="minutes before the deadline in which they submit"
     )
@@ -47,6 +55,12 @@ def add_plan(parser: argparse.ArgumentParser) -> None:
 
 def _plan(arguments: argparse.Namespace) -> None:
     given = {name: getattr(arguments, name) for name in ("students", "minutes", "submissions", "rush", "seed")}
+    if arguments.chart:
+        if arguments.p99 is None or arguments.workers is not None or arguments.notebook:
+            raise CommandError("--chart finds the workers for exercises and for notebooks: give --p99, not --workers or --notebook")
+        deadlines = [Deadline(**given | {"students": CLASSES[0], "workers": 1, "seconds": measured(kind)}) for kind in KINDS]
+        arguments.chart.write_bytes(draw_costs([costs(one, arguments.p99) for one in deadlines], deadlines, arguments.p99))
+        return
     if arguments.workers is None and arguments.p99 is None:
         raise CommandError("nothing to simulate: give --workers, --p99 or both")
     seconds = measured("notebook" if arguments.notebook else "exercise")
@@ -201,3 +215,51 @@ def table(waiting: WaitStatistics) -> str:
     lines = [f"{name:20}" + "".join(f"{cell:>9}" for cell in cells) for name, cells in rows.items()]
     lines.append(f"longest queue {waiting.longest_queue}, workers {waiting.utilisation:.0%} busy")
     return "\n".join([*lines, f"queue empty {waiting.emptied_s:.0f} s after the deadline"])
+
+
+def costs(deadline: Deadline, p99_s: float) -> list[tuple[int, int, float]]:
+    """Return students, workers, and core-seconds per submission until the queue is empty, for each size in CLASSES.
+
+    The workers are the fewest that keep the 99th percentile of the waits at or below ``p99_s`` seconds. Raises CommandError.
+    """
+    found = []
+    for students in CLASSES:
+        asked = replace(deadline, students=students)
+        asked = replace(asked, workers=workers_needed(asked, p99_s))
+        reserved_s = asked.workers * (60 * asked.minutes + simulate(asked).emptied_s)
+        found.append((students, asked.workers, reserved_s / (students * asked.submissions)))
+    return found
+
+
+def draw_costs(found: Sequence[list[tuple[int, int, float]]], deadlines: Sequence[Deadline], p99_s: float) -> bytes:
+    """Draw the ``costs`` of the ``deadlines``, one for each of KINDS, against the class size, log-log, as SVG."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator
+
+    from service.grading.charts import svg
+
+    canvas = Figure(figsize=(9, 5))
+    FigureCanvasAgg(canvas)
+    axes = canvas.add_axes((0.08, 0.12, 0.72, 0.76))
+    first = deadlines[0]
+    for rows, deadline, what, color, up in zip(found, deadlines, KINDS.values(), COLORS, (-14, 7), strict=True):
+        mean = float(np.mean(deadline.seconds))
+        axes.loglog([row[0] for row in rows], [row[2] for row in rows], marker="o", color=color)
+        axes.axhline(mean, color=color, lw=0.8, ls=":")
+        for students, workers, cost in rows:
+            axes.annotate(f"{workers}", (students, cost), (0, up), textcoords="offset points", ha="center", fontsize=9, color=color)
+        label = f"{what}:\n{rows[-1][2]:.2g} core-s, of which\n{mean:.2g} s grading (dotted)"
+        axes.text(1.02, rows[-1][2], label, transform=axes.get_yaxis_transform(), color=color, va="center", fontsize=9)
+    minutes = f"{first.minutes:g} min{', ever more towards the deadline' if first.rush else ''}"
+    axes.set(xlabel="students", ylabel="reserved core-seconds per submission")
+    axes.set_title(
+        f"{first.submissions} submissions each in {minutes}; 99 % wait at most {p99_s:g} s\n(numbers: workers, one core each)"
+    )
+    axes.set_xticks(CLASSES, [f"{students:,}".replace(",", "\u202f") for students in CLASSES])
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
+    axes.margins(y=0.1)
+    axes.grid(alpha=0.3)
+    return svg(canvas, "Cost per submission against class size")

@@ -13,16 +13,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from exercises.assignment import Assignment
 from service.cli.arguments import number
-from service.cli.classroom50 import read_environment
 from service.cli.errors import CommandError
-from service.cli.output_dir import write
-from service.formats import classroom50, github, grades, gradescope, junit
-from service.formats.grade_row import rows
-from service.grading.grade import select
-from service.grading.result import GradedFile
+from service.formats import VISIBILITIES
+
+if TYPE_CHECKING:
+    from exercises.assignment import Assignment
+    from service.formats.classroom50 import SubmissionInfo
+    from service.grading.result import GradedFile
 
 FILES = ("junit", "csv", "gradescope", "classroom50")
 
@@ -32,9 +32,7 @@ def add(grade: argparse.ArgumentParser) -> None:
     grade.add_argument("--junit", type=Path, metavar="FILE", help="write the reports as JUnit XML")
     grade.add_argument("--csv", type=Path, metavar="FILE", help="write a table of files by checks")
     grade.add_argument("--gradescope", type=Path, metavar="FILE", help="write Gradescope's results.json (for one file only)")
-    grade.add_argument(
-        "--hidden", choices=gradescope.VISIBILITIES, help="with --gradescope: visibility of hidden checks (default visible)"
-    )
+    grade.add_argument("--hidden", choices=VISIBILITIES, help="with --gradescope: visibility of hidden checks (default visible)")
     grade.add_argument(
         "--max-score",
         type=number(float, lambda n: 0 < n < math.inf, detail="expected a number above 0"),
@@ -54,7 +52,11 @@ def pictures(arguments: argparse.Namespace) -> tuple[str, ...]:
 def escape(arguments: argparse.Namespace) -> Callable[[str], str] | None:
     """Return a function that keeps GitHub Actions from reading printed lines as commands; None outside GitHub Actions."""
     in_actions = arguments.github or os.environ.get("GITHUB_ACTIONS") == "true"  # for example in pre-commit's hook
-    return (lambda text: github.escape_commands(text, secrets.token_hex(16))) if in_actions else None
+    if not in_actions:
+        return None
+    from service.formats.github import escape_commands
+
+    return lambda text: escape_commands(text, secrets.token_hex(16))
 
 
 class ReportFiles:
@@ -65,22 +67,29 @@ class ReportFiles:
     """
 
     def __init__(self, arguments: argparse.Namespace, files: Sequence[Path]) -> None:
-        self._arguments, self._about = arguments, None
+        self._arguments = arguments
+        self._about: SubmissionInfo | None = None
         if not arguments.gradescope and (arguments.hidden or arguments.max_score):
             raise CommandError("--hidden and --max-score apply to Gradescope's results: give --gradescope FILE too")
         for form in ("gradescope", "classroom50"):
             if getattr(arguments, form) and len(files) != 1:
                 raise CommandError(f"--{form} takes one file, got {len(files)}")
         if arguments.classroom50:
+            from service.cli.classroom50 import read_environment
+
             self._about = read_environment(os.environ, files[0].parent, datetime.now(UTC))
         for path in filter(None, (getattr(arguments, form) for form in FILES)):
             if path.is_file():
                 path.unlink()
 
-    def write(self, graded: Sequence[GradedFile], assignment: Assignment) -> None:
+    def write(self, graded: Sequence["GradedFile"], assignment: "Assignment") -> None:
         """Write the output files, with points and checks of the requested exercises only."""
         if not any(getattr(self._arguments, form) for form in (*FILES, "github")):
             return
+        from service.cli.output_dir import write
+        from service.formats import junit
+        from service.grading.grade import select
+
         assignment = replace(assignment, exercises=tuple(select(assignment, self._arguments.exercise)))
         if self._arguments.junit:
             write(self._arguments.junit, junit.text(graded, assignment))
@@ -90,7 +99,10 @@ class ReportFiles:
         if self._arguments.github:
             _write_github(graded, assignment)
 
-    def _grades(self, graded: Sequence[GradedFile], assignment: Assignment) -> Iterator[tuple[Path, str]]:
+    def _grades(self, graded: Sequence["GradedFile"], assignment: "Assignment") -> Iterator[tuple[Path, str]]:
+        from service.formats import classroom50, grades, gradescope
+        from service.formats.grade_row import rows
+
         arguments = self._arguments
         if arguments.csv:
             checks = [check.id for check in assignment.checks()]
@@ -103,8 +115,10 @@ class ReportFiles:
             yield arguments.classroom50, json.dumps(classroom50.document(graded[0], assignment, self._about), indent=1)
 
 
-def _write_github(graded: Sequence[GradedFile], assignment: Assignment) -> None:
+def _write_github(graded: Sequence["GradedFile"], assignment: "Assignment") -> None:
     """Print annotations to standard output and append to the job summary if the step has one."""
+    from service.formats import github
+
     for annotation in github.annotations(graded, assignment):
         print(annotation)
     try:

@@ -13,10 +13,10 @@ from ecp.judge import Verdict
 from ecp.outcome import ExerciseReport, Outcome, Picture
 from ecp.report import Report
 from exercises.assignment import Assignment
+from service.formats import VISIBILITIES
 from service.formats.check_text import NOTHING, SUBMITTED, NoVerdict, detail, not_attempted, one_line, sanitize
 from service.grading.result import GradedFile, state
 
-VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 MOST_PICTURES = 4 << 20
 """Bytes of PNG per document. Gradescope documents no limit."""
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
 from ecp.outcome import SweepResult
@@ -27,7 +28,6 @@ from service.sandbox.isolation import Isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import with_packages
-from service.sandbox.time_budget import DEFAULT_LIMITS, TimeLimits
 
 log = logging.getLogger(__name__)
 OnProgress = Callable[[int], None]
@@ -45,44 +45,50 @@ class GradeRequest:
 
 @dataclass(frozen=True)
 class GradeOptions:
-    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, the time
-    ``limits`` of each grading, and the size limits of each file.
+    """Options for all files: the ``seed`` of the scenes, the ``formats`` of figures (svg, png), whether to ``sweep``, and the size
+    limits of each file.
     """
 
     assignment: Assignment
     seed: int
     formats: Collection[str] = ()
     sweep: bool = False
-    limits: TimeLimits = DEFAULT_LIMITS
     sizes: SizeLimits = DEFAULT_SIZES
 
 
 def grade_files(
     requests: Sequence[GradeRequest],
     options: GradeOptions,
-    isolation: Isolation,
+    sandbox: Sandbox | Isolation,
     jobs: int | None = None,
     on_progress: OnProgress = lambda done: None,
 ) -> Iterator[GradedFile]:
-    """Grade files in parallel and yield one result per file, in input order.
+    """Grade files in parallel and yield one result per file, in input order. Close the ``sandbox``, which may have started.
 
-    Uses one process per CPU, at most ``jobs``, and calls ``on_progress`` with the number of files done. Before grading, raises
-    UnknownExercise, OSError if a file cannot be read, and SystemFault if a package of the assignment is not installed or the
-    sandbox fails. Later failures are system faults of single files; a lost process affects all files not yet graded.
+    Uses one process per CPU, at most ``jobs``, each with a sandbox of its own. Calls ``on_progress`` with the number of files done.
+    Before grading, raises UnknownExercise, OSError if a file cannot be read, and SystemFault if a package of the assignment is not
+    installed or the sandbox fails. Later failures are system faults of single files; a lost process affects all files not yet
+    graded.
     """
     for request in requests:
         select(options.assignment, request.exercises)
     if absent := missing_packages(options.assignment):
         raise SystemFault(absent)
-    isolation = with_packages(isolation, options.assignment.packages)
+    sandbox = Sandbox(sandbox) if isinstance(sandbox, Isolation) else sandbox
+    if options.assignment.packages:
+        sandbox.close()
+        sandbox = Sandbox(with_packages(sandbox.isolation, options.assignment.packages), sandbox.limits)
     for request in requests:
         request.file.open("rb").close()
     processes = min(len(requests), jobs or len(os.sched_getaffinity(0)))
     if processes <= 1:
-        yield from _grade_in_process(requests, options, isolation, on_progress)
+        yield from _grade_in_process(requests, options, sandbox, on_progress)
         return
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"), _initialize, (options, isolation))
+    others, started = set(multiprocessing.active_children()), multiprocessing.Value("i", 0)
+    shared = not options.assignment.data  # copies of a guest share their data files
+    sandboxes = [sandbox.copy() if shared else Sandbox(sandbox.isolation, sandbox.limits) for _ in range(processes)]
+    fork = multiprocessing.get_context("fork")
+    pool = ProcessPoolExecutor(processes, fork, _initialize, (options, sandboxes, started))
     try:
         futures = [pool.submit(_grade, request) for request in requests]
         yield from _in_order(requests, futures, on_progress)
@@ -90,15 +96,17 @@ def grade_files(
         for child in set(multiprocessing.active_children()) - others:
             child.kill()  # it is idle or its work was cancelled; its guest ends with it
         pool.shutdown(cancel_futures=True)
+        for one in (*sandboxes, sandbox):
+            one.close()
 
 
 def _grade_in_process(
     requests: Sequence[GradeRequest],
     options: GradeOptions,
-    isolation: Isolation,
+    sandbox: Sandbox,
     on_progress: OnProgress,
 ) -> Iterator[GradedFile]:
-    grader = _start(options, isolation)
+    grader = _start(sandbox)
     try:
         for number, request in enumerate(requests, start=1):
             graded = _grade_file(grader, options, request)
@@ -126,21 +134,23 @@ def _in_order(
             yield GradedFile(file=request.file, fault="a grading process was lost (killed, or out of memory)")
 
 
-def _start(options: GradeOptions, isolation: Isolation) -> Grader:
+def _start(sandbox: Sandbox) -> Grader:
     """Return a grader whose guest starts while the first file is read."""
-    grader = Grader(Sandbox(isolation, options.limits))
-    grader.sandbox.start()
-    return grader
+    sandbox.start()
+    return Grader(sandbox)
 
 
 _process: tuple[Grader, GradeOptions] | None = None
 
 
-def _initialize(options: GradeOptions, isolation: Isolation) -> None:
+def _initialize(options: GradeOptions, sandboxes: Sequence[Sandbox], started: "Synchronized[int]") -> None:
+    """Start with one of the ``sandboxes``: that whose number is the number of processes that have ``started`` before."""
     global _process  # noqa: PLW0603 -- a pool's initializer can pass its result in no other way
     die_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
-    _process = _start(options, isolation), options
+    with started.get_lock():
+        own, started.value = sandboxes[started.value], started.value + 1
+    _process = _start(own), options
 
 
 def _grade(request: GradeRequest) -> GradedFile:
@@ -163,7 +173,7 @@ def _grade_file(grader: Grader, options: GradeOptions, request: GradeRequest) ->
     try:
         graded = grader.grade(parsed.submission, options.assignment, options.seed, parsed.exercises)
         if options.sweep:
-            graded.report.sweep = _sweep(grader, parsed.submission, options.assignment)
+            graded.report.sweep = _sweep(grader, parsed, options.assignment)
         drawn = _draw(graded, options)
     except SystemFault as fault:
         return GradedFile(file=request.file, source=source, fault=str(fault))
@@ -202,9 +212,9 @@ def _shortened(notebook: str) -> str:
     return _STRING.sub(lambda found: found[0] if len(found[0]) < LONG or json.loads(found[0]) in code else '""', notebook)
 
 
-def _sweep(grader: Grader, submission: Submission, assignment: Assignment) -> SweepResult:
+def _sweep(grader: Grader, parsed: ParsedSubmission, assignment: Assignment) -> SweepResult:
     try:
-        return grader.sweep(submission, assignment)
+        return grader.sweep(parsed.submission, assignment, parsed.exercises or ())
     except SweepFailed as reason:
         return SweepResult(scene="", points=[], line=f"speed and accuracy were not measured: {reason}")
 

@@ -143,7 +143,7 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
     for axes in (by_calls, by_time):
         axes.grid(alpha=0.3)
     canvas.subplots_adjust(left=0.07, right=0.83, bottom=0.12, top=0.92, wspace=0.06)
-    return _svg(canvas, scene)
+    return svg(canvas, scene)
 
 
 def _draw_own(axes: tuple[Any, Any], yours: Sequence[SweptPoint], whose: str, *, small: bool) -> None:
@@ -246,7 +246,7 @@ def draw_stability(document: dict[str, Any], number: int) -> bytes:
         _draw_growth_map(canvas, rows)
     else:
         _draw_against(canvas.subplots(), rows)
-    return _svg(canvas, entry["name"])
+    return svg(canvas, entry["name"])
 
 
 def _draw_against(axes: Any, rows: list[dict[str, Any]]) -> None:
@@ -277,7 +277,8 @@ def _draw_growth_map(canvas: Any, rows: list[dict[str, Any]]) -> None:
     canvas.subplots_adjust(wspace=0.35, bottom=0.13)
 
 
-def _svg(canvas: Any, title: str) -> bytes:
+def svg(canvas: Any, title: str) -> bytes:
+    """Return a figure as SVG, the same for the same figure."""
     import matplotlib as mpl
 
     stream = io.BytesIO()

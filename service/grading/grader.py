@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Collection
 
 from ecp.document import document
 from ecp.outcome import SweepResult
@@ -42,12 +43,17 @@ class Grader:
         self.ready()
         return grade(submission, assignment, self.sandbox, seed, exercises, on_progress=on_progress)
 
-    def sweep(self, submission: Submission, assignment: Assignment) -> SweepResult:
-        """Measure speed against accuracy of a submission's function. Raises SweepFailed if that is not possible."""
-        if assignment.sweep is None:
+    def sweep(self, submission: Submission, assignment: Assignment, exercises: Collection[str] = ()) -> SweepResult:
+        """Measure speed against accuracy of a submission's function: of the first of the ``exercises`` that has a chart, else of
+        the assignment's first.
+
+        Raises SweepFailed if that is not possible.
+        """
+        sweep = assignment.sweep_of(exercises) or assignment.sweep
+        if sweep is None:
             raise SweepFailed(f"assignment {assignment.slug} does not measure speed against accuracy")
         self.ready()
-        scene = assignment.sweep.scene
+        scene = sweep.scene
         assert not callable(scene.inputs)
         began = time.monotonic()
         job = job_of(submission, assignment, [scene], {scene.name: scene.inputs})
@@ -60,7 +66,7 @@ class Grader:
             with author_errors(assignment):
                 exact = truth(scene, scene.inputs)
             with author_errors(assignment, numbers=True):
-                swept = assignment.sweep.read(result.arrays[scene.name], exact)
+                swept = sweep.read(result.arrays[scene.name], exact)
         except (ArithmeticError, ValueError) as error:
             raise SweepFailed(f"the results cannot be compared with the exact motion ({error})") from error
         if not rendering.plausible(swept) or sum(point.seconds for point in swept.points) > elapsed:

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable
 
 from ecp.outcome import Ended, SceneEnd
+from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import ROOT_ALLOWED, Identity
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
@@ -19,10 +20,13 @@ TRIES = 2
 
 
 class Sandbox:
-    """A sandbox with one warm guest at the given ``isolation``. ``limits`` are those of one grading."""
+    """A sandbox with one warm guest at the given ``isolation``. ``limits`` are those of one grading.
 
-    def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
-        self.isolation, self.limits = isolation, limits
+    Its first guest is the process ``first``, if there is one.
+    """
+
+    def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS, first: GuestProcess | None = None) -> None:
+        self.isolation, self.limits, self._first = isolation, limits, first
         self._zygote: Zygote | None = None
         self._plays = 0
         self.zygotes = 0  # started so far
@@ -35,8 +39,15 @@ class Sandbox:
         if self._zygote is None:
             self._plays = 0
             self.zygotes += 1
-            self._zygote = Zygote(self.isolation.command, self.isolation.environment, self.cancelled)
+            process, self._first = self._first or GuestProcess(self.isolation.command, self.isolation.environment), None
+            self._zygote = Zygote(process, self.cancelled)
         return self._zygote
+
+    def copy(self) -> "Sandbox":
+        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. It has still to pass its self-test."""
+        other = type(self)(self.isolation, self.limits)
+        other._zygote = self.start().copy(other.cancelled)
+        return other
 
     def wait_ready(self) -> Identity:
         """Return the guest's identity when it is warm. Raises SystemFault if it cannot start."""

@@ -16,9 +16,7 @@ from numpy.typing import ArrayLike
 
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
-from service.sandbox.guest.calls import MALFORMED
-from service.sandbox.guest.run_scenes import CLOCK_FACTOR
-from service.sandbox.guest.wire import LENGTH, pack
+from service.sandbox.guest.wire import CLOCK_FACTOR, LENGTH, MALFORMED, pack
 from service.sandbox.guest.zygote import REAPED
 from service.sandbox.job import Job
 from service.sandbox.result import CODES, KEPT_OUTPUT, SENTENCES, NotPrepared, PlayResult, SystemFault

@@ -1,6 +1,7 @@
 """The host's side of a zygote: start it, send it one job at a time, kill it when it misbehaves."""
 
 import contextlib
+import copy
 import json
 import math
 import os
@@ -8,14 +9,14 @@ import shutil
 import signal
 import socket
 import subprocess
-import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from io import FileIO
 from pathlib import Path
 
 from service.sandbox.guest.zygote import PLAY, READY, REAPED
+from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
@@ -33,32 +34,28 @@ class ZygoteLost(Exception):
 
 
 class Zygote:
-    """A zygote process started by ``command``, which gets the number of its control socket as last argument.
+    """A zygote in the process ``started``. Children can read its folder, which holds the job's data files during a play.
 
-    It starts in a folder of its own, which children can read. During a play the folder holds the job's data files.
     Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
 
-    def __init__(self, command: Sequence[str], environment: Mapping[str, str], cancelled: threading.Event) -> None:
+    def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
+        self._data, self._control, self._log, self._process = started.data, started.control, started.log, started.process
         self._cancelled = cancelled
-        self._data = tempfile.TemporaryDirectory(prefix="polhode-data-")
-        os.chmod(self._data.name, 0o755)  # noqa: S103 -- the guest may be another user
-        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
+        self._is_copy = False
         self._identity: Identity | None = None  # known once it is ready
-        self._process = subprocess.Popen(
-            [*command, str(theirs.fileno())],
-            pass_fds=[theirs.fileno()],
-            stdin=subprocess.DEVNULL,
-            stdout=self._log,
-            stderr=self._log,
-            env=environment,
-            cwd=self._data.name,
-            start_new_session=True,
-        )
-        theirs.close()
-        with contextlib.suppress(OSError):  # Linux may schedule each session as a group (sched_autogroup) whose niceness counts
-            Path(f"/proc/{self._process.pid}/autogroup").write_text(str(os.getpriority(os.PRIO_PROCESS, 0)))
+
+    def copy(self, cancelled: threading.Event) -> "Zygote":
+        """Return a copy, which ends with this one. All share one folder of data files, so only one of them may play with any.
+
+        It needs no import, so it is ready soon after this one.
+        """
+        other = copy.copy(self)
+        other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        other._identity, other._is_copy, other._cancelled = None, True, cancelled
+        with theirs:
+            socket.send_fds(self._control, [b"copy"], [theirs.fileno()])
+        return other
 
     def wait_ready(self) -> Identity:
         """Return the guest's identity when it has imported everything. Raises SystemFault with its output if it cannot start."""
@@ -162,7 +159,15 @@ class Zygote:
         return handles
 
     def kill(self) -> None:
-        """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s."""
+        """Kill the zygote and its children, and wait until it has exited. Raises SystemFault if it has not after 10 s.
+
+        A copy ends when its socket is shut down, as it has no children then.
+        """
+        if self._is_copy:
+            with contextlib.suppress(OSError):
+                self._control.shutdown(socket.SHUT_RDWR)
+            self._control.close()
+            return
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._control.close()

@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import OptimizeResult
 
+from .wire import MALFORMED
+
 LOADED = "?"  # the exported function that returns why the others could not be loaded, "" if they were
-MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 HEAD = struct.Struct("<II")
 MOST_BYTES = 16 << 20  # of a frame
 MOST_NESTED = 16  # lists and dicts in each other

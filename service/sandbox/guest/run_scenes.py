@@ -25,11 +25,10 @@ from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, pieces, runnable, statements
 from .seal import Seal, private_modules
-from .wire import Questions, Writer
+from .wire import CLOCK_FACTOR, Questions, Writer
 
 Names = dict[str, Any]
 
-CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
 DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder: plays import private copies, which a submission cannot replace
@@ -166,6 +165,8 @@ def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
             space["np"] = own
             if "unchanged" in space:
                 space["unchanged"] = seal.check
+            if "bind" in space:
+                space["bind"]()
         exec(compile(source, "plays.py", "exec"), plays)
         plays["np"] = own
         seal.close([plays, *private, vars(own)], ["plays", *names])

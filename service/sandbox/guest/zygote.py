@@ -6,7 +6,7 @@ For each play the host sends three descriptors (job, result, output) and the chi
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. With a fourth
 descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
-READY and its identity as JSON.
+READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
 """
 
 import gc
@@ -51,8 +51,10 @@ def main(
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
+    gc.disable()
     for name in WARM:
         importlib.import_module(name)
+    gc.enable()
     sys.modules["matplotlib"].use("Agg")
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
@@ -63,8 +65,18 @@ def main(
     control.send(READY + json.dumps(identity()).encode())
     while True:
         play, fds, _, _ = socket.recv_fds(control, PLAY.size, 4)
-        if len(fds) < 3:
+        if not fds:
             return
+        if len(fds) == 1:
+            if middle := os.fork():
+                os.waitpid(middle, 0)
+                os.close(fds[0])
+            elif os.fork():
+                os._exit(0)  # so that the copy is no child of this process, which would have to reap it
+            else:
+                control = socket.socket(fileno=fds[0])  # closes the other one in the copy
+                control.send(READY + json.dumps(identity()).encode())
+            continue
         (cpu_s,) = PLAY.unpack(play)
         job, result, output, *reference = fds
         places: dict[int, int | None] = {1: output, 2: output, 3: job, 4: result}

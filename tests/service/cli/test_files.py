@@ -119,6 +119,7 @@ def test_one_of_several_is_told_by_the_functions_or_by_the_folder(file, tmp_path
             resolve_assignment(None, [file('{"source": ["oscillator = lambda t, y, omega, gamma: y"]}', "a.ipynb")]).slug
             == "damped-oscillator"
         )
+        assert resolve_assignment(None, [file('{"source": "import os\\ndef euler_eqs(): ..."}', "b.ipynb")]).slug == "rigid-body"
         assert resolve_assignment(None, [file("euler_eqs = 1"), file("x = 1", "b.py")]).slug == "rigid-body"
         assert resolve_assignment(None, [folder / "samples" / "right_terms.py"]).slug == "damped-oscillator"
         assert resolve_assignment("rigid_body", [folder / "samples" / "right_terms.py"]).slug == "rigid-body"

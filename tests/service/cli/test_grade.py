@@ -12,6 +12,7 @@ import pytest
 
 from service.cli.__main__ import main
 from service.cli.output_dir import write
+from service.sandbox.select import choose
 from tests.support.assignments import change, copied, known
 from tests.support.limits import largest_file
 
@@ -96,14 +97,16 @@ def test_reports_of_files_with_one_name_do_not_overwrite_each_other(polhode, fol
 
 
 @pytest.mark.slow  # an import contract forbids it
-def test_grade_needs_neither_web_nor_database_nor_any_other_assignment(folder, tmp_path):
+def test_grade_imports_neither_web_nor_database_nor_drawing_nor_another_assignment(folder, tmp_path):
     file = shutil.copy(folder / "right_terms.py", tmp_path)
-    absent = ("fastapi", "sqlalchemy", "psycopg", "uvicorn", "numba", "sympy")
+    without_settings = {name: value for name, value in os.environ.items() if "POLHODE" not in name}
+    choose()  # matplotlib writes its font list once
+    absent = ("fastapi", "sqlalchemy", "psycopg", "uvicorn", "pydantic", "numba", "sympy", "matplotlib")
     script = (
         f"import sys\nfor name in {absent}:\n    sys.modules[name] = None\n"
         f"from service.cli.__main__ import main\nsys.exit(main(['grade', {file!r}, '--exercise', '2']))"
     )
-    assert subprocess.run([sys.executable, "-c", script], capture_output=True, check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, check=False, env=without_settings).returncode == 0
 
 
 @pytest.mark.slow
@@ -236,12 +239,13 @@ def test_an_interrupted_batch_leaves_no_process(folder):
     assert not [h for h in hands if Path(f"/proc/{h}").exists()]
 
 
-def test_whatever_goes_wrong_before_a_command_is_no_verdict(tmp_path):
-    for library in ("numpy", "pydantic"):
+def test_whatever_goes_wrong_before_a_command_is_no_verdict(folder, tmp_path):
+    for library in ("numpy", "scipy"):
         (tmp_path / library).mkdir()
         (tmp_path / library / f"{library}.py").write_text(f"raise ImportError('no {library} here')")
         environment = os.environ | {"PYTHONPATH": f"{tmp_path / library}:{os.environ.get('PYTHONPATH', '')}"}
-        told = subprocess.run([*COMMAND, "grade", "x.py"], env=environment, capture_output=True, text=True, check=False)
+        command = [*COMMAND, "grade", folder / "right_terms.py"]
+        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert told.returncode == 2 and f"no {library} here" in told.stderr
 
 

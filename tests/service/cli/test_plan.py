@@ -1,10 +1,12 @@
 """The simulated queue against waits computed by hand, against queueing theory, and as the command prints it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from service.cli import plan
 from service.cli.__main__ import main
 from service.cli.plan import (
     QUANTILES,
@@ -215,6 +217,24 @@ def test_command(capsys):
     assert polhode_plan("--students 30 --minutes 1") == 2
     assert polhode_plan("--students 30 --minutes 1 --workers 0") == 2
     assert "--workers must be more than 0" in capsys.readouterr().err
+
+
+def test_the_chart_has_the_fewest_workers_and_what_they_cost_at_each_class_size(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(plan, "CLASSES", (10, 300))
+    asked = Deadline(students=1, minutes=1, workers=1, seconds=(0.5, 2.0))
+    found = plan.costs(asked, 5.0)
+    for students, workers, cost in found:
+        assert workers == workers_needed(replace(asked, students=students), 5.0)
+        waits = simulate(replace(asked, students=students, workers=workers))
+        assert cost * students * asked.submissions == pytest.approx(workers * (60 + waits.emptied_s))
+    assert found[0][2] > found[1][2] > 1.25, "few students leave a worker idle; no worker is cheaper than the grading"
+    file = tmp_path / "cost.svg"
+    assert polhode_plan(f"--chart {file} --minutes 1 --p99 60 --submissions 2") == 0
+    drawn = file.read_text()
+    assert "one exercise:" in drawn and "a whole notebook:" in drawn
+    assert "2 submissions each in 1 min; 99 % wait at most 60 s" in drawn
+    for more in ("", "--p99 1 --workers 2", "--p99 1 --notebook"):
+        assert polhode_plan(f"--chart {file} --minutes 1 {more}") == 2 and "give --p99, not --workers" in capsys.readouterr().err
 
 
 def test_whole_notebooks_take_longer_than_one_exercise(capsys):

@@ -1,6 +1,7 @@
 """Grading files: what polhode itself fails at is a fault of that file, and never what its author gets points for."""
 
 import json
+import tempfile
 from dataclasses import replace
 
 import pytest
@@ -51,3 +52,15 @@ def test_a_json_document_is_graded_as_the_api_grades_it(rigid_body, tmp_path):
     assert graded.passed and [e.number for e in graded.report.exercises] == ["2"]
     for one, why in zip(refused, ("no exercise 9", "submit a .py or .ipynb file", 'a string "source"'), strict=True):
         assert why in one.refused and one.fault is None
+
+
+@pytest.mark.parametrize("data", [(), ("notebook.ipynb",)])
+def test_two_processes_grade_as_one_does_and_leave_no_folder(rigid_body, tmp_path, monkeypatch, data):
+    """Copies of one guest share a folder of data files, so each process has a guest of its own if there are some."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    samples = [rigid_body.folder / "samples" / name for name in ("right_terms.py", "wrong_zeros.py", "right_terms.py")]
+    requests, wanted = [GradeRequest(file, ("2",)) for file in samples], GradeOptions(replace(rigid_body, data=data), seed=1)
+    alone, together = (list(grade_files(requests, wanted, choose(), jobs)) for jobs in (1, 2))
+    assert [file.report.text() for file in together] == [file.report.text() for file in alone]
+    assert [file.passed for file in together] == [True, False, True]
+    assert data or not list(tmp_path.glob("polhode-data-*"))

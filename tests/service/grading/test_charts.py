@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from exercises.catalogue import find
 from service.cli.__main__ import main
 from service.grading import charts
 from tests.support.asgi import visit
@@ -27,6 +28,42 @@ def test_work_precision_writes_csv_json_and_svg(tmp_path, monkeypatch, capsys):
     assert "exercise 6" in svg and "evaluations of the right-hand side" in svg
     assert main(["chart", "work-precision", "--scene", "nowhere", "--out", str(tmp_path)]) == 2
     assert "no scene matches" in capsys.readouterr().err
+
+
+@pytest.mark.slow  # each in a sandbox of its own, as the command starts it
+@pytest.mark.parametrize(
+    ("slug", "sample", "exercise", "scene", "labels"),
+    [
+        ("rigid-body", "right_terms.py", (), "exercise 2", ("yours, DOP853", "RK4")),
+        ("lagrangian", None, ("--exercise", "5"), "motion of hoop_rates to t = 5", ("yours, DOP853",)),
+        ("integrators", None, (), "euler_step, ", ("yours, euler_step", "yours, rk4_step")),
+    ],
+)
+def test_a_submission_is_drawn_with_any_exercise_that_has_a_chart(slug, sample, exercise, scene, labels, tmp_path, capsys):
+    assignment, file = find(slug), tmp_path / "mine.py"
+    made = (sample.source for sample in assignment.made_samples() if sample.right)
+    file.write_text((assignment.folder / "samples" / sample).read_text() if sample else next(made))
+    given = ["--submission", str(file), "--assignment", slug, *exercise, "--out", str(tmp_path / "out")]
+    assert main(["chart", "work-precision", *given]) == 0, capsys.readouterr()
+    assert capsys.readouterr().out.startswith(scene)
+    assert json.loads((tmp_path / "out" / "work-precision-submission.json").read_text())["scene"].startswith(scene)
+    svg = (tmp_path / "out" / "work-precision-submission.svg").read_text()
+    assert all(label in svg for label in labels)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["--exercise", "1", "--submission"], "exercise 1 has no chart of speed against accuracy; these have one: 2"),
+        (["--exercise", "9", "--submission"], "9"),
+        (["--scene", "x", "--submission"], "leave --scene out"),
+        (["--exercise"], "add --submission FILE"),
+    ],
+)
+def test_no_option_of_a_submission_is_ignored(given, message, tmp_path, rigid_body, capsys):
+    file = rigid_body.folder / "samples" / "right_terms.py"
+    assert main(["chart", "work-precision", *given, str(file), "--out", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 def test_stability_measures_the_named_scenes_only(tmp_path, capsys):

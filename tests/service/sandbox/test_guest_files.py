@@ -1,13 +1,16 @@
 """Packages beyond numpy, scipy and matplotlib: importable where the assignment declares them, and nowhere else."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+from matplotlib import font_manager, get_cachedir
 
 from ecp.judge import Verdict
 from service.grading.batch import GradeOptions, GradeRequest, grade_files
 from service.grading.grade import grade
 from service.grading.submission import Submission
+from service.sandbox.guest_files import font_list
 from service.sandbox.isolation import process_isolation
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
@@ -54,3 +57,7 @@ def test_a_package_that_the_server_lacks_is_a_fault(rigid_body, sandbox, tmp_pat
     (tmp_path / "mine.py").write_text(CODE)
     with pytest.raises(SystemFault, match="no-such-package"):
         list(grade_files([GradeRequest(tmp_path / "mine.py")], GradeOptions(lacking, 1), choose()))
+
+
+def test_the_font_list_is_that_of_this_matplotlib():
+    assert font_list() == [Path(get_cachedir()) / f"fontlist-v{font_manager.FontManager.__version__}.json"]

@@ -324,6 +324,18 @@ def test_submissions_do_not_see_each_other(either_sandbox):
     assert attempt(either_sandbox, body) == [[np.pi, False, False]]
 
 
+def test_a_copy_is_locked_down_plays_and_ends_alone(either_sandbox):
+    copies = [either_sandbox.copy() for _ in range(2)]
+    for sandbox in copies:
+        sandbox.self_test()
+    assert copies[0].wait_ready() == either_sandbox.wait_ready()  # the same unprivileged user
+    copies[0].close()
+    for sandbox in (copies[1], either_sandbox, copies[0]):  # the closed one starts a guest of its own
+        assert sandbox.play(job(GOOD)).arrays["one"]["x"].tolist() == [1.0, 2.0]
+    for sandbox in copies:
+        sandbox.close()
+
+
 @BY_THE_HOST
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_sandbox, how):

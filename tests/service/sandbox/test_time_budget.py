@@ -12,6 +12,7 @@ from ecp.outcome import Ended
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox import session, zygote
+from service.sandbox.guest_process import GuestProcess
 from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
@@ -137,7 +138,7 @@ def test_a_guest_that_waits_for_a_processor_is_waited_for(monkeypatch):
 
 def test_a_guest_that_sleeps_when_it_starts_is_a_fault(monkeypatch):
     monkeypatch.setattr(zygote, "START_S", 0.3)
-    began, sleeping = time.monotonic(), zygote.Zygote(["sh", "-c", "sleep 60"], {}, threading.Event())
+    began, sleeping = time.monotonic(), zygote.Zygote(GuestProcess(["sh", "-c", "sleep 60"], {}), threading.Event())
     with pytest.raises(SystemFault, match="the sandbox did not start: no output"):
         sleeping.wait_ready()
     assert time.monotonic() - began < LONGEST_S

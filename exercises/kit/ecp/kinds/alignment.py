@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 Array = NDArray[np.float64]
 
@@ -36,6 +35,8 @@ def _sign(got: Array, want: Array) -> Array:
 
 
 def _order(got: Array, want: Array) -> Array:
+    from scipy.optimize import linear_sum_assignment
+
     distance = np.abs(got[:, None] - want[None, :]).reshape(len(got), len(want), -1).sum(axis=2)
     rows, columns = linear_sum_assignment(distance)
     return got[rows[np.argsort(columns)]]
@@ -53,6 +54,8 @@ def _column_phases(got: Array, want: Array) -> Array:
 
 
 def _column_order_and_signs(got: Array, want: Array) -> Array:
+    from scipy.optimize import linear_sum_assignment
+
     rows, columns = linear_sum_assignment(-np.abs(got.T @ want))
     return _column_signs(got[:, rows[np.argsort(columns)]], want)
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 import scipy.integrate
 
-from service.sandbox.guest.calls import HEAD, MALFORMED, MOST_BYTES, MOST_NESTED, MOST_OPEN, Channel
+from service.sandbox.guest.calls import HEAD, MOST_BYTES, MOST_NESTED, MOST_OPEN, Channel
+from service.sandbox.guest.wire import MALFORMED
 
 
 def same(x):

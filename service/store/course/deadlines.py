@@ -2,13 +2,10 @@
 
 from collections.abc import Sequence
 from datetime import datetime
-from typing import Any
-
-from sqlalchemy import Row
 
 from service.store.course import audit
 from service.store.course.people import COURSE
-from service.store.database import Database
+from service.store.database import Database, Row
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
@@ -31,7 +28,7 @@ async def remove_extension(database: Database, slug: str, name: str, by: str) ->
     return removed
 
 
-async def extensions(database: Database, slug: str) -> Sequence[Row[Any]]:
+async def extensions(database: Database, slug: str) -> Sequence[Row]:
     """Return the extensions of an assignment, latest deadline first."""
     return await database.rows(_LIST, {"slug": slug, "course": COURSE})
 

@@ -138,15 +138,9 @@ SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256
 WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
 """
 
-# A fixed order avoids deadlocks.
-_INSERT_ARTEFACTS = """
-WITH given AS (
-    SELECT * FROM unnest(CAST(:names AS text[]), CAST(:hashes AS text[]), CAST(:contents AS bytea[])) AS one (name, sha256, content)
-), stored AS (
-    INSERT INTO artefact (sha256, content)
-    SELECT DISTINCT ON (sha256) sha256, content FROM given ORDER BY sha256 ON CONFLICT DO NOTHING
-)
-INSERT INTO grading_artefact (grading_id, name, sha256) SELECT :grading, name, sha256 FROM given ON CONFLICT DO NOTHING
+_INSERT_ARTEFACT = """
+WITH stored AS (INSERT INTO artefact (sha256, content) VALUES (:sha256, :content) ON CONFLICT DO NOTHING)
+INSERT INTO grading_artefact (grading_id, name, sha256) VALUES (:grading, :name, :sha256) ON CONFLICT DO NOTHING
 """
 
 
@@ -189,9 +183,9 @@ async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[
 
 async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
     """Store artefacts in this transaction; content that several gradings share is stored once."""
-    contents = list(artefacts.values())
-    values = {"names": list(artefacts), "hashes": [sha256(content).hexdigest() for content in contents], "contents": contents}
-    await connection.execute(_INSERT_ARTEFACTS, values | {"grading": grading})
+    for mark, name in sorted((sha256(content).hexdigest(), name) for name, content in artefacts.items()):  # avoids deadlocks
+        values = {"grading": grading, "name": name, "sha256": mark, "content": artefacts[name]}
+        await connection.execute(_INSERT_ARTEFACT, values)
 
 
 def _stored(row: Row) -> SubmissionRecord:

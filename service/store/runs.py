@@ -184,7 +184,10 @@ _FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CO
 _RUN = "INSERT INTO run (id, grading_id, worker, phase) VALUES (:run, :grading, :worker, 'starting') ON CONFLICT DO NOTHING"
 
 # The worker does not wait for the disk: ``finish`` adds the run again if a database that crashed has lost it.
-_START = f"{_RUN} RETURNING pg_notify('{CHANNEL}', :submission), set_config('synchronous_commit', 'off', true)"
+_START = f"""
+WITH begun AS ({_RUN} RETURNING id)
+SELECT pg_notify('{CHANNEL}', :submission), set_config('synchronous_commit', 'off', true) FROM begun
+"""
 
 _RESULT = f"""
 WITH begun AS ({_RUN}), stored AS (

@@ -7,9 +7,6 @@ import json
 from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from datetime import UTC, datetime
-from typing import Any
-
-from sqlalchemy import Row
 
 from ecp.document import NotADocument
 from ecp.document import read as read_document
@@ -19,7 +16,7 @@ from service.formats.grade_row import moment
 from service.formats.spreadsheet_csv import BYTE_ORDER_MARK, Value, table
 from service.store.course.grades import overrides, submissions, trail
 from service.store.course.people import ROSTER
-from service.store.database import Database
+from service.store.database import Database, Row
 
 AUDIT = ("at", "who", "action", "subject", "detail")
 OVERRIDES = ("student", "submission_id", "check_id", "points", "reason", "given_by", "given_at", "withdrawn_by", "withdrawn_at")
@@ -30,9 +27,7 @@ INDEX = (
 RESERVED_NAMES = ("report.json", "report.txt")
 
 
-async def course_archive(
-    database: Database, slug: str, files: Mapping[str, str], people: Sequence[Row[Any]]
-) -> AsyncIterator[bytes]:
+async def course_archive(database: Database, slug: str, files: Mapping[str, str], people: Sequence[Row]) -> AsyncIterator[bytes]:
     """Yield the zip's bytes: ``files``, roster, overrides, audit log, every submission with its report,
     and their index.
     """
@@ -66,7 +61,7 @@ class Folders:
         self._folders = {name: self._names.give(name, "person") for name in people}
         self.index: list[list[Value]] = []
 
-    def add(self, archive: ZipStream, batch: Sequence[Row[Any]]) -> None:
+    def add(self, archive: ZipStream, batch: Sequence[Row]) -> None:
         """Add a batch of submissions to the archive."""
         for row in batch:
             person = self._folders.get(row.person) or self._folders.setdefault(row.person, self._names.give(row.person, "person"))
@@ -77,7 +72,7 @@ class Folders:
             self.index.append(_line(row, folder))
 
 
-def _reports(row: Row[Any]) -> dict[str, str]:
+def _reports(row: Row) -> dict[str, str]:
     """Return the report as JSON and as text; only as JSON if it is in an old format."""
     if row.report is None:
         return {}
@@ -87,12 +82,12 @@ def _reports(row: Row[Any]) -> dict[str, str]:
     return files
 
 
-def _line(row: Row[Any], folder: str) -> list[Value]:
+def _line(row: Row, folder: str) -> list[Value]:
     result = [row.number, row.points, row.score, row.max_score, row.overridden, row.fault]
     return [row.person, str(row.id), moment(row.submitted_at), row.late, row.status, *result, row.sha256, folder]
 
 
-def _lines(columns: Sequence[str], rows: Sequence[Row[Any]]) -> str:
+def _lines(columns: Sequence[str], rows: Sequence[Row]) -> str:
     return BYTE_ORDER_MARK + table(columns, [[_value(getattr(row, name)) for name in columns] for row in rows])
 
 

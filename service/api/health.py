@@ -70,7 +70,7 @@ async def readyz(database: Db, status: Held[WorkerStatus]) -> JSONResponse:
 
 
 def _reason(error: Exception) -> str:
-    return f"lost: {str(getattr(error, 'orig', error)).splitlines()[0]}" if is_loss(error) else type(error).__name__
+    return f"lost: {str(error).splitlines()[0]}" if is_loss(error) else type(error).__name__
 
 
 @router.get("/metrics", response_class=Response, responses=media("text/plain") | problems({503: "busy"}))

@@ -215,7 +215,7 @@ async def submit(
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return _response(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
-        found = _visible(person, await _wait(database, listener, accepted.id, wait_s))
+        found = _visible(person, await _wait(database, listener, accepted, wait_s))
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
@@ -271,13 +271,16 @@ def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
     return answers.Submission(**more, sha256=stored.submission.sha256, report=report)
 
 
-async def _wait(database: Db, listener: Listener, id: uuid.UUID, seconds: float) -> SubmissionRecord:
+async def _wait(database: Db, listener: Listener, accepted: Accepted, seconds: float) -> SubmissionRecord:
     """Return the submission when it has its result, at latest after ``seconds``."""
-    async for _ in listener.wait_for_changes(str(id), seconds):
-        row = await records.state(database, id)
-        if row is None or row.finished:
+    changes, stored = listener.wait_for_changes(str(accepted.id), seconds), None
+    if accepted.fresh:
+        await anext(changes)  # begins to wait: there is no result yet
+    async for _ in changes:
+        stored = await records.read(database, accepted.id)
+        if stored is None or stored.finished:
             break
-    stored = await records.read(database, id)
+    stored = stored or await records.read(database, accepted.id)
     assert stored is not None
     return stored
 

@@ -108,7 +108,7 @@ async def by_token(token: str, database: Database, hub: Hub) -> Person:
         raise Problem(401, "nobody", "this token is not valid here: check it, or log in again to get a new one")
     if info.over:
         raise Problem(401, "nobody", f"this token {info.over}: log in again to get a new one")
-    return await _person(database, info.person, info.scopes)
+    return Person(info.person, info.scopes, info.role)
 
 
 async def same_origin(request: Request, settings: Config, address: PublicAddress) -> None:
@@ -155,7 +155,8 @@ async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | 
     info = await tokens.find(database, secret)
     if info is None or info.over is not None:
         return None
-    return await _person(database, info.person, [*info.scopes, "submit"], info.id)  # by the form on an assignment's page
+    scopes = frozenset(info.scopes) | {"submit"}  # by the form on an assignment's page
+    return Person(info.person, scopes, info.role, session=info.id)
 
 
 def _single_user(request: Request, settings: Settings) -> Person:
@@ -166,5 +167,5 @@ def _single_user(request: Request, settings: Settings) -> Person:
     return Person(LOCAL, frozenset(tokens.SCOPES), "instructor", single_user=True)
 
 
-async def _person(database: Database, name: str, scopes: Iterable[str], session: UUID | None = None) -> Person:
-    return Person(name, frozenset(scopes), await people.role(database, name), session=session)
+async def _person(database: Database, name: str, scopes: Iterable[str]) -> Person:
+    return Person(name, frozenset(scopes), await people.role(database, name))

@@ -100,14 +100,10 @@ def _shuffled(inputs: Mapping[str, Any], order: np.ndarray) -> dict[str, Any]:
 
 def _agree(inputs: Inputs, first: Arrays, second: Arrays, order: np.ndarray) -> bool:
     """Return whether the answers of both children, and those to a repeated question within the first, agree bit for bit."""
-    asked = np.column_stack([np.asarray(v).reshape(len(order), -1).astype(str) for v in inputs.values()])
-    _, same = np.unique(asked, axis=0, return_inverse=True)
-    representative = np.zeros(same.max() + 1, dtype=int)
-    representative[same] = np.arange(len(order))
-    return all(
-        a[order].tobytes() == second[name].tobytes() and a.tobytes() == a[representative[same]].tobytes()
-        for name, a in first.items()
-    )
+    questions = zip(*(map(np.ndarray.tobytes, map(np.asarray, np.asarray(values))) for values in inputs.values()), strict=True)
+    places = dict[tuple[bytes, ...], int]()
+    same = [places.setdefault(question, k) for k, question in enumerate(questions)]
+    return all(a[order].tobytes() == second[name].tobytes() and a.tobytes() == a[same].tobytes() for name, a in first.items())
 
 
 def _drive(

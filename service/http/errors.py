@@ -5,12 +5,11 @@ import time
 from collections.abc import Mapping
 from functools import partial
 
+import psycopg
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
 from procrastinate.exceptions import ConnectorException
-from sqlalchemy.exc import DBAPIError
-from sqlalchemy.exc import TimeoutError as NoConnection
 from starlette.exceptions import HTTPException
 
 from service.http.templating import templates
@@ -73,7 +72,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _validation)
     logged: dict[str, float] = {}
-    for outage in (DBAPIError, NoConnection, ConnectorException, DatabaseLost):
+    for outage in (psycopg.Error, ConnectorException, DatabaseLost):
         app.add_exception_handler(outage, partial(_outage, logged))
 
 
@@ -134,7 +133,7 @@ async def _outage(logged: dict[str, float], request: Request, error: Exception) 
     if not is_outage(error):
         raise error
     loss = is_loss(error)
-    reason = str(getattr(error, "orig", error)).split("\n")[0] if loss else type(error).__name__
+    reason = str(error).split("\n")[0] if loss else type(error).__name__
     now = time.monotonic()
     if now - logged.get(reason, float("-inf")) > LOG_EVERY_S:
         logged[reason] = now

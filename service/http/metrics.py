@@ -4,11 +4,9 @@ Counts of results come from the database, so every server reports the same numbe
 """
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from prometheus_client import CollectorRegistry, Counter, Histogram, disable_created_metrics, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
-from sqlalchemy import Row
 
 from service.store.database import Database
 
@@ -87,7 +85,7 @@ async def _from_tables(database: Database) -> Sequence[Metric]:
 
 
 async def _histogram(database: Database, name: str, help: str, query: str) -> Metric:
-    counts = ", ".join(f"count(*) FILTER (WHERE s <= {edge})" for edge in BUCKETS)
-    row: Row[Any] = (await database.rows(_HISTOGRAM.format(counts, query)))[0]
+    counts = ", ".join(f"count(*) FILTER (WHERE s <= {edge}) AS bucket_{k}" for k, edge in enumerate(BUCKETS))
+    row = await database.one(_HISTOGRAM.format(counts, query))
     buckets = [(str(float(edge)), row[k]) for k, edge in enumerate(BUCKETS)] + [("+Inf", row[len(BUCKETS)])]
     return HistogramMetricFamily(name, help, buckets=buckets, sum_value=float(row[len(BUCKETS) + 1]))

@@ -7,7 +7,6 @@ from uuid import UUID
 from fastapi import APIRouter, Header, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from sqlalchemy import Row
 
 from service.auth.forms import Form
 from service.auth.roles import Staff
@@ -17,6 +16,7 @@ from service.http.state import Db, Held
 from service.http.templating import templates
 from service.settings import LEASE_S
 from service.store import gradings
+from service.store.database import Row
 from service.store.queue_overview import MOST_PLACES, QueueSnapshot, regrade
 
 router = APIRouter()
@@ -106,7 +106,7 @@ def _silence(seconds: float, usual: float) -> str:
     return f"silent for {format_seconds(seconds)}" if seconds > usual else "responding"
 
 
-def _run_to_json(run: Row[Any], lease_s: float) -> dict[str, Any]:
+def _run_to_json(run: Row, lease_s: float) -> dict[str, Any]:
     phase = f"{run.phase}, scene {run.scene} of {run.scenes}" if run.scenes else run.phase
     progress = {"phase": phase, "running": format_seconds(run.running_s), "in_scene": format_seconds(run.scene_s), "stuck": ""}
     progress["silent"] = _silence(run.silent_s, lease_s)

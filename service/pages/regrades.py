@@ -9,7 +9,6 @@ from uuid import UUID
 from fastapi import APIRouter, Depends, Header, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
-from sqlalchemy import Row
 
 from exercises.assignment import Assignment
 from service.api.submissions import Assigned, find_assignment
@@ -22,6 +21,7 @@ from service.http.state import Db, Held
 from service.http.templating import templates
 from service.pages.queue import Queue, identifier
 from service.store import records, regrades
+from service.store.database import Row
 from service.store.regrades import BEST, EVERY, Regrade
 
 router = APIRouter()
@@ -137,7 +137,7 @@ def _feed(database: Db, listener: Listener, id: UUID) -> ChangeFeed[Regrade | No
     return feed
 
 
-def diff(pairs: Sequence[Row[Any]], changes: Iterable[Row[Any]], labels: Mapping[str, str]) -> dict[str, Any]:
+def diff(pairs: Sequence[Row], changes: Iterable[Row], labels: Mapping[str, str]) -> dict[str, Any]:
     """Return the finished submissions by group, the most frequently changed checks, and the compared
     versions.
     """
@@ -169,7 +169,7 @@ def check_labels(assignment: Assignment) -> dict[str, str]:
     return {c.id: f"{e.number}: {c.label}" for e in assignment.exercises for c in e.checks}
 
 
-def _group(row: Row[Any]) -> str:
+def _group(row: Row) -> str:
     if row.fault is not None:
         return "faults"
     if row.overtaken:

@@ -90,7 +90,7 @@ class Zygote:
         does not answer: kill it, and try again with another.
         """
         self.wait_ready()
-        with self._data_files(job):
+        with self._data_files(job) if job.data else contextlib.nullcontext():
             return self._play(job, budget, Reader(job, result, on_scene))
 
     def _play(self, job: Job, budget: TimeBudget, reader: Reader) -> bool:

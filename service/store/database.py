@@ -2,13 +2,14 @@
 
 import asyncio
 import functools
+import re
 import time
 from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 from uuid import UUID
 
 import psycopg
@@ -17,22 +18,24 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from procrastinate.exceptions import ConnectorException
+from psycopg.pq import TransactionStatus
+from psycopg.rows import namedtuple_row
 from sqlalchemy import Connection as SyncConnection
-from sqlalchemy import CursorResult, Row, create_engine, text
-from sqlalchemy.exc import DBAPIError
-from sqlalchemy.exc import TimeoutError as NoConnection
-from sqlalchemy.ext.asyncio import AsyncConnection, create_async_engine
+from sqlalchemy import create_engine, text
 
 from service.settings import DATABASE_WAIT_S
 
 T = TypeVar("T")
 Values = Mapping[str, Any]
+Row: TypeAlias = Any
+"""A named tuple of a query's columns."""
 TABLES = (
     "artefact", "assignment", "assignment_version", "audit", "course", "device_login", "extension", "grading", "grading_artefact",
     "member", "oidc_account", "outcome", "override", "person", "regrade", "result", "run", "secret", "submission", "token",
     "worker",
 )  # fmt: skip
 CONNECT_S = 3
+IDLE = 4  # most connections of a pool that stay open while nobody uses them
 ANSWER_S = 25.0  # longer than statement_timeout, which a frozen server does not enforce
 # Make the server release the locks of a disconnected or frozen client within seconds.
 SERVER_SIDE = {
@@ -67,34 +70,51 @@ class WrongSchema(Exception):
     """The tables do not fit this version; the message says why and what to do."""
 
 
+class NoConnection(psycopg.OperationalError):
+    """No connection to the database was free in time, or the one in use broke."""
+
+
+class NoRow(LookupError):
+    """A query that must return a row returned none."""
+
+
 class Queries(ABC):
     """Runs queries: a database, or a connection in a transaction. SQL text names its ``values`` with a colon."""
 
     @abstractmethod
-    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row[Any]]:
+    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
         """Run a query and return all rows."""
 
-    async def first(self, query: str, values: Values | None = None) -> Row[Any] | None:
+    async def first(self, query: str, values: Values | None = None) -> Row | None:
         """Run a query and return its first row, or None."""
         return next(iter(await self.rows(query, values)), None)
+
+    async def one(self, query: str, values: Values | None = None) -> Row:
+        """Run a query and return its first row. Raises NoRow."""
+        if (row := await self.first(query, values)) is None:
+            raise NoRow(query)
+        return row
 
 
 @dataclass(frozen=True)
 class Connection(Queries):
-    """Connection in a transaction; ``raw`` is SQLAlchemy's."""
+    """Connection in a transaction; ``raw`` is psycopg's."""
 
-    raw: AsyncConnection
+    raw: psycopg.AsyncConnection[Row]
 
-    async def execute(self, query: str, values: Values | Sequence[Values] | None = None) -> CursorResult[Any]:
-        """Run a statement, once for each element if ``values`` is a sequence, which must not be empty."""
-        return await self.raw.execute(_parsed(query), values)
+    async def execute(self, query: str, values: Values | None = None) -> int:
+        """Run a statement and return the number of its rows."""
+        return (await self.raw.execute(_translated(query), values or {})).rowcount
 
-    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row[Any]]:
+    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
         """Run a query and return all rows."""
-        return (await self.execute(query, values)).all()
+        return await (await self.raw.execute(_translated(query), values or {})).fetchall()
 
 
-_parsed = functools.cache(text)
+@functools.cache
+def _translated(query: str) -> bytes:
+    """Return a query with psycopg's parameters, %(name)s, in place of :name."""
+    return re.sub(r"(?<![:\w]):(\w+)(?!:)", r"%(\1)s", query.replace("%", "%%")).encode()
 
 
 class Database(Queries):
@@ -114,19 +134,46 @@ class Database(Queries):
     ) -> None:
         self.url, self._find_loss = url, find_loss
         self.persons: dict[str, UUID] = {}  # ids of stored people, by name
-        self._engine = create_async_engine(
-            driver_url(url),
-            pool_size=1,
-            max_overflow=connections - 1,
-            pool_timeout=wait_s,
-            hide_parameters=True,  # keeps students' sources out of logged errors
-            connect_args=connect_options(name),
-        )
-        self._reading = self._engine.execution_options(isolation_level="AUTOCOMMIT")  # a single statement needs no transaction
+        self._options, self._wait_s = connect_options(name), wait_s
+        self._places = asyncio.Semaphore(connections)
+        self._idle: list[psycopg.AsyncConnection[Row]] = []
+        self._most_idle = IDLE
 
     async def close(self) -> None:
-        """Close all connections."""
-        await self._engine.dispose()
+        """Close the idle connections, and others once they are not used any more."""
+        self._most_idle = 0
+        await self._close_idle()
+
+    async def _close_idle(self) -> None:
+        while self._idle:
+            await self._idle.pop().close()
+
+    @asynccontextmanager
+    async def _connected(self) -> AsyncIterator[psycopg.AsyncConnection[Row]]:
+        """Provide a connection. Raises NoConnection if it breaks meanwhile, and then closes the idle ones, which are as old."""
+        try:
+            async with asyncio.timeout(self._wait_s):
+                await self._places.acquire()
+        except TimeoutError:
+            raise NoConnection(f"no connection to the database was free for {self._wait_s:g} s") from None
+        try:
+            connect = psycopg.AsyncConnection[Row].connect
+            reused = self._idle.pop() if self._idle else None
+            connection = reused or await connect(self.url, autocommit=True, row_factory=namedtuple_row, **self._options)
+            try:
+                yield connection
+            except (psycopg.Error, ConnectorException) as error:
+                if connection.closed:
+                    await self._close_idle()
+                    raise NoConnection(str(error)) from error
+                raise
+            finally:
+                if connection.info.transaction_status is TransactionStatus.IDLE and len(self._idle) < self._most_idle:
+                    self._idle.append(connection)
+                else:
+                    await connection.close()
+        finally:
+            self._places.release()
 
     @asynccontextmanager
     async def begin(self) -> AsyncIterator[Connection]:
@@ -135,7 +182,7 @@ class Database(Queries):
         Raises DatabaseLost, also if the files disappeared before the commit: they may be deleted files by then.
         """
         self._check_files()
-        async with _bounded(), self._engine.begin() as connection:
+        async with _bounded(), self._connected() as connection, connection.transaction():
             yield Connection(connection)
         self._check_files()
 
@@ -143,22 +190,20 @@ class Database(Queries):
         if loss := self._find_loss():
             raise DatabaseLost(loss)
 
-    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row[Any]]:
+    async def rows(self, query: str, values: Values | None = None) -> Sequence[Row]:
         """Run a read-only query and return all rows.
 
-        If a pooled connection turns out to be dead, the pool drops it and its contemporaries and the query
-        runs once more. Cancelling the caller does not interrupt the query, so its connection stays usable.
+        If the connection turns out to be dead, the query runs once more on a new one. Cancelling the caller does not interrupt the
+        query, so its connection stays usable.
         """
         self._check_files()
         try:
             return await asyncio.shield(asyncio.ensure_future(self._fetch(query, values)))
-        except DBAPIError as error:
-            if not error.connection_invalidated:
-                raise
+        except NoConnection:
             return await asyncio.shield(asyncio.ensure_future(self._fetch(query, values)))
 
-    async def _fetch(self, query: str, values: Values | None) -> Sequence[Row[Any]]:
-        async with _bounded(), self._reading.connect() as connection:
+    async def _fetch(self, query: str, values: Values | None) -> Sequence[Row]:
+        async with _bounded(), self._connected() as connection:
             return await Connection(connection).rows(query, values)
 
     async def ping(self) -> None:
@@ -179,11 +224,8 @@ def is_outage(error: BaseException) -> bool:
     """Return whether the error means that the database is unreachable or lost, so that a retry may succeed
     once it is back.
     """
-    if isinstance(error, DBAPIError) and (error.connection_invalidated or isinstance(error.orig, psycopg.InterfaceError)):
-        return True
-    return is_loss(error) or isinstance(
-        getattr(error, "orig", error), NoConnection | psycopg.OperationalError | ConnectorException | OSError
-    )
+    outages = psycopg.OperationalError | psycopg.InterfaceError | ConnectorException | OSError
+    return is_loss(error) or isinstance(getattr(error, "orig", error), outages)
 
 
 def is_loss(error: BaseException) -> bool:
@@ -243,8 +285,16 @@ def migrate(url: str) -> str:
 
 async def check_schema(database: Database) -> None:
     """Raise WrongSchema if a later version than this one wrote the tables."""
-    async with database.begin() as connection:
-        await connection.raw.run_sync(_check_revision)
+    await asyncio.to_thread(_check_schema, database.url)
+
+
+def _check_schema(url: str) -> None:
+    engine = create_engine(driver_url(url), connect_args=connect_options("polhode tables"))
+    try:
+        with engine.connect() as connection:
+            _check_revision(connection)
+    finally:
+        engine.dispose()
 
 
 def _alembic_config() -> Config:

@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row
-
-from service.store.database import Database
+from service.store.database import Database, Row
 from service.store.records import LATE, SHOWN, STATUS
 
 MOST = 100
@@ -32,7 +29,7 @@ class PastSubmission:
     verdicts: dict[str, str]
 
 
-async def timeline(database: Database, person: str, slug: str) -> Sequence[Row[Any]]:
+async def timeline(database: Database, person: str, slug: str) -> Sequence[Row]:
     """Return the person's latest MOST submissions to an assignment, newest first, without their sources.
 
     ``points`` is None without a report; ``before`` is the id of the preceding submission.
@@ -46,7 +43,7 @@ async def previous(database: Database, submission: UUID) -> UUID | None:
     return None if row is None else row.id
 
 
-async def gradings(database: Database, submission: UUID) -> Sequence[Row[Any]]:
+async def gradings(database: Database, submission: UUID) -> Sequence[Row]:
     """Return all gradings of a submission, oldest first, with result and with start and worker of the run that produced it.
 
     ``kind`` is "interactive", "regrade" or "bulk"; ``runs`` counts all runs started. A ``preview`` grading
@@ -58,7 +55,7 @@ async def gradings(database: Database, submission: UUID) -> Sequence[Row[Any]]:
 async def past_submissions(database: Database, person: str, slug: str) -> Sequence[PastSubmission]:
     """Return the person's latest MOST submissions to an assignment, newest first, with source and verdicts."""
     rows = await database.rows(_PAST, {"person": person, "slug": slug, "most": MOST})
-    return [PastSubmission(**{**row._mapping, "verdicts": row.verdicts or {}}) for row in rows]
+    return [PastSubmission(**{**row._asdict(), "verdicts": row.verdicts or {}}) for row in rows]
 
 
 _PAST = f"""

@@ -12,6 +12,7 @@ from uuid import UUID
 
 from procrastinate import App, PsycopgConnector
 from procrastinate.types import JSONValue
+from psycopg import AsyncConnection
 
 from service.settings import DATABASE_WAIT_S
 from service.store.database import Connection, connect_options
@@ -26,9 +27,21 @@ def new_app(url: str, name: str, wait_s: float = DATABASE_WAIT_S) -> App:
     """Return a Procrastinate application on the database; the caller opens it to take jobs."""
     return App(
         connector=PsycopgConnector(
-            conninfo=url, kwargs=connect_options(name), min_size=0, max_size=3, timeout=wait_s, reconnect_timeout=RECONNECT_S
+            conninfo=url,
+            kwargs=connect_options(name),
+            configure=_configure,
+            min_size=0,
+            max_size=3,
+            timeout=wait_s,
+            reconnect_timeout=RECONNECT_S,
         )
     )
+
+
+async def _configure(connection: AsyncConnection) -> None:
+    """Make each statement a transaction that does not wait for the disk: a job that a crash brings back is taken again."""
+    await connection.set_autocommit(True)
+    await connection.execute("SET synchronous_commit = off")
 
 
 _sender = App(connector=PsycopgConnector())  # never opened: it writes through its callers' transactions
@@ -36,8 +49,7 @@ _sender = App(connector=PsycopgConnector())  # never opened: it writes through i
 
 async def send(connection: Connection, gradings: Sequence[UUID], *, task: str = "grade", priority: int) -> None:
     """Add a job for each grading in this transaction. ``task`` is "grade" or "sweep"."""
-    raw = (await connection.raw.get_raw_connection()).driver_connection
-    job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=raw)
+    job = _sender.configure_task(task, queue=QUEUE, priority=priority, connection=connection.raw)
     await job.batch_defer_async(*map(job_arguments, gradings))
 
 

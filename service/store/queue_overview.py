@@ -3,14 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
-from typing import Any
 from uuid import UUID
-
-from sqlalchemy import Row
 
 from service.store import runs
 from service.store.course import audit
-from service.store.database import Database
+from service.store.database import Database, Row
 from service.store.queue import lock_persons
 from service.store.records import LAST
 from service.store.submissions import add_grading
@@ -21,11 +18,11 @@ class QueueSnapshot:
     """Snapshot of the queue: waiting jobs by kind, the first jobs in order, active runs, workers, and
     submissions whose grading ended in a system fault or was cancelled."""
 
-    waiting: Sequence[Row[Any]]
-    places: Sequence[Row[Any]]
-    going: Sequence[Row[Any]]
-    workers: Sequence[Row[Any]]
-    faults: Sequence[Row[Any]]
+    waiting: Sequence[Row]
+    places: Sequence[Row]
+    going: Sequence[Row]
+    workers: Sequence[Row]
+    faults: Sequence[Row]
 
 
 @dataclass(frozen=True)
@@ -80,9 +77,9 @@ async def change_rules(database: Database, slug: str, changes: Mapping[str, date
     async with database.begin() as connection:
         row = await connection.first(_RULES, {"slug": slug})
         if row is not None and changes:
-            (row,) = await connection.rows(_SET_RULES, {"slug": slug, **row._mapping, **changes})
-            await audit.record(connection, actor, "rules", slug, {name: str(value) for name, value in row._mapping.items()})
-    return None if row is None else Rules(**row._mapping)
+            (row,) = await connection.rows(_SET_RULES, {"slug": slug, **row._asdict(), **changes})
+            await audit.record(connection, actor, "rules", slug, {name: str(value) for name, value in row._asdict().items()})
+    return None if row is None else Rules(**row._asdict())
 
 
 _COLUMNS = "due_at, grace_s, submission_limit, weight"

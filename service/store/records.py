@@ -6,15 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from hashlib import sha256
-from typing import Any
 from uuid import UUID
-
-from sqlalchemy import Row
 
 from ecp.document import read as read_document
 from ecp.report import Report
 from service.grading.submission import Submission
-from service.store.database import Connection, Database
+from service.store.database import Connection, Database, Row
 
 
 @dataclass(frozen=True)
@@ -145,9 +142,8 @@ SELECT a.content, a.sha256 FROM grading_artefact k JOIN artefact a USING (sha256
 WHERE k.grading_id = ANY(CAST(:gradings AS uuid[])) AND k.name = :name
 """
 
-_INSERT_CONTENT = "INSERT INTO artefact (sha256, content) VALUES (:sha256, :content) ON CONFLICT DO NOTHING"
-
-_INSERT_NAME = """
+_INSERT_ARTEFACT = """
+WITH stored AS (INSERT INTO artefact (sha256, content) VALUES (:sha256, :content) ON CONFLICT DO NOTHING)
 INSERT INTO grading_artefact (grading_id, name, sha256) VALUES (:grading, :name, :sha256) ON CONFLICT DO NOTHING
 """
 
@@ -158,7 +154,7 @@ async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     return None if row is None else _stored(row)
 
 
-async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Row[Any]]:
+async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Row]:
     """Return the latest ``most`` submissions, of everyone or of one person, newest first.
 
     ``score``, ``max_score``, ``points`` and ``total`` are None without a report. ``total`` is the report's total, or ``max_score``
@@ -167,7 +163,7 @@ async def recent(database: Database, most: int, person: str | None = None) -> Se
     return await database.rows(_LIST, {"most": most, "person": person})
 
 
-async def state(database: Database, id: UUID) -> Row[Any] | None:
+async def state(database: Database, id: UUID) -> Row | None:
     """Return status, scores, ``grading`` and progress of a submission as a row, or None."""
     return await database.first(_STATE, {"id": id})
 
@@ -191,15 +187,12 @@ async def store_artefacts(database: Database, grading: UUID, artefacts: Mapping[
 
 async def insert_artefacts(connection: Connection, grading: UUID, artefacts: Mapping[str, bytes]) -> None:
     """Store artefacts in this transaction; content that several gradings share is stored once."""
-    marks = {name: sha256(content).hexdigest() for name, content in artefacts.items()}
-    contents = {marks[name]: content for name, content in artefacts.items()}
-    for mark in sorted(contents):  # a fixed order avoids deadlocks
-        await connection.execute(_INSERT_CONTENT, {"sha256": mark, "content": contents[mark]})
-    for name, mark in marks.items():
-        await connection.execute(_INSERT_NAME, {"grading": grading, "name": name, "sha256": mark})
+    for mark, name in sorted((sha256(content).hexdigest(), name) for name, content in artefacts.items()):  # avoids deadlocks
+        values = {"grading": grading, "name": name, "sha256": mark, "content": artefacts[name]}
+        await connection.execute(_INSERT_ARTEFACT, values)
 
 
-def _stored(row: Row[Any]) -> SubmissionRecord:
+def _stored(row: Row) -> SubmissionRecord:
     return SubmissionRecord(
         id=row.id,
         assignment=row.assignment,

@@ -3,14 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 from uuid import UUID
-
-from sqlalchemy import Row
 
 from service.store import runs
 from service.store.course import audit, grades
-from service.store.database import Database
+from service.store.database import Database, Row
 from service.store.gradings import cancel_all_of
 from service.store.queue import lock_persons, send_gradings
 from service.store.records import LAST, LATE, SHOWN, points
@@ -67,7 +64,7 @@ async def create(
     else:
         query, values = _SELECTED[which], {"slug": slug, "check": check}
     async with database.begin() as connection:
-        id = (await connection.execute(_BEGIN, {"slug": slug, "description": description, "actor": actor})).one().id
+        id = (await connection.one(_BEGIN, {"slug": slug, "description": description, "actor": actor})).id
         selected = [row.id for row in await connection.rows(query, values)]
     count = 0  # in batches, each its own transaction, so that students who submit meanwhile wait little
     for start in range(0, len(selected), BATCH):
@@ -97,12 +94,12 @@ async def _add(database: Database, id: UUID, submissions: Sequence[UUID]) -> int
 async def find(database: Database, id: UUID) -> Regrade | None:
     """Return the regrade with that id, or None."""
     row = await database.first(_FIND, {"id": id, "slug": None})
-    return None if row is None else Regrade(**row._mapping)
+    return None if row is None else Regrade(**row._asdict())
 
 
 async def of_assignment(database: Database, slug: str) -> Sequence[Regrade]:
     """Return the latest hundred regrades of an assignment, newest first."""
-    return [Regrade(**row._mapping) for row in await database.rows(_FIND, {"id": None, "slug": slug})]
+    return [Regrade(**row._asdict()) for row in await database.rows(_FIND, {"id": None, "slug": slug})]
 
 
 async def apply(database: Database, id: UUID, actor: str) -> int:
@@ -112,9 +109,9 @@ async def apply(database: Database, id: UUID, actor: str) -> int:
     before, and RegradeIncomplete while a result is missing.
     """
     async with database.begin() as connection:
-        if not (await connection.execute(_DECIDE, {"id": id, "how": "applied", "actor": actor})).rowcount:
+        if not await connection.execute(_DECIDE, {"id": id, "how": "applied", "actor": actor}):
             raise RegradeClosed(await _decision(database, id))
-        if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():
+        if open := (await connection.one(_OPEN, {"id": id}))[0]:
             raise RegradeIncomplete(f"{open} of its submissions have not been graded yet")
         changed = await connection.rows(_RELEASE, {"id": id})
         await audit.record(connection, actor, "regrade applied", str(id), {"submissions": len(changed)})
@@ -129,7 +126,7 @@ async def drop(database: Database, id: UUID, actor: str) -> int:
     Raises RegradeClosed if it was decided before.
     """
     async with database.begin() as connection:
-        if not (await connection.execute(_DECIDE, {"id": id, "how": "dropped", "actor": actor})).rowcount:
+        if not await connection.execute(_DECIDE, {"id": id, "how": "dropped", "actor": actor}):
             raise RegradeClosed(await _decision(database, id))
         cancelled = await cancel_all_of(connection, id, actor)
         await audit.record(connection, actor, "regrade dropped", str(id), {"cancelled": cancelled})
@@ -206,7 +203,7 @@ RETURNING a.submission_id
 """
 
 
-async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
+async def score_changes(database: Database, id: UUID) -> Sequence[Row]:
     """Return a row per submission with points without this regrade (``was_…``) and with it.
 
     Rows also have ``overridden`` and ``overtaken``, which says that a later grading is shown already.
@@ -214,7 +211,7 @@ async def score_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
     return await database.rows(_PAIRS, {"id": id})
 
 
-async def check_changes(database: Database, id: UUID) -> Sequence[Row[Any]]:
+async def check_changes(database: Database, id: UUID) -> Sequence[Row]:
     """Return changed checks: rows of ``grading``, ``check_id``, states ``was`` and ``now`` and their points (or None)."""
     return await database.rows(_FLIPS, {"id": id})
 

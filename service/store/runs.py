@@ -10,13 +10,12 @@ from typing import Any
 from uuid import UUID
 
 from psycopg.types.json import Jsonb
-from sqlalchemy import Row
 
 from ecp.document import document
 from ecp.report import Report
 from service.grading.result import state
 from service.grading.submission import Submission
-from service.store.database import Connection, Database
+from service.store.database import Connection, Database, Row
 from service.store.queue import send_gradings, send_next
 from service.store.records import insert_artefacts
 
@@ -38,9 +37,10 @@ class GradingJob:
 
 @dataclass(frozen=True)
 class Claim(GradingJob):
-    """A grading that a worker has claimed, with the id of its run."""
+    """A grading that a worker has claimed, with the id of its run and the name of the worker."""
 
     run: UUID
+    worker: str
 
 
 async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -> Claim | None:
@@ -60,15 +60,15 @@ async def claim(database: Database, grading: UUID, new_run: UUID, worker: str) -
             await send_next(connection, grading, found.submission_id)
             await notify_in(connection, found.submission_id)
             return None
-        await connection.execute(_START, {"id": new_run, "grading": grading, "worker": worker})
-        await notify_in(connection, found.submission_id)
-    return Claim(**_job_fields(grading, found), run=new_run)
+        values = {"run": new_run, "grading": grading, "worker": worker, "submission": str(found.submission_id)}
+        await connection.execute(_START, values)
+    return Claim(**_job_fields(grading, found), run=new_run, worker=worker)
 
 
 async def read_grading(database: Database, grading: UUID) -> GradingJob:
     """Return the input of a grading without claiming it."""
     async with database.begin() as connection:
-        return GradingJob(**_job_fields(grading, (await connection.execute(_CLAIM, {"grading": grading})).one()))
+        return GradingJob(**_job_fields(grading, (await connection.one(_CLAIM, {"grading": grading}))))
 
 
 async def heartbeat(database: Database, claimed: Claim, phase: str, scene: int, scenes: int) -> bool:
@@ -89,6 +89,8 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
     values = {
         "grading": claimed.grading,
         "run": claimed.run,
+        "worker": claimed.worker,
+        "outcomes": Jsonb(_outcomes(report)),
         "report": Jsonb(document(report)),
         "score": report.score,
         "max_score": report.max_score,
@@ -101,8 +103,6 @@ async def finish(database: Database, claimed: Claim, report: Report, artefacts: 
         first = owner is not None and owner.run_id == claimed.run
         if first:
             await insert_artefacts(connection, claimed.grading, artefacts)
-            if rows := outcome_rows(claimed.grading, report):
-                await connection.execute(_OUTCOME, rows)
         await connection.execute(_END, {"run": claimed.run, "end_reason": "finished" if first else "superseded"})
         if first:
             await send_next(connection, claimed.grading, claimed.submission_id)
@@ -118,7 +118,7 @@ async def release(database: Database, claimed: Claim, end_reason: str, note: str
     async with database.begin() as connection:
         values = {"run": claimed.run, "end_reason": end_reason, "note": note[:600]}
         # A run that is not open was marked lost, and its grading is queued already.
-        open = (await connection.execute(_END_IF_OPEN, values)).rowcount
+        open = await connection.execute(_END_IF_OPEN, values)
         if open and await connection.first(_OWNER, {"grading": claimed.grading}) is None:
             await connection.execute(_DROP_JOBS, {"grading": str(claimed.grading)})
             await send_gradings(connection, [claimed.grading], begun=end_reason == "released")
@@ -137,7 +137,7 @@ async def notify(database: Database, submission_id: UUID) -> None:
         await notify_in(connection, submission_id)
 
 
-def _job_fields(grading: UUID, row: Row[Any]) -> dict[str, Any]:
+def _job_fields(grading: UUID, row: Row) -> dict[str, Any]:
     return {
         "grading": grading,
         "submission_id": row.submission_id,
@@ -181,16 +181,25 @@ RETURNING (before.phase, before.scene) <> (run.phase, run.scene) AS moved
 
 _FAULT = "INSERT INTO result (grading_id, fault) VALUES (:grading, :fault) ON CONFLICT DO NOTHING"
 
-_START = "INSERT INTO run (id, grading_id, worker, phase) VALUES (:id, :grading, :worker, 'starting') ON CONFLICT DO NOTHING"
+_RUN = "INSERT INTO run (id, grading_id, worker, phase) VALUES (:run, :grading, :worker, 'starting') ON CONFLICT DO NOTHING"
 
-_RESULT = """
-INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
-VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT DO NOTHING RETURNING run_id
+# The worker does not wait for the disk: ``finish`` adds the run again if a database that crashed has lost it.
+_START = f"""
+WITH begun AS ({_RUN} RETURNING id)
+SELECT pg_notify('{CHANNEL}', :submission), set_config('synchronous_commit', 'off', true) FROM begun
 """
 
-_OUTCOME = """
-INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
-VALUES (:grading_id, :check_id, :state, :counted, :margin, :codes, :causes, :points, :earned) ON CONFLICT DO NOTHING
+_RESULT = f"""
+WITH begun AS ({_RUN}), stored AS (
+    INSERT INTO result (grading_id, run_id, report, score, max_score, version, isolation, grading_s)
+    VALUES (:grading, :run, :report, :score, :max_score, :version, :isolation, :grading_s) ON CONFLICT DO NOTHING RETURNING run_id
+), outcomes AS (
+    INSERT INTO outcome (grading_id, check_id, state, counted, margin, codes, causes, points, earned)
+    SELECT :grading, one.* FROM stored, jsonb_to_recordset(:outcomes) AS one (
+        check_id text, state text, counted boolean, margin float8, codes text[], causes text[], points integer, earned integer
+    ) ON CONFLICT DO NOTHING
+)
+SELECT run_id FROM stored
 """
 
 _OWNER = "SELECT run_id FROM result WHERE grading_id = :grading"
@@ -205,15 +214,14 @@ _END_IF_OPEN = "UPDATE run SET ended_at = now(), end_reason = :end_reason, note 
 _DROP_JOBS = "DELETE FROM procrastinate_jobs WHERE args->>'attempt' = :grading AND task_name = 'grade'"
 
 
-def outcome_rows(grading: UUID, report: Report) -> list[dict[str, Any]]:
-    """Return a row of the table ``outcome`` for each check of the report."""
+def _outcomes(report: Report) -> list[dict[str, Any]]:
+    """Return a row of the table ``outcome`` for each check of the report, as JSON, which has no infinite numbers."""
     return [
         {
-            "grading_id": grading,
             "check_id": outcome.id,
             "state": state(outcome, report.scene_ends),
             "counted": outcome.counted,
-            "margin": outcome.margin,
+            "margin": None if outcome.margin is None else str(outcome.margin),
             "codes": [cause.code for cause in outcome.diagnosis],
             "causes": [cause.sentence for cause in outcome.diagnosis],
             "points": outcome.points,

@@ -4,17 +4,15 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import Any
 from uuid import UUID, uuid4
 
+from psycopg import IntegrityError
 from psycopg.types.json import Jsonb
-from sqlalchemy import Row
-from sqlalchemy.exc import IntegrityError, NoResultFound
 
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
-from service.store.database import Connection, Database
+from service.store.database import Connection, Database, NoRow, Row
 from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
 from service.store.records import FAULTED, LATE, NewSubmission
 
@@ -77,7 +75,7 @@ async def accept(
     """
     try:
         return await _accept(database, new, key, kind, most_open)
-    except (IntegrityError, NoResultFound):  # a backup was restored meanwhile: cached ids are wrong
+    except (IntegrityError, NoRow):  # a backup was restored meanwhile: cached ids are wrong
         database.persons.clear()
         await register(database, assignments().values())
         return await _accept(database, new, key, kind, most_open)
@@ -87,7 +85,7 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
     async with database.begin() as connection:
         person = database.persons.get(new.person) or await add_person(connection, new.person)  # ids never change
         request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
-        rules = (await connection.execute(_RULES, request)).one()
+        rules = await connection.one(_RULES, request)
         values = {
             "id": new.id,
             "assignment": rules.id,
@@ -171,19 +169,19 @@ SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_i
 """
 
 
-async def _check(connection: Connection, rules: Row[Any], person: UUID) -> None:
+async def _check(connection: Connection, rules: Row, person: UUID) -> None:
     """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
         raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
     if rules.submission_limit is not None:
-        used = (await connection.execute(_USED, {"person": person, "assignment": rules.id})).scalar_one()
+        used = (await connection.one(_USED, {"person": person, "assignment": rules.id}))[0]
         if used > rules.submission_limit:
             raise SubmissionRejected("none-left", f"all {rules.submission_limit} submissions allowed have been used")
 
 
 async def _find_repeated(connection: Connection, new: NewSubmission, person: UUID, key: str | None) -> Accepted:
-    found = (await connection.execute(_REPEATED, {"person": person, "key": key})).one()
+    found = await connection.one(_REPEATED, {"person": person, "key": key})
     if found.fingerprint != new.fingerprint:
         raise KeyReused
     return Accepted(found.id, found.submitted_at, found.late, fresh=False)

@@ -43,7 +43,7 @@ async def begin(database: Database, grading: UUID) -> int | None:
     """
     async with database.begin() as connection:
         await connection.execute(_LOCK_SWEEP, {"grading": str(grading)})
-        number = (await connection.execute(_RUNS, {"grading": grading})).scalar_one() + 1
+        number = (await connection.one(_RUNS, {"grading": grading}))[0] + 1
         lost = fault(MOST_RUNS, f"{MOST_RUNS} runs failed or were lost with their workers")
         begun = {f"sweep.run.{number}": b""} if number <= MOST_RUNS else lost
         await insert_artefacts(connection, grading, begun)

@@ -54,7 +54,7 @@ class ClockWatch:
 
         ``began`` is the monotonic time before the transaction.
         """
-        now = (await connection.execute("SELECT extract(epoch FROM now())::float8")).scalar_one()
+        now = (await connection.one("SELECT extract(epoch FROM now())::float8"))[0]
         ended = self.monotonic()
         before, self._offset = self._offset, (now - ended, now - began)
         if before is not None:
@@ -81,7 +81,7 @@ async def recover(database: Database, lease_s: float = LEASE_S, clock: ClockWatc
                 continue
             again.append(UUID(job.grading))
             await _lose_and_send(connection, again[-1], lease_s, begun=True)
-        locked = (await connection.execute(_TRY_LOCK)).scalar()
+        locked = (await connection.one(_TRY_LOCK)).locked
         for row in await connection.rows(_ORPHANS, {"lease": lease_s}) if locked else []:
             again.append(row.grading_id)
             await _lose_and_send(connection, again[-1], lease_s, begun=True)
@@ -91,7 +91,7 @@ async def recover(database: Database, lease_s: float = LEASE_S, clock: ClockWatc
 async def sweep(database: Database, lease_s: float = LEASE_S) -> list[UUID]:
     """Queue open gradings without a job, remove workers unseen for an hour, and return the gradings queued."""
     async with database.begin() as connection:
-        if not (await connection.execute(_TRY_LOCK)).scalar():
+        if not (await connection.one(_TRY_LOCK)).locked:
             return []
         found = [row.id for row in await connection.rows(_JOBLESS, {"after": JOBLESS_AFTER_S})]
         for grading in found:
@@ -141,7 +141,7 @@ WHERE run.ended_at IS NULL AND result.grading_id IS NULL
     AND NOT EXISTS (SELECT 1 FROM procrastinate_jobs j WHERE j.task_name = 'grade' AND j.args->>'attempt' = run.grading_id::text)
 """
 
-_TRY_LOCK = "SELECT pg_try_advisory_xact_lock(2626)"
+_TRY_LOCK = "SELECT pg_try_advisory_xact_lock(2626) AS locked"
 
 _JOBLESS = f"""
 SELECT a.id FROM grading a LEFT JOIN result r ON r.grading_id = a.id

@@ -1087,8 +1087,8 @@ STORE = [
     Breakage(
         "a regrade is applied before all of it is graded",
         "service/store/regrades.py",
-        'if open := (await connection.execute(_OPEN, {"id": id})).scalar_one():',
-        'if (open := (await connection.execute(_OPEN, {"id": id})).scalar_one()) < 0:',
+        'if open := (await connection.one(_OPEN, {"id": id}))[0]:',
+        'if (open := (await connection.one(_OPEN, {"id": id}))[0]) < 0:',
         ("tests/service/store/test_regrades.py",),
     ),
     Breakage(

@@ -1,17 +1,42 @@
 """Dataclasses as JSON documents and back: what the server stores and sends, and the kit reads."""
 
+import functools
 import math
 import types
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
 
 
 class NotADocument(ValueError):
     """A member of the document is missing or has another type than expected."""
+
+
+class Member(NamedTuple):
+    """A field of a dataclass in a document: the ``names`` it is written under, its type, and whether it must be there."""
+
+    field: str
+    names: tuple[str, ...]
+    kind: Any
+    required: bool
+
+
+@functools.cache
+def _members(kind: type) -> tuple[Member, ...]:
+    hints = get_type_hints(kind)
+    return tuple(
+        Member(
+            field.name,
+            tuple(dict.fromkeys((field.name, field.metadata.get("formerly", field.name)))),
+            hints[field.name],
+            field.default is MISSING and field.default_factory is MISSING,
+        )
+        for field in fields(kind)
+        if not field.metadata.get("local_only")
+    )
 
 
 def document(value: Any) -> Any:
@@ -24,10 +49,8 @@ def document(value: Any) -> Any:
     """
     if is_dataclass(value):
         written: dict[str, Any] = {}
-        for field in fields(value):
-            if not field.metadata.get("local_only"):
-                names = [name for name in (field.name, field.metadata.get("formerly")) if name is not None]
-                written |= dict.fromkeys(names, document(getattr(value, field.name)))
+        for member in _members(value.__class__):
+            written |= dict.fromkeys(member.names, document(getattr(value, member.field)))
         return written | {name: document(getattr(value, name)) for name in getattr(value, "COMPUTED_FIELDS", ())}
     if isinstance(value, Mapping):
         return {str(key): document(item) for key, item in value.items()}
@@ -66,13 +89,12 @@ def _read(kind: Any, written: Any, where: str) -> Any:
 
 
 def _object(kind: Any, written: Any, where: str) -> Any:
-    hints, members = get_type_hints(kind), _of(dict, written, where)
+    values = _of(dict, written, where)
     given = {}
-    for field in fields(kind):
-        name = next((n for n in (field.name, field.metadata.get("formerly")) if n in members), None)
-        if name is not None and not field.metadata.get("local_only"):
-            given[field.name] = _read(hints[field.name], members[name], f"{where}.{name}")
-    if missing := [f.name for f in fields(kind) if f.name not in given and _needed(f)]:
+    for member in _members(kind):
+        if name := next((name for name in member.names if name in values), ""):
+            given[member.field] = _read(member.kind, values[name], f"{where}.{name}")
+    if missing := [member.field for member in _members(kind) if member.required and member.field not in given]:
         raise NotADocument(f"{where} lacks {', '.join(missing)}")
     return kind(**given)
 
@@ -82,10 +104,6 @@ def _member(kind: type[Enum], written: Any, where: str) -> Enum:
         return kind(written)
     except ValueError:
         raise NotADocument(f"{where} cannot be {str(written)[:40]!r}") from None
-
-
-def _needed(field: Field[Any]) -> bool:
-    return field.default is MISSING and field.default_factory is MISSING
 
 
 def _of(kind: type[T], written: Any, where: str) -> T:

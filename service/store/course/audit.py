@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from psycopg.types.json import Jsonb
-from sqlalchemy import Row
 
-from service.store.database import Connection, Database
+from service.store.database import Connection, Database, Row
 
 MOST = 200
 
@@ -16,7 +15,7 @@ async def record(connection: Connection, actor: str, action: str, subject: str, 
     await connection.execute(_RECORD, {"actor": actor, "action": action, "subject": subject, "detail": Jsonb(detail)})
 
 
-async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row[Any]]:
+async def entries(database: Database, subject: str | None = None, before: int | None = None) -> Sequence[Row]:
     """Return the latest MOST entries, newest first, of all or one subject, with ids below ``before``."""
     return await database.rows(_ENTRIES, {"subject": subject, "before": before})
 

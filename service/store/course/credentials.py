@@ -1,20 +1,17 @@
 """Passwords, as hashes, and accounts at an OpenID provider."""
 
 from collections.abc import Sequence
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row
-
 from service.store.course import audit, people, tokens
-from service.store.database import Connection, Database
+from service.store.database import Connection, Database, Row
 
 
 class NameTaken(Exception):
     """The name belongs to another account, or needs its password; the message says which."""
 
 
-async def about(database: Database, name: str) -> Row[Any] | None:
+async def about(database: Database, name: str) -> Row | None:
     """Return profile, ``has_password`` and ``issuer`` of the linked account as a row, or None."""
     return await database.first(_ABOUT, {"name": name})
 
@@ -54,8 +51,8 @@ async def signed_in(connection: Connection, account: tuple[str, str], name: str,
     if row is not None:
         return str(row.name)
     person = await people.add_person(connection, name)
-    has_password = (await connection.execute(_LOCK, {"person": person})).scalar_one()
-    others: Sequence[Row[Any]] = await connection.rows(_OF_PERSON, {"person": person})
+    has_password = (await connection.one(_LOCK, {"person": person}))[0]
+    others: Sequence[Row] = await connection.rows(_OF_PERSON, {"person": person})
     if [tuple(other) for other in others] == [(issuer, subject)]:  # a concurrent first sign-in has linked it
         return name
     if others:

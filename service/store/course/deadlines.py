@@ -2,13 +2,10 @@
 
 from collections.abc import Sequence
 from datetime import datetime
-from typing import Any
-
-from sqlalchemy import Row
 
 from service.store.course import audit
 from service.store.course.people import COURSE
-from service.store.database import Database
+from service.store.database import Database, Row
 from service.store.records import FAULTED
 
 
@@ -32,12 +29,12 @@ async def remove_extension(database: Database, slug: str, name: str, by: str) ->
     return removed
 
 
-async def extensions(database: Database, slug: str) -> Sequence[Row[Any]]:
+async def extensions(database: Database, slug: str) -> Sequence[Row]:
     """Return the extensions of an assignment, latest deadline first."""
     return await database.rows(_LIST, {"slug": slug, "course": COURSE})
 
 
-async def own(database: Database, slug: str, name: str) -> Row[Any]:
+async def own(database: Database, slug: str, name: str) -> Row:
     """Return a person's own rules: ``due_at`` with the extension, whether it is ``extended`` and, with ``grace_s``, ``over``, the
     ``submission_limit``, and how many submissions are ``used``.
     """

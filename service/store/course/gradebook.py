@@ -7,14 +7,12 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from uuid import UUID
-
-from sqlalchemy import Row
 
 from service.store.course.grades import BEST, IS_PERSON
 from service.store.course.people import COURSE
-from service.store.database import Database
+from service.store.database import Database, Row
 
 
 class Cell(NamedTuple):
@@ -87,7 +85,7 @@ async def student_rows(database: Database, slug: str) -> list[StudentRow]:
     return [replace(s, cells=cells[s.grading]) if s.grading in cells else s for s in found]
 
 
-def _cells(row: Row[Any]) -> dict[str, Cell]:
+def _cells(row: Row) -> dict[str, Cell]:
     cells = zip(row.states, row.counted, row.margins, row.points, strict=True)
     return dict(zip(row.checks, itertools.starmap(Cell, cells), strict=True))
 
@@ -95,10 +93,10 @@ def _cells(row: Row[Any]) -> dict[str, Cell]:
 async def students(database: Database, slug: str) -> list[StudentRow]:
     """Return all students of the course, by name, with their counted submissions but without cells."""
     rows = await database.rows(_STANDINGS, {"slug": slug, "course": COURSE})
-    return [StudentRow(**row._mapping) for row in rows]
+    return [StudentRow(**row._asdict()) for row in rows]
 
 
-async def overview(database: Database) -> Sequence[Row[Any]]:
+async def overview(database: Database) -> Sequence[Row]:
     """Return a row per assignment: rules, numbers of students and submissions, and open work for the staff.
 
     The earliest deadline is first; assignments without one follow.
@@ -106,7 +104,7 @@ async def overview(database: Database) -> Sequence[Row[Any]]:
     return await database.rows(_OVERVIEW, {"course": COURSE})
 
 
-async def rules(database: Database, slug: str) -> Row[Any]:
+async def rules(database: Database, slug: str) -> Row:
     """Return one assignment's overview row."""
     return next(row for row in await overview(database) if row.slug == slug)
 

@@ -1,15 +1,12 @@
 """Read grades for export: each student's counted submission with its checks, and all submissions in batches."""
 
 from collections.abc import AsyncIterator, Sequence
-from typing import Any
 from uuid import UUID
-
-from sqlalchemy import Row as Found
 
 from exercises.catalogue import assignments
 from service.formats.grade_row import GradeRow
 from service.store.course.people import COURSE
-from service.store.database import Database
+from service.store.database import Database, Row
 from service.store.records import LATE, SHOWN, STATUS
 
 BATCH = 25  # submissions with reports: some megabytes at most
@@ -76,7 +73,7 @@ async def grades(database: Database, slug: str | None = None) -> list[GradeRow]:
     return [_row(found) for found in await database.rows(_GRADES, values)]
 
 
-async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[Found[Any]]]:
+async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[Row]]:
     """Yield all submissions of an assignment, with source and the report shown, in batches of BATCH."""
     after = UUID(int=0)
     while batch := await database.rows(_SUBMISSIONS, {"slug": slug, "after": after, "most": BATCH}):
@@ -84,7 +81,7 @@ async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[F
         after = batch[-1].id
 
 
-async def trail(database: Database) -> AsyncIterator[Sequence[Found[Any]]]:
+async def trail(database: Database) -> AsyncIterator[Sequence[Row]]:
     """Yield the audit log from its beginning, in batches of AUDIT_BATCH entries."""
     after = 0
     while batch := await database.rows(_AUDIT, {"after": after, "most": AUDIT_BATCH}):
@@ -92,17 +89,17 @@ async def trail(database: Database) -> AsyncIterator[Sequence[Found[Any]]]:
         after = batch[-1].id
 
 
-async def overrides(database: Database, slug: str) -> Sequence[Found[Any]]:
+async def overrides(database: Database, slug: str) -> Sequence[Row]:
     """Return all overrides of an assignment, oldest first, including withdrawn ones."""
     return await database.rows(_OVERRIDES, {"slug": slug})
 
 
-async def roster(database: Database) -> Sequence[Found[Any]]:
+async def roster(database: Database) -> Sequence[Row]:
     """Return the people of the course with their roles, by name."""
     return await database.rows(_ROSTER, {"course": COURSE})
 
 
-def _row(found: Found[Any]) -> GradeRow:
+def _row(found: Row) -> GradeRow:
     assignment = assignments().get(found.slug)
     same = {name: getattr(found, name) for name in ("full_name", "email", "student_id", "submitted_at", "late", "score", "points")}
     given = {check: points for check, points in (found.given or {}).items() if check in (found.checks or {})}

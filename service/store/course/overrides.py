@@ -9,11 +9,9 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row
-
 from service.store import runs
 from service.store.course import audit
-from service.store.database import Connection, Database, Queries
+from service.store.database import Connection, Database, Queries, Row
 from service.store.records import SHOWN
 
 LONGEST_REASON = 1000
@@ -48,7 +46,7 @@ class OverrideRejected(Exception):
 
 async def of_submission(database: Queries, submission: UUID) -> Sequence[Override]:
     """Return all overrides of a submission, oldest first, including withdrawn ones."""
-    return [Override(**row._mapping) for row in await database.rows(_ALL, {"id": submission})]
+    return [Override(**row._asdict()) for row in await database.rows(_ALL, {"id": submission})]
 
 
 def revision(overrides: Sequence[Override]) -> int:
@@ -109,7 +107,7 @@ async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -
     return True
 
 
-def _validate(before: Row[Any], outcome: Row[Any] | None, check: str | None, points: int, reason: str) -> None:
+def _validate(before: Row, outcome: Row | None, check: str | None, points: int, reason: str) -> None:
     if before.max_score is None:
         raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:
@@ -121,14 +119,14 @@ def _validate(before: Row[Any], outcome: Row[Any] | None, check: str | None, poi
         raise OverrideRejected("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
 
 
-async def _locked(connection: Connection, submission: UUID) -> Row[Any]:
+async def _locked(connection: Connection, submission: UUID) -> Row:
     """Lock the submission's points until the end of the transaction, and return what is shown for it."""
     await connection.execute(_LOCK, {"id": submission})
-    return (await connection.execute(_SHOWN, {"id": submission})).one()
+    return await connection.one(_SHOWN, {"id": submission})
 
 
-async def _record_change(connection: Connection, submission: UUID, before: Row[Any], actor: str, change: dict[str, Any]) -> None:
-    after = (await connection.execute(_SHOWN, {"id": submission})).one()
+async def _record_change(connection: Connection, submission: UUID, before: Row, actor: str, change: dict[str, Any]) -> None:
+    after = await connection.one(_SHOWN, {"id": submission})
     action = change.pop("action")
     detail = {"person": before.person, **change, "points": [before.points, after.points]}
     await audit.record(connection, actor, action, str(submission), detail)

@@ -7,9 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 from uuid import UUID
 
-from sqlalchemy import Row
-
-from service.store.database import Connection, Database
+from service.store.database import Connection, Database, Row
 
 COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
@@ -36,7 +34,7 @@ async def add_person(connection: Connection, name: str) -> UUID:
     """Return the id of the person of that name; an unknown person is added as a student."""
     for statement in _ENTER_ALL, _MEMBERS:
         await connection.execute(statement, {"name": [name], "course": COURSE})
-    id: UUID = (await connection.execute("SELECT id FROM person WHERE name = :name", {"name": name})).scalar_one()
+    id: UUID = (await connection.one("SELECT id FROM person WHERE name = :name", {"name": name}))[0]
     return id
 
 
@@ -63,7 +61,7 @@ async def role(database: Database, name: str) -> str:
     return "student" if row is None else str(row.role)
 
 
-async def everybody(database: Database) -> Sequence[Row[Any]]:
+async def everybody(database: Database) -> Sequence[Row]:
     """Return the people of the course, staff first, with role and number of submissions."""
     return await database.rows(_EVERYBODY, {"course": COURSE})
 

@@ -4,13 +4,10 @@ import secrets
 from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row
-
-from service.store.course.people import add_person
-from service.store.database import Connection, Database
+from service.store.course.people import COURSE, add_person
+from service.store.database import Connection, Database, Row
 
 PREFIX, SESSION = "polhode_", "session_"
 SCOPES = ("submit", "read", "login")
@@ -23,10 +20,11 @@ DAY_S = 86400.0
 
 @dataclass(frozen=True)
 class TokenInfo:
-    """A token with its person and scopes; ``over`` says why it is no longer valid, or is None."""
+    """A token with its person, their role in the course, and its scopes; ``over`` says why it is no longer valid, or is None."""
 
     id: UUID
     person: str
+    role: str
     scopes: frozenset[str]
     over: str | None
 
@@ -68,7 +66,7 @@ async def find(database: Database, token: str) -> TokenInfo | None:
 
     Record its use, to the hour.
     """
-    row = await database.first(_FIND, {"digest": _digest(token)})
+    row = await database.first(_FIND, {"digest": _digest(token), "course": COURSE})
     if row is None:
         return None
     if row.stale:
@@ -76,7 +74,7 @@ async def find(database: Database, token: str) -> TokenInfo | None:
             await connection.execute("UPDATE token SET used_at = now() WHERE id = :id", {"id": row.id})
     over = f"was revoked on {row.revoked_at:%Y-%m-%d}" if row.revoked_at else None
     over = over or (f"expired on {row.expires_at:%Y-%m-%d}" if row.expired else None)
-    return TokenInfo(row.id, row.name, frozenset(row.scopes), over)
+    return TokenInfo(row.id, row.name, row.role, frozenset(row.scopes), over)
 
 
 async def revoke(connection: Connection, *, id: UUID | None = None, person: str | None = None) -> int:
@@ -96,7 +94,7 @@ async def end_sessions(connection: Connection, name: str, *, but: UUID | None = 
     return len(await connection.rows(_END, {"person": name, "but": but}))
 
 
-async def all_of(database: Database, person: str | None = None) -> Sequence[Row[Any]]:
+async def all_of(database: Database, person: str | None = None) -> Sequence[Row]:
     """Return tokens and sessions, of everyone or of one person, newest first."""
     return await database.rows(_LIST, {"person": person})
 
@@ -162,9 +160,11 @@ FROM unnest(CAST(:names AS text[]), CAST(:digests AS text[]), CAST(:prefixes AS 
     JOIN person p USING (name)
 """
 _FIND = """
-SELECT t.id, p.name, t.scopes, t.revoked_at, t.expires_at, t.expires_at < now() AS expired,
+SELECT t.id, p.name, coalesce(m.role, 'student') AS role, t.scopes, t.revoked_at, t.expires_at, t.expires_at < now() AS expired,
     coalesce(t.used_at < now() - interval '1 hour', true) AS stale
-FROM token t JOIN person p ON p.id = t.person_id WHERE t.digest = :digest
+FROM token t JOIN person p ON p.id = t.person_id
+    LEFT JOIN member m ON m.person_id = p.id AND m.course_id = (SELECT id FROM course WHERE slug = :course)
+WHERE t.digest = :digest
 """
 _REVOKE = """
 UPDATE token t SET revoked_at = now() FROM person p

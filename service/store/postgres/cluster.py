@@ -120,13 +120,14 @@ class Cluster:
 
     def _find_missing(self, paths: Sequence[str]) -> str | None:
         for path in paths:
-            name = str(Path(self.folder.name) / path)
+            reason = None
             try:
-                mode = os.stat(self.folder / path).st_mode
+                if not os.stat(os.path.join(self.folder, path)).st_mode & 0o400:
+                    reason = "cannot be read by its owner"
             except OSError as error:
-                return f"{name} {'is missing' if isinstance(error, FileNotFoundError) else f'cannot be read ({error.strerror})'}"
-            if not mode & 0o400:
-                return f"{name} cannot be read by its owner"
+                reason = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})"
+            if reason is not None:
+                return f"{Path(self.folder.name) / path} {reason}"
         return None
 
     def _read_identity(self) -> tuple[object, ...]:

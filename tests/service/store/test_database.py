@@ -1,5 +1,6 @@
 """An older database with data in it becomes one of this version, once, whoever starts first."""
 
+import asyncio
 import re
 import threading
 import uuid
@@ -20,7 +21,7 @@ from service.settings import Settings
 from service.store import database as migrating
 from service.store import history, queue_overview, records, regrades, runs, sweeps, workers
 from service.store.course import audit, credentials, deadlines, gradebook, grades, overrides, people, tokens
-from service.store.database import TABLES, WrongSchema, driver_url, migrate
+from service.store.database import TABLES, Database, NoConnection, WrongSchema, driver_url, is_outage, migrate
 from service.store.postgres.backup import check
 from service.workers.worker import Worker
 from tests.support.database import run, sql
@@ -302,6 +303,42 @@ def _schema(url):
     """Revision and columns of a database."""
     columns = "SELECT table_name, column_name FROM information_schema.columns WHERE table_schema = 'public' ORDER BY 1, 2"
     return sql(url, "SELECT version_num FROM alembic_version"), sql(url, columns)
+
+
+def test_a_query_whose_connection_was_closed_runs_on_a_new_one(database_url):
+    others = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()"
+
+    async def act(database):
+        await asyncio.gather(*(database.rows("SELECT pg_sleep(0.1)") for _ in range(3)))
+        sql(database_url, others)
+        assert await database.rows("SELECT :number + 1 AS next, '10:30'::time::text, 'a%s'", {"number": 1}) == [
+            (2, "10:30:00", "a%s")
+        ]
+        sql(database_url, others)
+        with pytest.raises(NoConnection) as raised:
+            async with database.begin() as connection:
+                await connection.execute("SELECT 1")
+        assert is_outage(raised.value)
+        async with database.begin() as connection:
+            assert await connection.execute("INSERT INTO person (name) VALUES ('ann'), ('ben')") == 2
+        with pytest.raises(psycopg.errors.UniqueViolation):
+            async with database.begin() as connection:
+                await connection.execute("INSERT INTO person (name) VALUES ('cem'), ('ann')")
+        assert len(await database.rows("SELECT name FROM person WHERE name = ANY(:names)", {"names": ["ann", "ben", "cem"]})) == 2
+
+    run(database_url, act)
+
+
+def test_a_caller_waits_only_so_long_for_a_connection(database_url):
+    async def act(_):
+        database = Database(database_url, "test", connections=1, wait_s=0.1)
+        async with database.begin():
+            with pytest.raises(NoConnection, match=r"for 0\.1 s"):
+                await database.rows("SELECT 1")
+        assert await database.rows("SELECT 1 AS one") == [(1,)]
+        await database.close()
+
+    run(database_url, act)
 
 
 def test_a_new_procrastinate_needs_a_revision_of_ours():

@@ -1,13 +1,17 @@
 """Runs: the first result stays, what is lost is queued again and counted, what is released is not."""
 
 import asyncio
+import math
 import time
 import uuid
+from dataclasses import replace
 
 import psycopg
 import pytest
 
-from ecp.report import Provenance, Report
+from ecp.judge import Verdict
+from ecp.outcome import Diagnosis, Outcome, Tolerance
+from ecp.report import ExerciseReport, Provenance, Report
 from service.store import records, runs, workers
 from service.store.queue_overview import regrade, snapshot
 from service.store.submissions import SubmissionRejected, accept, add_grading
@@ -65,6 +69,30 @@ def test_a_result_and_its_artefacts(database_url, grading):
     assert claim(database_url, grading[0]) is None
     with pytest.raises(psycopg.errors.RaiseException, match="never altered"):
         sql(database_url, "UPDATE result SET score = 100")
+
+
+def test_a_run_that_a_crash_of_the_database_lost_is_stored_with_its_result(database_url, grading):
+    claimed = claim(database_url, grading[0])
+    sql(database_url, "DELETE FROM run")  # its commit did not wait for the disk
+    assert finish(database_url, claimed, a="one")
+    assert sql(database_url, "SELECT id, worker, end_reason FROM run") == [(claimed.run, "w1", "finished")]
+    assert sql(database_url, "SELECT run_id FROM result") == [(claimed.run,)]
+
+
+def test_outcomes_are_stored_with_margins_that_are_infinite_or_missing(database_url, grading):
+    margins = {"a": 2.5, "b": math.inf, "c": None}
+    diagnosis = [Diagnosis(code="sign-flipped", sentence="„−“ for +", confidence=1.0)]
+    outcomes = [
+        Outcome(
+            id=id, label="l", verdict=Verdict.PASS, detail="d", tolerance=Tolerance(reason="r"), margin=margin, diagnosis=diagnosis
+        )
+        for id, margin in margins.items()
+    ]
+    graded = replace(report(), exercises=[ExerciseReport(number="2", title="t", outcomes=outcomes)])
+    claimed = claim(database_url, grading[0])
+    assert run(database_url, lambda d: runs.finish(d, claimed, graded, {}))
+    rows = sql(database_url, "SELECT check_id, state, margin, codes, causes, points, earned FROM outcome ORDER BY 1")
+    assert rows == [(id, "pass", margin, ["sign-flipped"], ["„−“ for +"], 1, 1) for id, margin in margins.items()]
 
 
 def test_who_comes_second_changes_nothing(database_url, grading):

@@ -4,8 +4,8 @@ import asyncio
 from datetime import UTC, datetime
 from pathlib import Path
 
+import psycopg
 import pytest
-from sqlalchemy.exc import DBAPIError
 
 from service.store import regrades
 from service.store.course import deadlines, overrides, tokens
@@ -152,7 +152,7 @@ def test_a_server_goes_on_after_a_restore(database_url, tmp_path):
                 try:
                     await accept(database, new(name))
                     break
-                except DBAPIError:
+                except psycopg.Error:
                     continue
 
     run(database_url, back_in_time)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ecp import animate
 from ecp.artists import Drawn, drawn, labelled, painted, unordered
+from ecp.axes_decoration import decorated_once
 from ecp.return_value import WrongAnswer
 from ecp.visibility import Visibility
 
@@ -100,7 +101,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     listed = length_hint(getattr(anim, "_tee_from", ()))
     values, paths, pictures, drawing = [], [], {}, 0.0
     anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
-    with _borrowed(figure) as canvas, _clearing() as cleared:
+    with _borrowed(figure) as canvas, _clearing() as cleared, decorated_once():
         canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
         visibility, sequence = Visibility(figure, canvas), anim.new_frame_seq()
@@ -146,8 +147,9 @@ def moving_share(frames: NDArray[np.uint8]) -> float:
 
 
 def _picture(figure: Any, canvas: Any) -> NDArray[np.uint8]:
-    for artist in figure.findobj(lambda artist: artist.get_animated()):
-        artist.set_animated(False)  # blitting marks artists, and an ordinary draw skips marked ones
+    for part in (figure, *figure.axes):
+        for artist in part.get_children():
+            artist.set_animated(False)  # an ordinary draw skips artists that a submission marks for blitting
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
     return np.array(pixels[:HEIGHT, :WIDTH, :3])

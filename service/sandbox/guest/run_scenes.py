@@ -33,7 +33,7 @@ CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the 
 DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder: plays import private copies, which a submission cannot replace
-PRIVATE = ("ecp.artists", "ecp.visibility", "ecp.animation_recording")
+PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording")
 KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 import reference
 from ecp.checks import Arrays
+from ecp.integration import Evaluate, integrate
 from exercises.assignment import ArraySpec, Ask, HostVerification, Inputs
 from exercises.rigid_body.public.quantities import Array
 
@@ -59,23 +60,19 @@ def _state(w: Array, R: Array | None) -> Array:
 
 
 def _integrate(start: Array, times: Array, I: Array, ask: Ask, most_calls: int) -> Array:
-    from scipy.integrate import solve_ivp
-
     moments, calls = np.asarray(I, dtype=float), 0
 
-    def rates(t: float, y: Array) -> Array:
-        nonlocal calls
-        calls += 1
-        if calls > most_calls:
-            raise TooManyCalls(f"more than {most_calls} calls")
-        spin = y[:3]
-        rate = ask({"t": t, "w": spin, "I": moments})["wdot"]
-        if len(y) == 3:
-            return rate
-        return np.concatenate([rate, reference.attitude_rate(y[3:].reshape(3, 3), spin).ravel()])
+    def rates(y: Array, out: Array) -> Evaluate:
+        def evaluate(t: float) -> None:
+            nonlocal calls
+            calls += 1
+            if calls > most_calls:
+                raise TooManyCalls(f"more than {most_calls} calls")
+            out[:3] = ask({"t": t, "w": y[:3], "I": moments})["wdot"]
+            if len(y) > 3:
+                out[3:] = reference.attitude_rate(y[3:].reshape(3, 3), y[:3]).ravel()
+
+        return evaluate
 
     with np.errstate(all="ignore"):
-        run = solve_ivp(rates, (times[0], times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
-    if not run.success:
-        raise ValueError(run.message)
-    return run.y
+        return integrate(rates, start, times, RTOL, ATOL)

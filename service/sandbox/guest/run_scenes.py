@@ -32,8 +32,8 @@ Names = dict[str, Any]
 CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
 DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
-# the recorder: plays import private copies, which a submission cannot replace
-PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording")
+# the recorder and the integrator: plays import private copies, which a submission cannot replace
+PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", "ecp.integration")
 KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 

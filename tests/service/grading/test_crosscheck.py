@@ -30,7 +30,7 @@ FORGED = """
 import sys
 wrong = euler_eqs
 def euler_eqs(t, w, I):
-    of_integrator = sys._getframe(1).f_code.co_name == "spin_rate"
+    of_integrator = sys._getframe(1).f_code.co_name == "evaluate"
     return -np.cross(w, I * w) / I if of_integrator else wrong(t, w, I)
 """
 

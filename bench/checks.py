@@ -15,7 +15,7 @@ import numpy as np
 
 from ecp import animation_recording
 from ecp.kinds.animation.body import body_shown, momentum_shown
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from exercises.mutation import variants
 from exercises.rigid_body import plays
 from exercises.rigid_body.causes import diagnose_scene
@@ -23,7 +23,7 @@ from exercises.rigid_body.draws import DRAWN
 from exercises.rigid_body.public.common_checks import filmed
 from service.grading.grade import draw_inputs, truth
 
-ASSIGNMENT = assignments()["rigid-body"]
+ASSIGNMENT = find("rigid-body")
 BODIES = int(os.environ.get("BODIES", "700"))
 LEVI_CIVITA = np.zeros((3, 3, 3))
 for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

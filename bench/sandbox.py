@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from exercises.assignment import ArraySpec
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from exercises.rigid_body import host_integration
 from service.grading.crosscheck import PlayedJob, cross_check
 from service.grading.grade import draw_inputs, truth
@@ -160,7 +160,7 @@ def _path(isolation) -> list[str]:
 
 
 def _probing():
-    assignment = assignments()["rigid-body"]
+    assignment = find("rigid-body")
     scenes = [assignment.scene("probes"), assignment.scene("torque-free")]
     inputs = {s.name: draw_inputs(s, 1) for s in scenes}
     played = tuple(SceneRequest(s.name, s.play, s.function, inputs[s.name], s.returns, s.budget_s, None) for s in scenes)
@@ -172,7 +172,7 @@ def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
     alone = replace(job, scenes=job.scenes[:1])
     result = sandbox.play(alone)
     played = PlayedJob(alone, inputs, truths, result, TimeBudget(sandbox.limits))
-    checked = cross_check(assignments()["rigid-body"], played, [], sandbox, 1)
+    checked = cross_check(find("rigid-body"), played, [], sandbox, 1)
     assert not checked.unsteady and result.finished("probes")
 
 

@@ -27,7 +27,7 @@ import httpx2
 import numpy as np
 import psycopg
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from service.cli.demo import free_port
 from service.cli.plan import MEASURED, Arrivals, Deadline, draw, measured, start_times, summary, table
 from service.store.postgres.server import running_url
@@ -126,7 +126,7 @@ def server(workers: int) -> Iterator[tuple[str, str]]:
 
 def bodies(kind: str) -> list[dict[str, object]]:
     """Return the requests to choose from: exercise 2 of short samples, or whole notebooks."""
-    folder = assignments()["rigid-body"].folder / "samples"
+    folder = find("rigid-body").folder / "samples"
     if kind == "notebook":
         return [{"source": (folder / name).read_text(), "filename": name} for name in NOTEBOOKS]
     names = [f"right_{name}.py" for name in RIGHT] + [f"wrong_{name}.py" for name in WRONG]

@@ -131,7 +131,7 @@ def find(slug: str) -> Assignment:
     if there is none.
     """
     slug = slug.replace("_", "-")
-    for folder in _selected():
+    for folder in selected():
         if slug_of(folder) == slug and isinstance(found := _load(folder), Assignment):
             return found
     valid, invalid = load_catalogue()
@@ -146,7 +146,7 @@ def load_catalogue() -> Catalogue:
     """Load each package in this folder and each that POLHODE_ASSIGNMENTS names, or of these the slugs in POLHODE_COURSE, in
     their order. An invalid one does not affect the others.
     """
-    loaded = [(slug_of(folder), _load(folder)) for folder in _selected()]
+    loaded = [(slug_of(folder), _load(folder)) for folder in selected()]
     absent = set(_chosen()) - {slug for slug, _ in loaded}
     invalid = {slug: InvalidAssignment(slug, [f"{COURSE} names it, but it does not exist"]) for slug in absent}
     invalid.update((slug, error) for slug, error in loaded if isinstance(error, InvalidAssignment))
@@ -157,7 +157,7 @@ def _chosen() -> list[str]:
     return os.environ.get(COURSE, "").split()
 
 
-def _selected() -> list[Path]:
+def selected() -> list[Path]:
     """Return the folders of the course's assignments in its order, all folders if POLHODE_COURSE is not set."""
     found, order = folders(), {slug: k for k, slug in enumerate(_chosen())}
     return sorted([one for one in found if slug_of(one) in order], key=lambda one: order[slug_of(one)]) if order else found

@@ -3,13 +3,14 @@
 import io
 import re
 import shutil
+import sys
 import time
 import zipfile
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from exercises.wheel import wheel
 from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
@@ -47,6 +48,9 @@ TOGETHER = {
     "real server": r"/(api/test_submissions|api/test_parse_submission|cli/test_serve|test_notebooks|test_demo)\.py$",
 }
 
+# jsonschema's optional check of IRIs compiles a grammar for three seconds in each process that imports nbformat.
+sys.modules["rfc3987_syntax"] = None
+
 # How many examples Hypothesis makes: some in ``make test``, more where the slow tests run too.
 for profile, examples in (("some", 25), ("many", 100)):
     settings.register_profile(profile, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -79,7 +83,7 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.fixture(scope="session")
 def rigid_body():
-    return assignments()["rigid-body"]
+    return find("rigid-body")
 
 
 @pytest.fixture(scope="session")

@@ -4,9 +4,9 @@ They use the submission's ``integrate_body``, ``T_rot`` and ``L_body``, as the n
 and the limit of polhode's checks.
 """
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 
-_EXERCISE = assignments()["rigid-body"]
+_EXERCISE = find("rigid-body")
 _MOTION = _EXERCISE.scene("torque-free").inputs
 LIMIT = 1e-6
 COMMON = f"""import numpy as np

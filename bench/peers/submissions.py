@@ -5,9 +5,9 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 
-FOLDER = assignments()["rigid-body"].folder
+FOLDER = find("rigid-body").folder
 SAMPLES = {
     "right": "right_terms.py",
     "sign slip": "wrong_sign_flipped.py",
@@ -84,7 +84,7 @@ def write(path: Path, text: str) -> None:
 
 def _setup_functions() -> str:
     """Return T_rot, L_body and integrate_body verbatim from the course's Setup cell."""
-    text, names = assignments()["rigid-body"].setup, ("T_rot", "L_body", "integrate_body")
+    text, names = find("rigid-body").setup, ("T_rot", "L_body", "integrate_body")
     functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef) and node.name in names]
     found = [ast.get_source_segment(text, node) for node in functions]
     return "\n\n\n".join(f for f in found if f) + "\n"

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.figure_renderer import Renderer
 from service.api.submissions import Submission
 from service.http.live import Listener
 from service.http.openapi import PERSON, problems
@@ -20,7 +21,11 @@ LONGEST_S = 3600.0
 
 @router.get("/v1/submissions/{id}/events", response_class=EventSourceResponse, responses=problems(PERSON | {404: "not-found"}))
 async def events(
-    stored: Submission, database: Db, listener: Held[Listener], last_event_id: Annotated[str | None, Header()] = None
+    stored: Submission,
+    database: Db,
+    listener: Held[Listener],
+    renderer: Held[Renderer],
+    last_event_id: Annotated[str | None, Header()] = None,
 ) -> AsyncIterator[ServerSentEvent]:
     """Send ``queued`` with its position, ``running`` with scene k of n, then ``graded`` or ``faulted``, and close the stream.
 
@@ -28,6 +33,7 @@ async def events(
     event's id encodes its content, so a client that sends ``Last-Event-ID`` does not receive the same event twice.
     """
     sent = last_event_id
+    renderer.prepare(stored.assignment)  # who waits for a report will look at its figures
     async for _ in listener.wait_for_changes(str(stored.id), LONGEST_S):
         try:
             progress = await _progress(database, stored, listener)

@@ -1,15 +1,19 @@
-"""Rendering of figures and charts in one separate process, started on the first request for an unstored
-picture.
+"""Rendering of figures and charts in one separate process, started when somebody waits for a report with
+figures, or else on the first request for an unstored picture.
 """
 
 import asyncio
+import contextlib
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
+from exercises.catalogue import assignments
 from service.api.separate_process import ProcessLost, SeparateProcess
 from service.grading import rendering
+from service.sandbox.result import SystemFault
 from service.store.records import SubmissionRecord
 
+T = TypeVar("T")
 TIMEOUT_S = 60.0
 
 
@@ -24,6 +28,16 @@ class Renderer:
         self._process = SeparateProcess(TIMEOUT_S)
         self._charts: dict[tuple[str, int], bytes] = {}
         self._tasks: dict[tuple[Any, ...], asyncio.Task[bytes]] = {}
+        self._prepared: dict[str, asyncio.Task[None]] = {}
+
+    def prepare(self, slug: str) -> None:
+        """Start loading what the figures of an assignment need, if it has figures, once per server process."""
+        if slug not in self._prepared and slug in assignments() and any(e.figures for e in assignments()[slug].exercises):
+            self._prepared[slug] = asyncio.ensure_future(self._prepare(slug))
+
+    async def _prepare(self, slug: str) -> None:
+        with contextlib.suppress(RenderFailed, SystemFault):  # the first figure reports it
+            await self._call(rendering.prepare, slug)
 
     async def figure(self, stored: SubmissionRecord, name: str, packed: bytes, form: str) -> bytes:
         """Return a figure of a graded submission as PNG or SVG.
@@ -54,7 +68,7 @@ class Renderer:
             task.add_done_callback(lambda _: self._tasks.pop(key, None))
         return await asyncio.shield(self._tasks[key])
 
-    async def _call(self, function: Callable[..., bytes], *args: Any) -> bytes:
+    async def _call(self, function: Callable[..., T], *args: Any) -> T:
         try:
             return await self._process.call(function, *args)
         except ProcessLost as error:

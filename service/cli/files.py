@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from exercises.assignment import Assignment
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
+WORD = re.compile(r"\w+")
+DEFINED = re.compile(r"(?<=\bdef )\w+|(?<=\bclass )\w+|\b\w+(?= *(?::[^=\n]*)?=(?!=))")  # in a script or in a notebook's JSON
 
 
 class NoSubmissionFound(CommandError):
@@ -79,38 +81,51 @@ def _is_submission(file: Path) -> bool:
 
 
 def resolve_assignment(slug: str | None, files: Sequence[Path]) -> "Assignment":
-    """Return the assignment ``slug``.
+    """Return the assignment ``slug``, and load no other one that cannot be meant.
 
-    For None, return the assignment whose folder contains the files; else the only assignment; else, if no
-    assignment is broken, the only one whose functions the files name. Raises NoAssignment if none or several
-    match, InvalidAssignment for a broken one.
+    For None, return the assignment whose folder contains the files; else the only assignment; else the only one with a
+    function that the files define, or, if none has one, that they name. Raises NoAssignment if none or several match,
+    InvalidAssignment for a broken one.
     """
     from exercises.assignment import NoAssignment
-    from exercises.catalogue import find, folders, load_catalogue, slug_of
+    from exercises.catalogue import find, folders, load_catalogue, selected, slug_of
 
     if slug is not None:
         return find(slug)
     homes = [f for f in folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
-    if len(homes) == 1:
-        return find(slug_of(homes[0]))
+    likely = homes or selected()
+    if len(likely) > 1 and not homes:
+        texts, sources = [_text(file) for file in files], {folder: set(WORD.findall(_source(folder))) for folder in likely}
+        for pattern in (DEFINED, WORD):
+            names = {name for text in texts for name in pattern.findall(text)}
+            if likely := [folder for folder, words in sources.items() if names & words and _asks_for(slug_of(folder), names)]:
+                break
+    if len(likely) == 1:
+        return find(slug_of(likely[0]))
     known, invalid = load_catalogue()
-    if not homes and len(only := [*known, *invalid]) == 1:
-        return find(only[0])
-    named = _named({name for a in known.values() for name in a.functions()}, files) if len(known) > 1 else set()
-    likely = [a for a in known.values() if a.functions() & named]
-    if len(likely) == 1 and not invalid:
-        return likely[0]
     broken = "".join(f"; {error}" for error in invalid.values())
     raise NoAssignment(f"cannot determine the assignment: give --assignment {' or '.join(sorted(known)) or 'SLUG'}{broken}")
 
 
-def _named(functions: Iterable[str], files: Iterable[Path]) -> set[str]:
-    """Return those of the functions that the files name."""
+def _text(file: Path) -> str:
     from service.grading.submission import DEFAULT_SIZES
 
-    pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, functions))})\b")
-    found: set[str] = set()
-    for file in files:
-        with file.open("rb") as stream:
-            found.update(pattern.findall(stream.read(DEFAULT_SIZES.upload).decode("utf-8", "replace")))
-    return found
+    with file.open("rb") as stream:
+        return stream.read(DEFAULT_SIZES.upload).decode("utf-8", "replace")
+
+
+def _source(folder: Path) -> str:
+    """Return the code of an assignment, without its samples. It contains the names of the functions that are asked for."""
+    own = [file for file in folder.rglob("*.py") if "samples" not in file.relative_to(folder).parts]
+    return "\n".join(file.read_text(encoding="utf-8", errors="replace") for file in [*own, *folder.glob("*.ipynb")])
+
+
+def _asks_for(slug: str, names: set[str]) -> bool:
+    """Return whether an assignment asks for one of these functions. A broken one may."""
+    from exercises.assignment import InvalidAssignment
+    from exercises.catalogue import find
+
+    try:
+        return bool(find(slug).functions() & names)
+    except InvalidAssignment:
+        return True

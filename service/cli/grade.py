@@ -28,7 +28,7 @@ def add_grade(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("files", nargs="+", metavar="FILE", help="file, folder, or pattern such as 'class/**/*.ipynb'")
     parser.add_argument(
-        "--assignment", metavar="SLUG", help="default: the only assignment, or the one whose functions the files name"
+        "--assignment", metavar="SLUG", help="default: the only assignment, or the one whose functions the files define"
     )
     add_exercise(parser)
     parser.add_argument("--seed", type=seed, help="seed of the hidden scenes, as a report gives it; default: random")

@@ -61,6 +61,13 @@ def draw(assignment: Assignment, figure: Figure, arrays: Mapping[str, Arrays], s
         return drawing.draw(figure, [arrays[s.name] for s in scenes], exact, form)
 
 
+def prepare(slug: str) -> None:
+    """Load an assignment and matplotlib, so that its first figure takes as long as any other. Raises SystemFault."""
+    import matplotlib.backends.backend_agg  # noqa: F401
+
+    find_assignment(slug)
+
+
 def draw_stored(slug: str, figure: str, packed: bytes, seed: int, form: str) -> bytes:
     """Draw a figure of a graded submission from its ``packed`` arrays. Raises KeyError if there is no such figure, SystemFault."""
     assignment = find_assignment(slug)

@@ -14,6 +14,7 @@ from service.sandbox.guest_files import (
     DEVICES,
     GUEST,
     KIT,
+    OTHERS,
     SITE_PACKAGES,
     STANDARD_LIBRARY,
     font_list,
@@ -62,12 +63,19 @@ def _namespaces() -> list[str]:
 
 
 def _files(binds: list[Path]) -> list[str]:
-    folders = {parent for path in binds for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME), Path(GUEST_CODE)}
+    """Return the mounts. The standard library is one of them, with OTHERS hidden: the time of bwrap grows with their square."""
+    hidden = [path for path in (STANDARD_LIBRARY / name for name in OTHERS) if path.is_dir()]
+    linked = [Path(os.path.realpath(path)) for path in binds if path.parent == STANDARD_LIBRARY and path.is_symlink()]
+    single = [STANDARD_LIBRARY, *linked, *(path for path in binds if path.parent != STANDARD_LIBRARY)]
+    folders = {parent for path in single for parent in path.parents[:-1]} | {Path("/dev"), Path(GUEST_HOME), Path(GUEST_CODE)}
     args: list[str] = []
-    for folder in sorted(folders):
+    for folder in sorted(folder for folder in folders if not folder.is_relative_to(STANDARD_LIBRARY)):
         args += ["--perms", "0755", "--dir", str(folder)]  # without this root's bwrap makes them unreadable for others
-    for path in binds:
+    for path in single:
         args += ["--ro-bind", os.path.realpath(path), str(path)]
+        if path == STANDARD_LIBRARY:
+            args += [part for one in hidden for part in ("--perms", "0755", "--size", "4096", "--tmpfs", str(one))]
+    args += [part for one in hidden for part in ("--remount-ro", str(one))]
     args += ["--ro-bind", str(GUEST), f"{GUEST_CODE}/guest", "--ro-bind", str(KIT), f"{GUEST_CODE}/ecp"]
     args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:

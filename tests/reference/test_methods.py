@@ -24,7 +24,12 @@ def error(method, setting, scene=SCENE, exact=EXACT):
     return max(np.abs(run.w - exact.w).max(), np.abs(run.R - exact.R).max())
 
 
-@pytest.mark.parametrize("name", [m.name for m in METHODS if m.order])
+def compiled(names):
+    """Parameters: numba compiles each family for seconds, so ``make test`` has the explicit methods alone."""
+    return [name if BY_NAME[name].line == "explicit" else pytest.param(name, marks=pytest.mark.slow) for name in names]
+
+
+@pytest.mark.parametrize("name", compiled(m.name for m in METHODS if m.order))
 def test_observed_order(name):
     method = BY_NAME[name]
     scene, exact = SCENE, EXACT
@@ -61,7 +66,9 @@ def test_adaptive_methods_follow_their_tolerance(name):
     assert len(errors) >= 6 and errors[-1] < 1e-6 and errors[-1] < errors[0] / 1e3
 
 
-@pytest.mark.parametrize("name", ["Gauss 4", "Gauss 12", "Strang splitting", "splitting 8", "Moser-Veselov 2", "Moser-Veselov 6"])
+@pytest.mark.parametrize(
+    "name", compiled(["Gauss 4", "Gauss 12", "Strang splitting", "splitting 8", "Moser-Veselov 2", "Moser-Veselov 6"])
+)
 def test_geometric_methods_conserve_what_they_should_over_a_long_run(name):
     scene = Scene("long", (1.0, 0.6, 0.8), (2.0, 3.0, 4.0), 1800.0, intervals=100)
     run = BY_NAME[name].run(scene, 180)

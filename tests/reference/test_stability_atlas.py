@@ -10,9 +10,8 @@ from tests.reference.make_truth import truth
 SEPARATRIX = next(e for e in ATLAS if e.measure is separatrix)
 
 
-@pytest.mark.parametrize(
-    "entry", [pytest.param(e, marks=pytest.mark.slow) if e is SEPARATRIX else e for e in ATLAS], ids=lambda e: e.name
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("entry", ATLAS, ids=lambda e: e.name)
 def test_entry(entry):
     rows = entry.measure()
     assert entry.holds(rows), rows

@@ -10,6 +10,7 @@ from reference.work_precision import SCENES, measure, rows
 BY_NAME = {m.name: m for m in METHODS}
 
 
+@pytest.mark.slow
 def test_points_tell_error_over_the_whole_run_cost_and_invariants():
     chosen = [BY_NAME[n] for n in ("RK4", "Euler", "exact", "DOP853")]
     points = list(measure([SCENES[4]], chosen, repeats=1))
@@ -23,6 +24,7 @@ def test_points_tell_error_over_the_whole_run_cost_and_invariants():
     assert rows(points)[0]["scene"] == "exercise 6"
 
 
+@pytest.mark.slow
 def test_a_heavy_top_has_methods_and_invariants_of_its_own():
     scene = next(s for s in SCENES if s.name == "heavy top")
     points = list(measure([replace(scene, t_end=0.4, intervals=4)], repeats=1))

@@ -6,10 +6,10 @@ from pathlib import Path
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, Picture, SceneEnd, Tolerance
 from ecp.report import Provenance, Report
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from service.grading.result import GradedFile
 
-ASSIGNMENT = assignments()["rigid-body"]
+ASSIGNMENT = find("rigid-body")
 PROVENANCE = Provenance(seed=7, versions={"polhode": "0.1.0", "python": "3.11.7"}, isolation="process", phases_ms={"grade": 1000.0})
 TOLERANCE = Tolerance(rtol=1e-6, atol=1e-9, reason="the notebook's own tolerance")
 TRACEBACK = '  File "submission.py", line 3, in euler_eqs\n    return w / 0\nZeroDivisionError: division by zero\n'

@@ -17,16 +17,17 @@ from service.settings import Settings
 
 
 class Server:
-    """``polhode serve`` as its own process on a free loopback port."""
+    """``polhode serve`` as its own process on a free loopback port, with ``rigid-body`` alone unless told otherwise."""
 
     def __init__(self, data: Path, *, port: int | None = None, **environment: str) -> None:
         self.data, self.port = data, port or free_port()
         self.url = f"http://127.0.0.1:{self.port}"
         self.log, self.out = (data.parent / f"serve-{self.port}.{name}" for name in ("log", "out"))
+        course = {} if "POLHODE_ASSIGNMENTS" in environment else {"POLHODE_COURSE": "rigid-body"}
         with self.log.open("wb") as log, self.out.open("wb") as out:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "service.cli", "serve", "--port", str(self.port)],
-                env=os.environ | {"POLHODE_DATA": str(data)} | environment,
+                env=os.environ | course | {"POLHODE_DATA": str(data)} | environment,
                 stdout=out,
                 stderr=log,
             )

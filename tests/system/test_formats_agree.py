@@ -10,7 +10,7 @@ from hypothesis import given
 from markdown_it import MarkdownIt
 
 from ecp.judge import MARKS, Verdict
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from service.formats import classroom50, github, gradebooks, grades, gradescope, junit
 from service.formats.check_text import sanitize
 from service.formats.grade_row import row
@@ -18,7 +18,7 @@ from tests.service.formats.test_classroom50 import ABOUT, Result
 from tests.support.random_reports import graded_files
 from tests.support.workflow_log import commands
 
-RIGID = assignments()["rigid-body"]
+RIGID = find("rigid-body")
 OF_STATE = {"timeout": "unmeasured", "error": "unmeasured"}
 
 

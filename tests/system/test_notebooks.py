@@ -52,9 +52,14 @@ def connect(server):
     return f'{SETUP}ecp.connect("{server.url}", assignment="rigid-body")'
 
 
-def shown(outputs, kind="text/plain"):
-    """What the cell's last expression shows."""
-    return next(o.data[kind] for o in reversed(outputs) if o.output_type == "execute_result")
+def shown(outputs):
+    """What the cell's last expression shows; of a report, its lines."""
+    return next(o.data["text/plain"] for o in outputs if o.output_type == "execute_result" or "text/html" in o.get("data", {}))
+
+
+def page(outputs):
+    """The HTML that a cell shows: a report, and then its pictures."""
+    return "".join(o.get("data", {}).get("text/html", "") for o in outputs)
 
 
 def said(outputs):
@@ -64,7 +69,7 @@ def said(outputs):
 
 def line(outputs):
     """The last state of the one line of progress."""
-    return [o.data["text/plain"] for o in outputs if o.output_type == "display_data"][-1]
+    return next(o.data["text/plain"] for o in outputs if o.output_type == "display_data")
 
 
 def fetch(server, path):
@@ -79,10 +84,10 @@ def test_local_and_remote_tell_the_same_lines(server, play):
     assert all(LINE.fullmatch(line) for line in lines) and len(lines) == 5
     assert shown(local).split("\n") == lines[:3] and all(line.startswith("✓") for line in lines)
     assert line(remote) == "submitted and graded: 5 of 5 points (public checks: 3 of 3)"
-    html = shown(remote, "text/html")
+    html = page(remote)
     assert html.count("data:image/png;base64,") == 2 and "Graded source (SHA-256 " in html
     assert "def euler_eqs(t, w, I):" in html and f'href="{server.url}/submissions/' in html
-    assert "The server makes 2 more checks" in shown(local, "text/html")
+    assert "The server makes 2 more checks" in page(local)
 
 
 @pytest.mark.slow
@@ -90,7 +95,7 @@ def test_a_wrong_sign_is_named_and_the_plain_text_stays_lines(server, play):
     *_, remote, told = play(
         connect(server), EULER.replace("(I[2] - I[0])", "-(I[2] - I[0])"), "r = ecp.submit(euler_eqs); r", "print(r)"
     )
-    assert "likely <b>sign-flipped</b>" in shown(remote, "text/html")
+    assert "likely <b>sign-flipped</b>" in page(remote)
     assert "sign-flipped" not in shown(remote) and "likely sign-flipped" in said(told)
 
 
@@ -142,7 +147,7 @@ def test_the_courses_own_notebook_runs_in_a_kernel_and_prints_its_nine_lines(pla
     assert all(shown(outputs[id]) == "True" for id in cells if id.startswith("validation"))
     card = outputs["header"][0].data["text/html"]
     assert "Rigid-Body Rotation and the Spinning Top" in card and "advanced" in card and outputs["footer"]
-    assert "<script" in shown(outputs["solution-5"], "text/html"), "an animation is shown as a player"
+    assert "<script" in page(outputs["solution-5"]), "an animation is shown as a player"
 
 
 @pytest.mark.slow
@@ -154,7 +159,7 @@ def test_what_cannot_be_sent_is_named_and_empty_functions_stay_at_home(server, p
     assert "Nothing was submitted: `cross` is not among the functions of rigid-body" in said(other) and "euler_eqs" in said(other)
     assert said(both) == "Submit either functions or a file, not both: nothing was submitted."
     assert said(nothing) == "Nothing was submitted: `box_moments` has no code yet. Write it, run its cell, and submit again.\n"
-    html = shown(remote, "text/html")
+    html = page(remote)
     assert "Not sent, still empty: box_moments." in html and re.search(r"<p>data: ", html)
 
 
@@ -168,8 +173,8 @@ def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     newest, first = shown(found).split("\n")
     flips = r"(5 checks ✗ → ✓|4 checks ✗ → ✓; 1 check – → ✓)"  # a wrong equation may keep the solver busy beyond its time
     assert re.search(rf"  5 of 5  best, latest  lines \+1 −1; {flips}$", newest) and "0 of 5" in first
-    page = fetch(server, "/assignments/rigid-body")
-    assert page.count('scope="row"') == 2 and re.search(flips, page) and "(best)" in page
+    listed = fetch(server, "/assignments/rigid-body")
+    assert listed.count('scope="row"') == 2 and re.search(flips, listed) and "(best)" in listed
     server.stop()
 
 

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.result import Cancelled
@@ -32,5 +32,5 @@ def test_stopped_long_before_its_budgets_end_and_the_next_is_graded_by_the_same_
             grade(Submission(GOOD), rigid_body, sandbox, 7, ["2"])
     finally:
         sandbox.cancelled.clear()
-    assert grade(Submission(GOOD), assignments()["rigid-body"], sandbox, 7, ["2"]).report.passed
+    assert grade(Submission(GOOD), find("rigid-body"), sandbox, 7, ["2"]).report.passed
     assert sandbox.zygotes == before

@@ -22,7 +22,6 @@ from ecp.exercise import Exercise, attempted, points
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
-from ecp.report_html import html
 from ecp.return_value import describe_exception, is_written, missing
 from ecp.time_limit import OutOfTime, limited
 
@@ -52,7 +51,7 @@ def check(*numbers: str | int, assignment: str | None = None) -> Report:
             f"The assignment {known.slug} has an error, not your code: {error}. Report it to the course staff."
         ) from error
     versions = {"python": platform.python_version()} | {name: metadata.version(name) for name in ("numpy", "scipy")}
-    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True, html=html)
+    report = Report(known.slug, known.version, sections, Provenance(0, versions, ISOLATION), local=True)
     missed = [] if numbers else [e for e in known.exercises if e not in chosen]
     report.not_attempted = [e.number for e in missed]
     report.weighted = any(c.points > 1 for e in known.exercises for c in e.checks)

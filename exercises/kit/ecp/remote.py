@@ -3,7 +3,8 @@
 import contextlib
 import json
 import uuid
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,10 @@ from ecp.identity import JSON, authorization
 from ecp.notebook.outputs import strip_outputs
 from ecp.progress import Line
 from ecp.report import Report
-from ecp.report_html import html
 from ecp.return_value import is_empty
 
 PATIENCE_S = 300.0  # with a server that stored the submission: it may restart meanwhile
+PICTURE_S = 5.0  # patience with a server that fails to send a picture
 
 
 class NotGraded(NotebookError):
@@ -36,10 +37,11 @@ def submit(
     """Submit functions with everything they need, or a ``.py`` or ``.ipynb`` file, or by default all code of
     this notebook.
 
-    Waits for the report and returns it. ``exercises`` are the numbers to grade (default: those the submission
-    attempts). ``server`` and ``assignment`` default to those of ``ecp.connect``. Functions that are still
-    empty are not sent; returns None if all are empty. Raises CannotSend, UnknownCourse, Unreachable or
-    HTTPError if nothing was submitted, and NotGraded if the submission has no report.
+    Waits for the report and returns it; its pictures are fetched when it is displayed. ``exercises`` are the
+    numbers to grade (default: those the submission attempts). ``server`` and ``assignment`` default to those
+    of ``ecp.connect``. Functions that are still empty are not sent; returns None if all are empty. Raises
+    CannotSend, UnknownCourse, Unreachable or HTTPError if nothing was submitted, and NotGraded if the
+    submission has no report.
     """
     slug = course.assignment(assignment)
     where = course.server(server, slug)
@@ -57,13 +59,12 @@ def submit(
     accepted = _post(f"{where}/v1/assignments/{slug}/submissions", body, headers, line)
     page = f"{where}/submissions/{accepted['id']}"
     with _final_text_on_error(line, f"submitted, see {page}"):
-        url = f"{where}/v1/submissions/{accepted['id']}"
+        url, outdated = f"{where}/v1/submissions/{accepted['id']}", _outdated(where, slug)
         report = _report(_wait(url, headers, line, page), page)
-    report.sent, report.address, report.html = sent, page, html
-    report.drawn = _pictures(report, url, headers, line).get
+    report.sent, report.address, report.drawn = sent, page, cache(_fetcher(report, url, headers))
     remarks = [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
     remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server graded a different text than the one sent.")
-    report.remark = " ".join(filter(None, [*remarks, _outdated(where, slug)]))
+    report.remark = " ".join(filter(None, [*remarks, outdated]))
     line.end(f"submitted and graded: {report.summary()}")
     return report
 
@@ -134,15 +135,14 @@ def _progress(event: Event) -> str:
     return event.name
 
 
-def _pictures(report: Report, url: str, headers: Mapping[str, str], line: Line) -> dict[str, bytes]:
-    """Return every available figure and contact sheet as PNG by name; the server draws them on request."""
-    names = [f"animations/{p.name}" for p in report.animations] + [f"figures/{p.name}" for p in report.figures]
-    found: dict[str, bytes] = {}
-    for number, name in enumerate(names, start=1):
-        line.show(f"graded, fetching picture {number} of {len(names)}")
-        with contextlib.suppress(RequestError):  # a report without a picture is better than none
-            found[name.partition("/")[2]] = call("GET", f"{url}/{name}.png", headers=headers, patience=5.0).body
-    return found
+def _fetcher(report: Report, url: str, headers: Mapping[str, str]) -> Callable[[str], bytes]:
+    """Return the function that fetches a figure or contact sheet as PNG by its name; the server draws it on request."""
+    folders = {p.name: folder for folder in ("figures", "animations") for p in getattr(report, folder)}
+
+    def fetch(name: str) -> bytes:
+        return call("GET", f"{url}/{folders[name]}/{name}.png", headers=headers, patience=PICTURE_S).body
+
+    return fetch
 
 
 def _outdated(server: str, slug: str) -> str:

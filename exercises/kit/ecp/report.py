@@ -34,7 +34,8 @@ class Provenance:
     phases_ms: dict[str, float] = field(default_factory=dict)
 
 
-def _no_picture(name: str) -> bytes | None:
+def no_picture(name: str) -> bytes | None:
+    """Return None: outside a notebook a report has no pictures."""
     return None
 
 
@@ -45,9 +46,9 @@ class Report:
     ``total`` is the number of points of every exercise that was to be graded, including those
     ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
 
-    ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures ``drawn``
-    (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page, a ``remark``, and the
-    function ``html`` that renders it there. A ``local`` report comes from ``ecp.check`` and has the public checks only;
+    ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures, which
+    ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page,
+    and a ``remark``. A ``local`` report comes from ``ecp.check`` and has the public checks only;
     it is ``weighted`` if one of the assignment's checks is worth more than a point.
     """
 
@@ -65,11 +66,10 @@ class Report:
     not_attempted: list[str] = field(default_factory=list)
     local: bool = field(default=False, metadata={"local_only": True}, compare=False)
     weighted: bool = field(default=False, metadata={"local_only": True}, compare=False)
-    drawn: Callable[[str], bytes | None] = field(default=_no_picture, metadata={"local_only": True}, compare=False)
+    drawn: Callable[[str], bytes | None] = field(default=no_picture, metadata={"local_only": True}, compare=False)
     sent: Any = field(default=None, metadata={"local_only": True}, compare=False)
     address: str | None = field(default=None, metadata={"local_only": True}, compare=False)
     remark: str = field(default="", metadata={"local_only": True}, compare=False)
-    html: Callable[["Report"], str] | None = field(default=None, metadata={"local_only": True}, compare=False)
 
     COMPUTED_FIELDS: ClassVar = ("score", "max_score", "passed")
 
@@ -140,8 +140,15 @@ class Report:
     def __str__(self) -> str:
         return self.text()
 
-    def _repr_html_(self) -> str | None:
-        return None if self.html is None else self.html(self)
+    def _repr_html_(self) -> str:
+        from ecp.report_html import html
+
+        return html(self)
+
+    def _ipython_display_(self) -> None:
+        from ecp.report_html import show
+
+        show(self)
 
 
 def _note(scene_end: SceneEnd) -> str | None:

@@ -5,13 +5,15 @@ Colours there follow JupyterLab's and VS Code's themes.
 import base64
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from html import escape
 
 from ecp import grouped
+from ecp.errors import RequestError
 from ecp.grouped import Cause
 from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, ExerciseReport, Outcome, Picture
-from ecp.report import OWN_CHECKS, Report
+from ecp.report import OWN_CHECKS, Report, no_picture
 
 # Light by default; dark if the front end says so, or if it says nothing and the system is dark.
 # ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
@@ -44,8 +46,35 @@ td,th{text-align:left;vertical-align:top}}
 )
 
 
+def show(report: Report) -> None:
+    """Display the report's lines in IPython, then one picture after the other, each as soon as it is drawn or fetched.
+
+    Raises NotImplementedError in a terminal, where IPython then shows the ``repr``. If the server sends no
+    pictures, one line stands for all that are missing.
+    """
+    from IPython import get_ipython
+    from IPython.display import display
+
+    def put(text: str, markup: str) -> None:
+        display({"text/plain": text, "text/html": markup}, raw=True)
+
+    if "text/html" not in get_ipython().display_formatter.active_types:
+        raise NotImplementedError
+    put(report.lines(), html(replace(report, drawn=no_picture)))
+    pictures = [picture for exercise in report.exercises for picture in _pictures(report, exercise)]
+    for number, picture in enumerate(pictures):
+        content = _drawn(report, picture)
+        if isinstance(content, RequestError) and getattr(content, "status", None) != 404:
+            missing = f"{len(pictures) - number} of {len(pictures)} pictures are missing: {content}"
+            put(missing, fragment(f"<p>{escape(missing)}</p>"))
+            return
+        if content is not None:
+            placed = replace(picture, title=f"Exercise {picture.exercise}. {picture.title}")
+            put(_text(placed, content), fragment(_picture(placed, content)))
+
+
 def html(report: Report) -> str:
-    """Return the report as one self-contained HTML fragment."""
+    """Return the report with its pictures as one self-contained HTML fragment."""
     causes = report.causes()
     parts = []
     if causes:
@@ -121,19 +150,36 @@ def _link(address: str, text: str, links: bool) -> str:
 
 def _exercise(report: Report, exercise: ExerciseReport, numbers: Mapping[str, int]) -> str:
     items = [outcome_item(outcome, numbers) for outcome in exercise.outcomes]
-    pictures = [p for p in [*report.animations, *report.figures] if p.exercise == exercise.number]
-    shown = "".join(_picture(report, picture) for picture in pictures)
+    shown = "".join(_picture(picture, _drawn(report, picture)) for picture in _pictures(report, exercise))
     return f"<h4>Exercise {escape(exercise.number)}. {escape(exercise.title)}</h4><ul>{''.join(items)}</ul>{shown}"
 
 
-def _picture(report: Report, picture: Picture) -> str:
-    content = report.drawn(picture.name)
+def _pictures(report: Report, exercise: ExerciseReport) -> list[Picture]:
+    return [p for p in [*report.animations, *report.figures] if p.exercise == exercise.number]
+
+
+def _drawn(report: Report, picture: Picture) -> bytes | Exception | None:
+    """Return the picture, None if there is none, or why it could not be drawn or fetched."""
+    try:
+        return report.drawn(picture.name)
+    except Exception as error:
+        return error
+
+
+def _picture(picture: Picture, content: bytes | Exception | None) -> str:
     if content is None:
         return ""
+    if isinstance(content, Exception):
+        return f"<p>{escape(_text(picture, content))}</p>"
     kind = "png" if content.startswith(b"\x89PNG") else "svg+xml"
     data = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
     caption = escape(picture.title)
     return f'<figure><img src="{data}" alt="{escape(picture.alt, quote=True)}"><figcaption>{caption}</figcaption></figure>'
+
+
+def _text(picture: Picture, content: bytes | Exception) -> str:
+    """Return what stands for the picture in text: its description, or why it is missing."""
+    return f"{picture.title} is missing: {content}" if isinstance(content, Exception) else f"{picture.title}: {picture.alt}"
 
 
 def _page(report: Report) -> str:

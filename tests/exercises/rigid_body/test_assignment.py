@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import reference
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 
-SOURCE = assignments()["rigid-body"].setup
+SOURCE = find("rigid-body").setup
 I, W0 = (2.0, 3.0, 4.0), (1.0, 0.6, 0.8)
 
 

@@ -7,9 +7,9 @@ import re
 import nbformat
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 
-ASSIGNMENT = assignments()["rigid-body"]
+ASSIGNMENT = find("rigid-body")
 FILE = ASSIGNMENT.folder / "notebook.ipynb"
 NOTEBOOK = json.loads(FILE.read_text(encoding="utf-8"))
 CELLS = NOTEBOOK["cells"]

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import multiprocessing
 import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
@@ -11,7 +12,7 @@ from service.workers.worker import Worker
 from tests.support.app import App
 from tests.support.database import run, sql
 from tests.support.grader import WHY, NoSandbox
-from tests.support.submissions import graded
+from tests.support.submissions import graded, submitted
 
 
 def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
@@ -45,3 +46,17 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
     assert answers == [(409, sentence)] * 3
     assert sql(database_url, "SELECT count(*) FROM grading_artefact WHERE name LIKE 'sweep.run._'") == [(1,)]
     assert sql(database_url, "SELECT 1 FROM procrastinate_jobs WHERE task_name = 'sweep'") == []
+
+
+def test_the_process_that_renders_starts_while_somebody_waits_for_the_report(database_url):
+    id, before = submitted(database_url, "local")[0], set(multiprocessing.active_children())
+    app = App(database_url=database_url, identity="local")
+    try:
+        assert json.load(urllib.request.urlopen(f"{app.url}/v1/submissions/{id}", timeout=10))["status"] == "queued"
+        assert set(multiprocessing.active_children()) == before, "who only asks may never look at figures"
+        with urllib.request.urlopen(f"{app.url}/v1/submissions/{id}/events", timeout=10) as stream:
+            assert stream.readline() == b"event: queued\n"
+            (started,) = set(multiprocessing.active_children()) - before
+    finally:
+        app.stop()
+    assert not started.is_alive()

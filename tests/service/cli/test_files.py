@@ -124,6 +124,13 @@ def test_one_of_several_is_told_by_the_functions_or_by_the_folder(file, tmp_path
         assert resolve_assignment("rigid_body", [folder / "samples" / "right_terms.py"]).slug == "rigid-body"
 
 
+def test_the_functions_that_a_file_defines_take_precedence_over_those_that_it_names(file, tmp_path):
+    copied(tmp_path / "course")
+    with known(tmp_path / "course"):
+        assert resolve_assignment(None, [file("def euler_eqs(t, w, I): ...\nfrom mine import oscillator")]).slug == "rigid-body"
+        assert resolve_assignment(None, [file("from mine import oscillator")]).slug == "damped-oscillator"
+
+
 def test_nothing_is_guessed(file, tmp_path):
     course = tmp_path / "course"
     copied(course)

@@ -9,7 +9,7 @@ import zipfile
 
 import pytest
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from service.cli.gradescope_bundle import bundle, own_wheel
 from tests.support.containers import Container
 
@@ -48,7 +48,7 @@ class Gradescope:
         self.home = home
         for name in ("source", "submission", "results"):
             (home / name).mkdir(parents=True)
-        (home / "autograder.zip").write_bytes(bundle(assignments()["rigid-body"], ["2"]))
+        (home / "autograder.zip").write_bytes(bundle(find("rigid-body"), ["2"]))
         with zipfile.ZipFile(home / "autograder.zip") as archive:
             for about in archive.infolist():
                 archive.extract(about, home / "source")

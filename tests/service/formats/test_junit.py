@@ -8,13 +8,13 @@ import junitparser
 import pytest
 from hypothesis import given
 
-from exercises.catalogue import assignments
+from exercises.catalogue import find
 from service.formats import junit
 from tests.support.random_reports import graded_files
 from tests.support.reports import example, graded_file, outcome, report
 
 GOLDEN = Path(__file__).parent / "golden" / "junit.xml"
-RIGID = assignments()["rigid-body"]
+RIGID = find("rigid-body")
 REFUSED = graded_file(None, "samples/ben.py", source="\x00", refused="ben.py is not a text file (UTF-8)")
 FAULT = graded_file(None, "samples/cho.ipynb", fault="the disk is full")
 

@@ -60,12 +60,16 @@ def pointwise(student, inputs):
                 raise WrongAnswer("swapped-arguments", f"euler_eqs is called as (t, w, I); yours takes {own}") from None
             raise
         answers.append(real_array(answer, (3,), "euler_eqs"))
-        if not (np.array_equal(spin, w) and np.array_equal(moments, I)):
+        if not (_equal(spin, w) and _equal(moments, I)):
             raise WrongAnswer("mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array")
-        if before is not None and not np.array_equal(real_array(before, (3,), "euler_eqs"), answers[-2], equal_nan=True):
+        if before is not None and not _equal(real_array(before, (3,), "euler_eqs"), answers[-2]):
             raise WrongAnswer("mutates-input", OVERWRITES)
         before = answer
     return {"wdot": np.array(answers)}
+
+
+def _equal(a, b):
+    return a.tobytes() == b.tobytes() or np.array_equal(a, b, equal_nan=True)
 
 
 def trajectory(student, inputs):

@@ -184,13 +184,10 @@ def _discard(result: PlayResult, scene: str, scene_end: Ended, sentence: str) ->
 
 def _agree(inputs: Inputs, first: Arrays, second: Arrays) -> bool:
     """Return whether the answers of both children, and those to a repeated question within the first, agree bit for bit."""
-    asked = np.column_stack([np.asarray(v).reshape(_length(first), -1).astype(str) for v in inputs.values()])
-    _, same = np.unique(asked, axis=0, return_inverse=True)
-    representative = np.zeros(same.max() + 1, dtype=int)
-    representative[same] = np.arange(len(asked))
-    return all(
-        a.tobytes() == second[name].tobytes() and a.tobytes() == a[representative[same]].tobytes() for name, a in first.items()
-    )
+    asked = [b"".join(row) for row in zip(*([one.tobytes() for one in np.asarray(v)] for v in inputs.values()), strict=True)]
+    places: dict[bytes, int] = {}
+    same = [places.setdefault(question, k) for k, question in enumerate(asked)]
+    return all(a.tobytes() == second[name].tobytes() and a.tobytes() == a[same].tobytes() for name, a in first.items())
 
 
 def _drive(

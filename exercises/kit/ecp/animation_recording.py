@@ -16,7 +16,7 @@ from ecp import animate
 from ecp.artists import Drawn, drawn, labelled, painted, unordered
 from ecp.axes_decoration import decorated_once
 from ecp.return_value import WrongAnswer
-from ecp.visibility import Visibility
+from ecp.visibility import Visibility, differ
 
 FRAME_CAP = 600
 SPREAD = np.array([0.0, 0.23, 0.38, 0.64, 0.77, 1.0])  # of the stills; uneven, because a periodic motion must not look still
@@ -142,8 +142,7 @@ def moving_share(frames: NDArray[np.uint8]) -> float:
     """
     if len(frames) < 2:
         return 0.0
-    difference = np.abs(frames[1:].astype(np.int16) - frames[0].astype(np.int16)).max(axis=3)
-    return float((difference > VISIBLE).mean(axis=(1, 2)).max())
+    return float(differ(frames[1:], frames[0], VISIBLE).mean(axis=(1, 2)).max())
 
 
 def _picture(figure: Any, canvas: Any) -> NDArray[np.uint8]:

@@ -1,10 +1,12 @@
 """Panes, grid lines and ticks of 3-D axes: most of the time of a drawing, and the same from frame to frame."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+
+PARTS = ("draw_pane", "draw_grid", "draw")
 
 
 @contextmanager
@@ -16,7 +18,7 @@ def decorated_once() -> Iterator[None]:
     """
     from mpl_toolkits.mplot3d.axis3d import Axis
 
-    own = {name: getattr(Axis, name) for name in ("draw_pane", "draw_grid", "draw")}
+    own = {name: getattr(Axis, name) for name in PARTS}
     begun: dict[Any, Any] = {}  # by axes and whether without text: what the decoration depends on
     last: dict[Any, Any] = {}  # the same, and the pixels with it
     copied: set[Any] = set()  # the axes whose present drawing has a copy
@@ -50,13 +52,29 @@ def decorated_once() -> Iterator[None]:
             key = _key(axis.axes, renderer)
             last[key] = [*begun[key], np.array(renderer.buffer_rgba())]
 
+    with _replaced(Axis, {"draw_pane": draw_pane, "draw_grid": draw_grid, "draw": draw}):
+        yield
+
+
+@contextmanager
+def undecorated() -> Iterator[None]:
+    """Leave out the decoration of 3-D axes inside the ``with`` block, for a drawing that nobody sees."""
+    from mpl_toolkits.mplot3d.axis3d import Axis
+
+    with _replaced(Axis, dict.fromkeys(PARTS, lambda axis, renderer: None)):
+        yield
+
+
+@contextmanager
+def _replaced(owner: Any, functions: Mapping[str, Any]) -> Iterator[None]:
+    own = {name: getattr(owner, name) for name in functions}
     try:
-        for function in (draw_pane, draw_grid, draw):
-            setattr(Axis, function.__name__, function)
+        for name, function in functions.items():
+            setattr(owner, name, function)
         yield
     finally:
         for name, function in own.items():
-            setattr(Axis, name, function)
+            setattr(owner, name, function)
 
 
 def _key(axes: Any, renderer: Any) -> tuple[Any, bool]:

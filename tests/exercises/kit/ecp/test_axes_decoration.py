@@ -8,7 +8,7 @@ import pytest
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d.axis3d import Axis
 
-from ecp import animation_recording
+from ecp import animate, animation_recording
 from ecp.animation_recording import record
 
 CHANGES = {
@@ -48,6 +48,17 @@ def test_stills_are_those_without_copies(change, monkeypatch):
     monkeypatch.setattr(animation_recording, "decorated_once", nullcontext)
     drawn = record(lambda: animation(change), 20.0)
     assert all(np.array_equal(copied[name], drawn[name]) for name in ("frames", "visible", "tracks"))
+
+
+def test_the_drawing_that_blitting_begins_with_has_no_decoration(monkeypatch):
+    drawings, own = [], Axis.draw
+    monkeypatch.setattr(Axis, "draw", lambda axis, renderer: drawings.append(axis) or own(axis, renderer))
+    figure = plt.figure()
+    (line,) = figure.add_subplot(projection="3d").plot([0, 1], [0, 1], [0, 1])
+    plt.close(figure)
+    with animate.watched():
+        FuncAnimation(figure, lambda k: [line], frames=3, blit=True)
+    assert not drawings and figure.axes[0].M is not None
 
 
 def test_decoration_that_stays_is_drawn_once_with_text_and_once_without(monkeypatch):

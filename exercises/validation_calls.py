@@ -1,6 +1,7 @@
 """Calls of ``ecp.validate`` in a code cell: their places, labels and tolerances, read from the source alone."""
 
 import ast
+import functools
 import inspect
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -31,9 +32,10 @@ class Call(NamedTuple):
     computed: tuple[str, ...] = ()
 
 
-def calls(source: str) -> list[Call]:
+@functools.lru_cache(maxsize=2048)
+def calls(source: str) -> tuple[Call, ...]:
     """Return the calls of ``validate`` in a code cell, in the order of the source."""
-    tree = ast.parse(python_of(source) or "")
+    tree = ast.parse((python_of(source) if "validate" in source else None) or "")
     functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)]
     inside = {id(node) for function in functions for node in ast.walk(function)}
     loops = [n for n in ast.walk(tree) if isinstance(n, LOOPS)]
@@ -55,7 +57,7 @@ def calls(source: str) -> list[Call]:
                 computed=tuple(name for name, number in numbers.items() if number is None),
             )
             found.append(call)
-    return sorted(found)
+    return tuple(sorted(found))
 
 
 def _argument(node: ast.Call, at: int) -> str:

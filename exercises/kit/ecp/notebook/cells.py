@@ -70,6 +70,7 @@ def without_magics(cell: str, answer: str = SHELL_ANSWER) -> str:
     return "\n".join(lines)
 
 
+@lru_cache(maxsize=2048)
 def python_of(cell: str, answer: str = SHELL_ANSWER) -> str | None:
     """Return the cell ``without_magics``, None if it is not Python."""
     text = without_magics(cell, answer)

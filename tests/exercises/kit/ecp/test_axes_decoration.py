@@ -55,9 +55,9 @@ def test_the_drawing_that_blitting_begins_with_has_no_decoration(monkeypatch):
     monkeypatch.setattr(Axis, "draw", lambda axis, renderer: drawings.append(axis) or own(axis, renderer))
     figure = plt.figure()
     (line,) = figure.add_subplot(projection="3d").plot([0, 1], [0, 1], [0, 1])
-    plt.close(figure)
     with animate.watched():
         FuncAnimation(figure, lambda k: [line], frames=3, blit=True)
+    plt.close(figure)
     assert not drawings and figure.axes[0].M is not None
 
 

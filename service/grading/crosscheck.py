@@ -111,8 +111,10 @@ def _play_rest(assignment: Assignment, played: PlayedJob, rest: Sequence[SceneRe
     result = played.result
     for p in rest:
         if not result.finished(str(p.after)):
-            sentence = NOT_FINISHED.format(p.after)
-            result.scene_ends[p.name] = SceneEnd(scene=p.name, ended=Ended.NOT_PLAYED, sentence=sentence)
+            followers = [other.name for other in played.job.scenes if other.after == p.after]  # these ended with the child, maybe
+            ends = [result.scene_ends[name] for name in followers if name in result.scene_ends and not result.finished(name)]
+            ends += [SceneEnd(scene=p.name, ended=Ended.NOT_PLAYED, sentence=NOT_FINISHED.format(p.after))]
+            result.scene_ends[p.name] = replace(ends[0], scene=p.name)
     if left := tuple(p for p in rest if p.name not in result.scene_ends):
         more = play(replace(played.job, scenes=left), assignment, sandbox, budget=played.budget)
         more.stdout = ""  # the cells have printed it before

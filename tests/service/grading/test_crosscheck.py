@@ -78,6 +78,11 @@ def test_a_function_whose_proof_does_not_finish_has_no_hidden_motions(rigid_body
     assert [end.ended for end in report.scene_ends] == [Ended.RAISED, Ended.NOT_PLAYED, Ended.NOT_PLAYED]
 
 
+def test_a_child_that_exits_while_it_loads_ends_the_hidden_motions_too(rigid_body, sandbox):
+    report = grade(Submission("import os\n" + RIGHT + "os._exit(0)\n"), rigid_body, sandbox, 5, ["2"]).report
+    assert [end.ended for end in report.scene_ends] == [Ended.EXITED] * 3
+
+
 def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):
     report = grade(Submission(WRONG), rigid_body, sandbox, 5).report
     told = report.provenance.motions

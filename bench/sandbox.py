@@ -24,6 +24,7 @@ from service.sandbox.isolation import process_isolation
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
+from service.sandbox.time_budget import TimeBudget
 
 RIGHT = """
 def euler_eqs(t, w, I):
@@ -170,7 +171,8 @@ def _probing():
 def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
     alone = replace(job, scenes=job.scenes[:1])
     result = sandbox.play(alone)
-    checked = cross_check(find("rigid-body"), PlayedJob(alone, inputs, truths, result), sandbox, 1)
+    played = PlayedJob(alone, inputs, truths, result, TimeBudget(sandbox.limits))
+    checked = cross_check(find("rigid-body"), played, [], sandbox, 1)
     assert not checked.unsteady and result.finished("probes")
 
 

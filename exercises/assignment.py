@@ -54,6 +54,10 @@ class HostVerification:
     rng)`` compares the motion with a trusted integrator's over short stretches, and if they differ
     ``motion(inputs, ask)`` integrates all of it, or raises ArithmeticError or ValueError if it cannot.
 
+    A motion with drawn inputs is not played if ``bounded(inputs, truth, points, answers)`` returns arrays in its place: the
+    ``answers`` of the certified ``proof``, which is played ``twice``, to the ``points`` that ``along(inputs, rng)`` draws on the
+    exact motion, bound the motion's error. It returns None if they do not.
+
     Each ``ask(arguments)``, such as ``ask({"t": 0.0, "w": w})``, calls ``play`` once in the
     sandbox, with a float for a number and float64 arrays for the others, and returns the arrays ``returns``.
     """
@@ -64,6 +68,8 @@ class HostVerification:
     motion: Callable[[Inputs, Ask], Arrays]
     play: str
     returns: Mapping[str, ArraySpec]
+    along: Callable[[Inputs, np.random.Generator], Inputs] | None = None
+    bounded: Callable[[Inputs, Arrays, Inputs, Arrays], Arrays | None] | None = None
 
 
 @dataclass(frozen=True, eq=False)

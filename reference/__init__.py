@@ -23,7 +23,7 @@ from reference.observables import (
     space_momentum,
     transverse_growth,
 )
-from reference.stability import free_precession_rate, sensitivity, steady_spin_growth_rate
+from reference.stability import free_precession_rate, sensitivities, sensitivity, steady_spin_growth_rate
 
 __all__ = [
     "Exact",
@@ -42,6 +42,7 @@ __all__ = [
     "orthonormality_error",
     "precession_rate",
     "principal_moments",
+    "sensitivities",
     "sensitivity",
     "space_momentum",
     "steady_spin_growth_rate",

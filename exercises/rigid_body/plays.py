@@ -9,12 +9,14 @@ import math
 import re
 import time
 import types
+from math import isfinite
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 import ecp.animate
 from ecp.animation_recording import record
+from ecp.integration import IntegrationStopped, integrate, returning
 from ecp.return_value import WrongAnswer, check_signature, exchanged, real_array
 
 # The notebook's settings. A right submission needs under 4000 calls on every scene.
@@ -58,12 +60,16 @@ def pointwise(student, inputs):
                 raise WrongAnswer("swapped-arguments", f"euler_eqs is called as (t, w, I); yours takes {own}") from None
             raise
         answers.append(real_array(answer, (3,), "euler_eqs"))
-        if not (np.array_equal(spin, w) and np.array_equal(moments, I)):
+        if not (_equal(spin, w) and _equal(moments, I)):
             raise WrongAnswer("mutates-input", "euler_eqs changes its arguments: work on copies, or build a new array")
-        if before is not None and not np.array_equal(real_array(before, (3,), "euler_eqs"), answers[-2], equal_nan=True):
+        if before is not None and not _equal(real_array(before, (3,), "euler_eqs"), answers[-2]):
             raise WrongAnswer("mutates-input", OVERWRITES)
         before = answer
     return {"wdot": np.array(answers)}
+
+
+def _equal(a, b):
+    return a.tobytes() == b.tobytes() or np.array_equal(a, b, equal_nan=True)
 
 
 def trajectory(student, inputs):
@@ -71,11 +77,13 @@ def trajectory(student, inputs):
     times = np.linspace(0.0, float(inputs["t_end"]), int(inputs["n"]))
     start, rates, calls = driven(student["euler_eqs"], inputs)
     try:
-        y = _integrate(rates, start, times)
-    except WrongAnswer:
+        y = integrate(rates, start, times, RTOL, ATOL)
+    except (WrongAnswer, IntegrationStopped) as error:
         if math.hypot(*calls[1]) > UNBOUNDED * math.hypot(*start[:3]):
             raise WrongAnswer("unbounded", "ω grows without bound (energy is not conserved)") from None
-        raise
+        if isinstance(error, WrongAnswer):
+            raise
+        raise WrongAnswer(None, f"the integration stopped at t = {error.last:.3g} s: {error}") from None
     return {"w": y[:3]} | ({"R": y[3:].T.reshape(-1, 3, 3)} if inputs["orientation"] else {})
 
 
@@ -85,29 +93,34 @@ def rate(student, inputs):
 
 
 def driven(function, inputs):
-    """Return start and right-hand side of the motion that ``function`` drives, and a list of the number of
-    its calls and the last ω.
+    """Return start and right-hand side (``ecp.integration.Rates``) of the motion that ``function`` drives, and a list of the
+    number of its calls and the last ω.
     """
     moments, calls = np.asarray(inputs["I"], dtype=float), [0, inputs["w0"]]
 
-    def spin_rate(t, w):
-        calls[:] = calls[0] + 1, w
-        if calls[0] > MOST_CALLS:
-            raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
-        rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
-        if not all(map(math.isfinite, rate)):
-            raise WrongAnswer("not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite")
-        return rate
+    def rates(y, out):
+        spin, turn = y[:3], np.zeros((3, 3))
+        R, R_rate, turned = y[3:].reshape(-1, 3), out[3:].reshape(-1, 3), turn.ravel()
 
-    def both_rates(t, y):
-        w1, w2, w3 = y[:3]
-        turn = np.array([[0.0, -w3, w2], [w3, 0.0, -w1], [-w2, w1, 0.0]])
-        return np.concatenate([spin_rate(t, y[:3].copy()), (y[3:].reshape(3, 3) @ turn).ravel()])
+        def evaluate(t):
+            calls[0] += 1
+            calls[1] = w = spin.copy()
+            if calls[0] > MOST_CALLS:
+                raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} s after {MOST_CALLS} calls of euler_eqs")
+            rate = real_array(function(t, w, moments.copy()), (3,), "euler_eqs")
+            x, y, z = rate.tolist()
+            if not (isfinite(x) and isfinite(y) and isfinite(z)):
+                raise WrongAnswer("not-finite", f"euler_eqs returned {rate.tolist()} at t = {t:.3g} s: not finite")
+            out[0], out[1], out[2] = x, y, z
+            if len(R):
+                w1, w2, w3 = spin.tolist()
+                turned[1], turned[2], turned[3], turned[5], turned[6], turned[7] = -w3, w2, w3, -w1, -w2, w1
+                R.dot(turn, R_rate)
+
+        return evaluate
 
     start = np.asarray(inputs["w0"], dtype=float)
-    if not inputs["orientation"]:
-        return start, spin_rate, calls
-    return np.concatenate([start, np.eye(3).ravel()]), both_rates, calls
+    return np.concatenate([start, np.eye(3).ravel()]) if inputs["orientation"] else start, rates, calls
 
 
 def sweep(student, inputs):
@@ -120,7 +133,7 @@ def sweep(student, inputs):
         start, rates, made = driven(function, inputs)
         state, began = np.full((len(start), len(times)), np.nan), time.perf_counter()
         try:
-            run = solve_ivp(rates, (0.0, times[-1]), start, method=solver, t_eval=times, rtol=rtol, atol=1e-2 * rtol)
+            run = solve_ivp(returning(rates), (0.0, times[-1]), start, method=solver, t_eval=times, rtol=rtol, atol=1e-2 * rtol)
             state[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not
@@ -220,10 +233,3 @@ def _numbers(value):
         return None
     real = array.dtype.kind in "fiu" and array.size <= 9 * MOST_OWN and bool(np.all(np.isfinite(array)))
     return array.astype(float) if real else None
-
-
-def _integrate(rhs, start, times):
-    run = solve_ivp(rhs, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=RTOL, atol=ATOL)
-    if not run.success:
-        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g} s: {run.message}")
-    return run.y

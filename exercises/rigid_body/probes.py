@@ -17,6 +17,7 @@ from exercises.rigid_body.public.quantities import Array
 
 ORDERS, OCTANTS = tuple(itertools.permutations(range(3))), tuple(itertools.product((-1.0, 1.0), repeat=3))
 PROBES, REPEATS, RETIMED, NODES = len(ORDERS) * len(OCTANTS), 8, 8, 10  # random; repeated; at another time; along each motion
+ALONG = 128  # along a motion that is not integrated: they miss no stretch longer than 1/64 of it, about two integration steps
 SPECIAL, MASS = 20, 6.0  # special points; of their bodies and of the random ones, in kg
 EXTREME = (4.0, 5.0)  # decimal exponents of the factors that make a point large or small
 AT_REST = 1e-20  # rad/s², the scale at ω = 0, where a right rate is exactly zero
@@ -38,7 +39,7 @@ def draw(rng: Rng, motions: Sequence[Inputs]) -> Inputs:
     retimed[:, 0] = np.where(np.arange(RETIMED) % 2, retimed[:, 0] + 20.0, rng.uniform(0.0, 0.5, RETIMED))
     along = [_along(motion, rng) for motion in motions]
     rows = rng.permutation(np.concatenate([rows, rows[again[:REPEATS]], retimed, _timed(_special(rng), rng), *along]))
-    return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
+    return _columns(rows)
 
 
 def exact(inputs: Inputs) -> Mapping[str, Array]:
@@ -85,7 +86,21 @@ def _timed(points: list[tuple[Array, Array]], rng: Rng) -> Array:
     return np.column_stack([rng.uniform(0.0, 20.0, len(points)), spins, moments])
 
 
+def along(motion: Inputs, rng: Rng) -> Inputs:
+    """Return points on an exact motion, one at a random time of each of ALONG equal intervals."""
+    times = (np.arange(ALONG) + rng.uniform(size=ALONG)) * motion["t_end"] / ALONG
+    return _columns(_at(motion, times, rng))
+
+
+def _columns(rows: Array) -> Inputs:
+    return {"t": rows[:, 0], "w": rows[:, 1:4], "I": rows[:, 4:]}
+
+
 def _along(motion: Inputs, rng: Rng) -> Array:
-    w = reference.motion(motion["w0"], motion["I"], rng.uniform(0.0, motion["t_end"], NODES)).w
-    unrelated = rng.uniform(0.0, motion["t_end"], NODES)  # not the motion's own times, which would identify the points
-    return np.column_stack([unrelated, w.T, np.tile(motion["I"], (NODES, 1))])
+    return _at(motion, rng.uniform(0.0, motion["t_end"], NODES), rng)
+
+
+def _at(motion: Inputs, times: Array, rng: Rng) -> Array:
+    w = reference.motion(motion["w0"], motion["I"], times).w
+    unrelated = rng.uniform(0.0, motion["t_end"], len(times))  # not the motion's own times, which would identify the points
+    return np.column_stack([unrelated, w.T, np.tile(motion["I"], (len(times), 1))])

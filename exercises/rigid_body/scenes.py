@@ -46,11 +46,12 @@ def _motion(name: str, inputs: Inputs | Callable[[np.random.Generator], Inputs],
 
 
 def _exact_motion(inputs: Inputs) -> Mapping[str, Array]:
-    """Return times, ω and R, the sensitivity κ to errors, and the angle in rad turned at the initial rate."""
+    """Return times, ω and R, the sensitivity κ to errors, its counterpart in s, and the angle in rad turned at the initial rate."""
     w0, I, times = inputs["w0"], inputs["I"], np.linspace(0.0, inputs["t_end"], inputs["n"])
     exact = reference.motion(w0, I, times, need="orientation" if inputs["orientation"] else "omega")
     angle = float(np.linalg.norm(w0)) * inputs["t_end"]
-    known = {"kappa": np.array(reference.sensitivity(w0, I, inputs["t_end"], SENSED)), "angle": np.array(angle)}
+    kappa, duration = map(np.array, reference.sensitivities(w0, I, inputs["t_end"], SENSED))
+    known = {"kappa": kappa, "duration": duration, "angle": np.array(angle)}
     return {"t": exact.t, "w": exact.w} | known | ({} if exact.R is None else {"R": exact.R})
 
 

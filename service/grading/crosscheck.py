@@ -1,6 +1,6 @@
 """Verification of results: repeat questions in a second child, and compare motions with the function that computes them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ecp.checks import Arrays
 from ecp.outcome import Ended, SceneEnd
-from exercises.assignment import Ask, Assignment, Inputs, Scene
+from exercises.assignment import Ask, Assignment, HostVerification, Inputs, Scene
 from service.grading.author_errors import play
 from service.sandbox.job import Job, SceneRequest
 from service.sandbox.result import PlayResult
@@ -17,6 +17,7 @@ from service.sandbox.time_budget import TimeBudget
 
 DRIVE_S = 20.0
 TRIES = 2
+NOT_FINISHED = "not run: it needs the scene {}, which did not finish"
 
 
 @dataclass
@@ -38,21 +39,32 @@ class PlayedJob:
     budget: TimeBudget
 
 
-def cross_check(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, seed: int) -> CrossCheck:
-    """Repeat questions in a second child and compare. Replace motions that do not follow the student's function by ones that do."""
+def may_be_spared(scene: Scene) -> bool:
+    """Return whether answers at points can make it unnecessary to play a scene, a motion with drawn inputs."""
+    return scene.drive is not None and scene.drive.along is not None and callable(scene.inputs)
+
+
+def cross_check(
+    assignment: Assignment, played: PlayedJob, spared: Sequence[SceneRequest], sandbox: Sandbox, seed: int
+) -> CrossCheck:
+    """Repeat questions in a second child and compare. Replace motions that do not follow the student's function by ones that do.
+
+    Of the motions ``spared``, which have not been played, play those whose error the answers at points do not bound.
+    """
     result = played.result
     checked, rng = CrossCheck(), np.random.default_rng([seed, 2])
-    checked.unsteady = _ask_again(assignment, played, sandbox, rng)
+    along = _points_along(assignment, played, spared, seed)
+    checked.unsteady, answers = _ask_again(assignment, played, sandbox, rng, along)
+    _take_bounded(assignment, played, along, answers, checked)
+    _play_rest(assignment, played, [p for p in spared if p.name not in checked.how], sandbox)
     doubtful: list[Scene] = []
     for scene in assignment.scenes:
-        if scene.drive is None or scene.name not in result.arrays:
+        if scene.drive is None or scene.name not in result.arrays or scene.name in checked.how:
             continue
         proof = scene.drive.proof
         if proof not in result.arrays:
-            _discard(result, scene.name, Ended.NOT_PLAYED, f"not run: it needs the scene {proof}, which did not finish")
-        elif proof not in checked.unsteady and scene.drive.certified(
-            played.inputs[proof], result.arrays[proof], played.truths[proof]
-        ):
+            _discard(result, scene.name, Ended.NOT_PLAYED, NOT_FINISHED.format(proof))
+        elif proof not in checked.unsteady and _is_certified(scene.drive, played):
             checked.how[scene.name] = (
                 f"computed in the sandbox; {scene.function} is verified by {proof}, at random and along the notebook's motions"
             )
@@ -63,29 +75,107 @@ def cross_check(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, see
     return checked
 
 
-def _ask_again(assignment: Assignment, played: PlayedJob, sandbox: Sandbox, rng: np.random.Generator) -> set[str]:
-    """Return the scenes whose answers differ in a second child, which gets their questions in another order."""
+def _is_certified(drive: HostVerification, played: PlayedJob) -> bool:
+    seen, proof = played.result.arrays, drive.proof
+    return proof in seen and drive.certified(played.inputs[proof], seen[proof], played.truths[proof])
+
+
+def _points_along(assignment: Assignment, played: PlayedJob, spared: Sequence[SceneRequest], seed: int) -> dict[str, Inputs]:
+    """Return points along the exact motion of each of the scenes ``spared`` whose function is certified."""
+    rng, drives = np.random.default_rng([seed, 3]), {p.name: assignment.scene(p.name).drive for p in spared}
+    return {
+        name: drive.along(played.inputs[name], rng)
+        for name, drive in drives.items()
+        if drive and drive.along and _is_certified(drive, played)
+    }
+
+
+def _take_bounded(
+    assignment: Assignment, played: PlayedJob, along: Mapping[str, Inputs], answers: Mapping[str, Arrays], checked: CrossCheck
+) -> None:
+    """Add the results of the scenes whose error their answers ``along`` the exact motion bound."""
+    for name, found in answers.items():
+        scene = assignment.scene(name)
+        assert scene.drive is not None and scene.drive.bounded is not None
+        if scene.drive.proof in checked.unsteady:
+            continue
+        arrays = scene.drive.bounded(played.inputs[name], played.truths[name], along[name], found)
+        if arrays is not None:
+            checked.how[name] = f"not integrated; {scene.function} is verified at points along the exact motion"
+            played.result.arrays[name] = dict(arrays)
+            played.result.scene_ends[name] = SceneEnd(scene=name, ended=Ended.FINISHED, sentence=checked.how[name])
+
+
+def _play_rest(assignment: Assignment, played: PlayedJob, rest: Sequence[SceneRequest], sandbox: Sandbox) -> None:
+    """Play the scenes ``rest``, unless the one that they come after did not finish."""
+    result = played.result
+    for p in rest:
+        if not result.finished(str(p.after)):
+            followers = [other.name for other in played.job.scenes if other.after == p.after]  # these ended with the child, maybe
+            ends = [result.scene_ends[name] for name in followers if name in result.scene_ends and not result.finished(name)]
+            ends += [SceneEnd(scene=p.name, ended=Ended.NOT_PLAYED, sentence=NOT_FINISHED.format(p.after))]
+            result.scene_ends[p.name] = replace(ends[0], scene=p.name)
+    if left := tuple(p for p in rest if p.name not in result.scene_ends):
+        more = play(replace(played.job, scenes=left), assignment, sandbox, budget=played.budget)
+        more.stdout = ""  # the cells have printed it before
+        result.add(more)
+
+
+def _ask_again(
+    assignment: Assignment, played: PlayedJob, sandbox: Sandbox, rng: np.random.Generator, along: Mapping[str, Inputs]
+) -> tuple[set[str], dict[str, Arrays]]:
+    """Return the scenes whose answers differ in a second child, which gets their questions in another order.
+
+    Among them are the points ``along`` motions, by scene. Return the answers to these, too.
+    """
     job, result = played.job, played.result
     twice = [s for s in assignment.scenes if s.twice and s.name in result.arrays]
-    orders = {s.name: rng.permutation(len(next(iter(result.arrays[s.name].values())))) for s in twice}
-    again = [replace(p, inputs=_shuffled(p.inputs, orders[p.name]), after=None) for p in job.scenes if p.name in orders]
+    asked, again = {}, []
+    for request in (p for p in job.scenes if p.name in {s.name for s in twice}):
+        added = [name for name in along if _proof(assignment, name) == request.name]
+        inputs = _joined([request.inputs, *(along[name] for name in added)])
+        order = rng.permutation(_length(inputs))
+        asked[request.name] = (added, order)
+        returns = {name: replace(spec, shape=(len(order), *spec.shape[1:])) for name, spec in request.returns.items()}
+        again.append(replace(request, inputs={key: value[order] for key, value in inputs.items()}, returns=returns, after=None))
     other = PlayResult()
     for _ in range(TRIES):  # a child that did not finish is no evidence against the first one's answers
         if left := [p for p in again if p.name not in other.arrays]:
             other.add(play(replace(job, scenes=tuple(left)), assignment, sandbox, budget=played.budget))
-    for name in set(orders) - set(other.arrays):
-        scene_end = other.scene_ends.get(name)
-        _discard(
-            result,
-            name,
-            scene_end.ended if scene_end else Ended.EXITED,
-            f"when repeated: {scene_end.sentence if scene_end else 'the process ended'}",
-        )
-    return {
-        name
-        for name, order in orders.items()
-        if name in other.arrays and not _agree(played.inputs[name], result.arrays[name], other.arrays[name], order)
-    }
+    unsteady, answers = set[str](), dict[str, Arrays]()
+    for name, (added, order) in asked.items():
+        if name not in other.arrays:
+            scene_end = other.scene_ends.get(name)
+            sentence = scene_end.sentence if scene_end else "the process ended"
+            _discard(result, name, scene_end.ended if scene_end else Ended.EXITED, f"when repeated: {sentence}")
+            continue
+        second = {key: array[np.argsort(order)] for key, array in other.arrays[name].items()}
+        lengths = [_length(result.arrays[name]), *(_length(along[one]) for one in added)]
+        first, *others = _parts(second, lengths)
+        if not _agree(played.inputs[name], result.arrays[name], first):
+            unsteady.add(name)
+        answers |= dict(zip(added, others, strict=True))
+    return unsteady, answers
+
+
+def _proof(assignment: Assignment, scene: str) -> str:
+    drive = assignment.scene(scene).drive
+    assert drive is not None
+    return drive.proof
+
+
+def _length(arrays: Mapping[str, Any]) -> int:
+    return len(next(iter(arrays.values())))
+
+
+def _joined(several: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    return {key: np.concatenate([np.asarray(one[key]) for one in several]) for key in several[0]}
+
+
+def _parts(arrays: Arrays, lengths: Sequence[int]) -> list[Arrays]:
+    """Return the arrays, of which each has ``lengths`` in all, in parts of these lengths."""
+    split = {key: np.split(array, np.cumsum(lengths)[:-1]) for key, array in arrays.items()}
+    return [{key: split[key][k] for key in split} for k in range(len(lengths))]
 
 
 def _discard(result: PlayResult, scene: str, scene_end: Ended, sentence: str) -> None:
@@ -94,16 +184,12 @@ def _discard(result: PlayResult, scene: str, scene_end: Ended, sentence: str) ->
     result.scene_ends[scene] = SceneEnd(scene=scene, ended=scene_end, sentence=sentence)
 
 
-def _shuffled(inputs: Mapping[str, Any], order: np.ndarray) -> dict[str, Any]:
-    return {key: np.asarray(value)[order] for key, value in inputs.items()}
-
-
-def _agree(inputs: Inputs, first: Arrays, second: Arrays, order: np.ndarray) -> bool:
+def _agree(inputs: Inputs, first: Arrays, second: Arrays) -> bool:
     """Return whether the answers of both children, and those to a repeated question within the first, agree bit for bit."""
-    questions = zip(*(map(np.ndarray.tobytes, map(np.asarray, np.asarray(values))) for values in inputs.values()), strict=True)
-    places = dict[tuple[bytes, ...], int]()
-    same = [places.setdefault(question, k) for k, question in enumerate(questions)]
-    return all(a[order].tobytes() == second[name].tobytes() and a.tobytes() == a[same].tobytes() for name, a in first.items())
+    asked = [b"".join(row) for row in zip(*([one.tobytes() for one in np.asarray(v)] for v in inputs.values()), strict=True)]
+    places: dict[bytes, int] = {}
+    same = [places.setdefault(question, k) for k, question in enumerate(asked)]
+    return all(a.tobytes() == second[name].tobytes() and a.tobytes() == a[same].tobytes() for name, a in first.items())
 
 
 def _drive(

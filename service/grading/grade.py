@@ -21,7 +21,7 @@ from exercises.assignment import Assignment, Inputs, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
-from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check
+from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check, may_be_spared
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
@@ -93,10 +93,13 @@ def _grade(
     budget = TimeBudget(sandbox.limits.at_least(assignment.cpu_s))
 
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
-        result, truths = _play(job, assignment, inputs, sandbox, budget, on_progress=on_progress)
-        on_progress("judging", len(job.scenes), len(job.scenes))
-        played = PlayedJob(job, inputs, truths, result, budget)
-        crossed = cross_check(assignment, played, sandbox, seed)
+        spared = [p for p in job.scenes if may_be_spared(assignment.scene(p.name))]
+        first = job.without({p.name for p in spared})
+        result, truths = _play(first, assignment, inputs, sandbox, budget, spared=[p.name for p in spared], on_progress=on_progress)
+        on_progress("judging", len(first.scenes), len(first.scenes))
+        played = PlayedJob(first, inputs, truths, result, budget)
+        crossed = cross_check(assignment, played, spared, sandbox, seed)
+        result.scene_ends = {p.name: result.scene_ends[p.name] for p in job.scenes if p.name in result.scene_ends}
         _add_known_arrays(assignment, result, truths)
         return played, crossed
 
@@ -197,9 +200,16 @@ def _fixed_truth(scene: Scene) -> Arrays:
 
 
 def _play(
-    job: Job, assignment: Assignment, inputs: dict[str, Inputs], sandbox: Sandbox, budget: TimeBudget, *, on_progress: OnProgress
+    job: Job,
+    assignment: Assignment,
+    inputs: dict[str, Inputs],
+    sandbox: Sandbox,
+    budget: TimeBudget,
+    *,
+    spared: list[str],
+    on_progress: OnProgress,
 ) -> tuple[PlayResult, dict[str, Arrays]]:
-    """Play the job. Return its result and the exact answers, which are computed while the guest plays."""
+    """Play the job. Return its result and the exact answers, also of the scenes ``spared``, computed while the guest plays."""
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
     failed: list[Exception] = []
@@ -207,7 +217,8 @@ def _play(
     def on_scene(scene: str) -> None:
         on_progress("playing", places[scene], len(places))
         try:
-            exact[scene] = truth(assignment.scene(scene), inputs[scene])
+            for name in (scene, *(other for other in spared if assignment.scene(other).after == scene)):
+                exact[name] = truth(assignment.scene(name), inputs[name])
         except Exception as error:  # raised after the play: the guest goes on
             failed.append(error)
 
@@ -225,7 +236,7 @@ def _play(
     for scene_end in (*result.cells.values(), *result.scene_ends.values()):
         if scene_end.ended is Ended.RAISED and scene_end.sentence.startswith("ModuleNotFoundError: "):
             scene_end.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
-    return result, {name: exact[name] for name in result.arrays}
+    return result, {name: arrays for name, arrays in exact.items() if name in result.arrays or name in spared}
 
 
 def _notebook_checks(result: PlayResult) -> list[NotebookCheck]:

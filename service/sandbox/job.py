@@ -1,6 +1,9 @@
 """A job for a guest: code to load and scenes to play. It holds no answers."""
 
+import base64
+import functools
 import json
+import marshal
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from exercises.assignment import ArraySpec, Ask
+from service.sandbox.guest.run_scenes import FILES
 from service.sandbox.guest.wire import LENGTH
 
 LOAD_BUDGET_S = 10.0
@@ -97,9 +101,12 @@ class Job:
             }
             for s in self.scenes
         ]
+        setup = "" if any(cell.published for cell in self.cells) else self.setup  # it is one of the published cells
         document = {
-            "setup": self.setup,
+            "setup": setup,
+            "setup_code": _compiled(setup, FILES["setup"]),
             "plays": self.plays,
+            "plays_code": _compiled(self.plays, FILES["plays"]),
             "cells": [[c.name, c.source, c.published] for c in self.cells],
             "functions": self.functions,
             "variables": self.variables,
@@ -113,6 +120,15 @@ class Job:
         """Return the job of the process with the reference functions."""
         assert self.reference is not None
         return _encoded({"setup": self.setup, "source": self.reference.source, "names": self.reference.names})
+
+
+@functools.lru_cache(maxsize=64)
+def _compiled(source: str, name: str) -> str:
+    """Return a source's code as text, or an empty string if it is invalid: the guest, the same interpreter, then reports that."""
+    try:
+        return base64.b64encode(marshal.dumps(compile(source, name, "exec"))).decode()
+    except (SyntaxError, ValueError):
+        return ""
 
 
 def _encoded(document: Any) -> bytes:

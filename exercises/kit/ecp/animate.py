@@ -37,6 +37,8 @@ def watched() -> Iterator[None]:
     """
     from matplotlib.animation import Animation
 
+    from ecp.axes_decoration import undecorated
+
     originals = {name: getattr(Animation, name) for name in (*RENDERING, "__init__")}
 
     def kept(text: str | None) -> Any:
@@ -47,7 +49,8 @@ def watched() -> Iterator[None]:
         return keep
 
     def make(anim: Any, *args: Any, **kwargs: Any) -> None:
-        originals["__init__"](anim, *args, **kwargs)
+        with undecorated():  # blitting draws once
+            originals["__init__"](anim, *args, **kwargs)
         anim._draw_was_started = True  # or matplotlib warns when it is deleted, although no window shows it here
         made.append(anim)
 

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from ecp import animate
 from ecp.artists import Drawn, drawn, labelled, painted, unordered
+from ecp.axes_decoration import decorated_once
 from ecp.return_value import WrongAnswer
-from ecp.visibility import Visibility
+from ecp.visibility import Visibility, differ
 
 FRAME_CAP = 600
 SPREAD = np.array([0.0, 0.23, 0.38, 0.64, 0.77, 1.0])  # of the stills; uneven, because a periodic motion must not look still
@@ -100,7 +101,7 @@ def watch(anim: Any, seconds: float) -> dict[str, NDArray[Any]]:
     listed = length_hint(getattr(anim, "_tee_from", ()))
     values, paths, pictures, drawing = [], [], {}, 0.0
     anim._blit, anim._draw_was_started = False, True  # type: ignore[attr-defined]
-    with _borrowed(figure) as canvas, _clearing() as cleared:
+    with _borrowed(figure) as canvas, _clearing() as cleared, decorated_once():
         canvas.mpl_disconnect(anim._first_draw_id)  # type: ignore[attr-defined]
         anim._init_draw()  # type: ignore[attr-defined]
         visibility, sequence = Visibility(figure, canvas), anim.new_frame_seq()
@@ -141,13 +142,13 @@ def moving_share(frames: NDArray[np.uint8]) -> float:
     """
     if len(frames) < 2:
         return 0.0
-    difference = np.abs(frames[1:].astype(np.int16) - frames[0].astype(np.int16)).max(axis=3)
-    return float((difference > VISIBLE).mean(axis=(1, 2)).max())
+    return float(differ(frames[1:], frames[0], VISIBLE).mean(axis=(1, 2)).max())
 
 
 def _picture(figure: Any, canvas: Any) -> NDArray[np.uint8]:
-    for artist in figure.findobj(lambda artist: artist.get_animated()):
-        artist.set_animated(False)  # blitting marks artists, and an ordinary draw skips marked ones
+    for part in (figure, *figure.axes):
+        for artist in part.get_children():
+            artist.set_animated(False)  # an ordinary draw skips artists that a submission marks for blitting
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
     return np.array(pixels[:HEIGHT, :WIDTH, :3])

@@ -89,6 +89,8 @@ def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool 
     Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape. Its sentence says that the function
     ``name`` returned it, or unless ``is_returned`` that ``name`` is it.
     """
+    if type(value) is np.ndarray and value.shape == shape and value.dtype == np.float64:  # the common case, in a third of the time
+        return value.copy()
     if value is None and is_returned:
         raise WrongAnswer("returns-nothing", f"{name} returned None: is a return statement missing?")
     wanted = "a number" if not shape else f"shape {shape}" if is_returned else f"an array of shape {shape}"

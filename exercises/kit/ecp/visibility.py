@@ -52,7 +52,7 @@ class Visibility:
             plain = self._without_text()
             self._first = plain if self._first is None else self._first
             same = plain.shape == self._first.shape
-            self.moves = float(np.any(plain != self._first, axis=2).mean()) if same else 1.0
+            self.moves = float((_words(plain) != _words(self._first)).mean()) if same else 1.0
 
     def split(self, paths: list[list[Drawn]]) -> tuple[list[list[Drawn]], int]:
         """Return ``paths`` without the invisible artists, and how many of the invisible ones move."""
@@ -83,7 +83,7 @@ class Visibility:
         rest = _pixels(self._canvas)
         if rest.shape != picture.shape:
             return artists
-        changed = np.abs(picture.astype(np.int16) - rest).max(axis=2) > FAINT
+        changed = differ(picture, rest, FAINT)
         if len(artists) == 1 or not changed.any():
             return artists if changed.any() else []
         try:
@@ -118,6 +118,12 @@ class Visibility:
         finally:
             del renderer.draw_text, renderer.draw_tex
         return _pixels(self._canvas)
+
+
+def differ(one: Pixels, other: Pixels, levels: int) -> NDArray[np.bool_]:
+    """Return where a colour of two pictures (…, h, w, c) differs by more than ``levels`` of 255 (…, h, w)."""
+    apart = np.maximum(one, other) - np.minimum(one, other) > levels
+    return np.asarray(np.logical_or.reduce([apart[..., k] for k in range(apart.shape[-1])]))
 
 
 def _keys(d: Drawn) -> tuple[Key, Key]:

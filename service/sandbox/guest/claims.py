@@ -40,7 +40,7 @@ class Recorder:
         self._cut = set[tuple[str, int, int]]()
         self.places = False  # whether claims are sent with their place in the cell's source
         with private_modules(PRIVATE) as copies:
-            self.validate: Any = copies[-1]
+            self.validate: Any = copies["ecp.validate"]
         self._unsent: list[tuple[dict[str, Any], Mapping[str, np.ndarray]]] = []
 
     @contextmanager

@@ -13,7 +13,7 @@ def run(job_fd: int, calls_fd: int) -> None:
     """Load the right solutions and answer calls of them until the other process ends."""
     job = Questions(job_fd).job()
     try:
-        names = prepare(job["setup"])
+        names = prepare(compile(job["setup"], "Setup", "exec"))
         exec(compile(job["source"], "solution.py", "exec"), names)
         exported, error = {name: names[name] for name in job["names"]}, ""
     except BaseException as raised:

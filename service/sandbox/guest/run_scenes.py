@@ -1,7 +1,9 @@
 """The child's main program: read the job, load the submission, and play each scene within its time budget."""
 
 import ast
+import base64
 import linecache
+import marshal
 import signal
 import sys
 import types
@@ -21,6 +23,7 @@ from ecp.course import MODULES, use_modules
 from ecp.return_value import describe_exception, is_written, missing
 
 from .calls import LOADED, Channel
+from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, pieces, runnable, statements
@@ -29,10 +32,11 @@ from .wire import CLOCK_FACTOR, Questions, Writer
 
 Names = dict[str, Any]
 
+FILES = {"setup": "Setup", "plays": "plays.py"}  # their names in tracebacks
 DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
-# the recorder: plays import private copies, which a submission cannot replace
-PRIVATE = ("ecp.artists", "ecp.visibility", "ecp.animation_recording")
+# the recorder and the integrator: plays import private copies, which a submission cannot replace
+PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", "ecp.integration")
 KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 
@@ -65,9 +69,9 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     """
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
-    setup = "" if any(published for _, _, published in job["cells"]) else job["setup"]  # it is one of the published cells
     try:
-        (plays, unchanged), student = _load_plays(job["plays"]), prepare(setup)
+        plays, unchanged = _load_plays(job["plays"], code(job, "plays"))
+        student = prepare(code(job, "setup"))
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
@@ -75,6 +79,14 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     write.event("prepared")
     with animate.watched():
         _run(job, plays, student, questions, write, unchanged=unchanged, reference=reference)
+
+
+def code(job: dict[str, Any], name: str) -> types.CodeType:
+    """Return the code of the ``setup`` or the ``plays`` of a job."""
+    if text := job[f"{name}_code"]:
+        compiled: types.CodeType = marshal.loads(base64.b64decode(text))  # noqa: S302 -- from the host
+        return compiled
+    return compile(job[name], FILES[name], "exec")
 
 
 class Reference:
@@ -148,37 +160,46 @@ def _play(
     return ended["ended"] == "finished"
 
 
-def _load_plays(source: str) -> tuple[Names, Callable[[], None]]:
+def copy_modules() -> None:
+    """Make the private copies that each play needs, before the zygote starts children."""
+    for names in (PRIVATE, (*PRIVATE, *_kinds()), RECORDER):
+        with private_modules(names):
+            pass
+
+
+def _kinds() -> list[str]:
+    return sorted(name for name in sys.modules if name.startswith(KINDS))
+
+
+def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], None]]:
     """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has been replaced.
 
     plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. The recorder gets the function
     too, by the name ``unchanged``.
     """
-    names = [*PRIVATE, *sorted(name for name in sys.modules if name.startswith(KINDS) and KINDS in source)]
+    names = (*PRIVATE, *(_kinds() if KINDS in source else ()))
     plays: Names = {"__name__": "plays"}
     seal = Seal()
     own = types.ModuleType("numpy")
     own.__dict__.update(vars(np))
     with private_modules(names) as modules:
-        private = [vars(module) for module in modules]
+        private = [vars(module) for module in modules.values()]
         for space in private:
             space["np"] = own
             if "unchanged" in space:
                 space["unchanged"] = seal.check
-            if "bind" in space:
-                space["bind"]()
-        exec(compile(source, "plays.py", "exec"), plays)
+        exec(code, plays)
         plays["np"] = own
         seal.close([plays, *private, vars(own)], ["plays", *names])
     return plays, seal.check
 
 
-def prepare(setup: str) -> Names:
+def prepare(setup: types.CodeType) -> Names:
     """Return the namespace of a notebook after its setup cell, with the assignment's own modules."""
     use_modules(Path(MODULES).absolute())
     module = types.ModuleType("__main__")
     install_stubs(module.__dict__)
-    exec(compile(setup, "Setup", "exec"), module.__dict__)
+    exec(setup, module.__dict__)
     sys.modules["__main__"] = module
     return module.__dict__
 

@@ -1,9 +1,10 @@
 """A seal on the code that calls a submission and records what it draws: detects that the submission has replaced part of it."""
 
+import functools
 import importlib
 import sys
 import types
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -43,18 +44,37 @@ class Seal:
 
 
 @contextmanager
-def private_modules(names: Sequence[str]) -> Iterator[list[types.ModuleType]]:
-    """Import copies of the modules ``names``, for the ``with`` block in their place. A submission cannot replace the copies."""
-    public = {name: importlib.import_module(name) for name in names}
-    try:
+def private_modules(names: tuple[str, ...]) -> Iterator[dict[str, types.ModuleType]]:
+    """Put copies of the modules ``names``, which a submission cannot replace, in their place for the ``with`` block."""
+    with _in_place(copies := _copies(names)):
+        yield copies
+
+
+@functools.cache
+def _copies(names: tuple[str, ...]) -> dict[str, types.ModuleType]:
+    """Import copies. The zygote does so for its children, of which each has memory of its own."""
+    with _in_place({name: importlib.import_module(name) for name in names}):
         for name in names:
             del sys.modules[name]
-        yield [importlib.import_module(name) for name in names]
+        return {name: importlib.import_module(name) for name in names}
+
+
+@contextmanager
+def _in_place(modules: Mapping[str, types.ModuleType]) -> Iterator[None]:
+    """Import these modules by their names in the ``with`` block. Afterwards the former ones are there again."""
+    former = {name: importlib.import_module(name) for name in modules}
+    try:
+        _put(modules)
+        yield
     finally:
-        sys.modules |= public
-        for name, module in public.items():
-            parent, _, child = name.rpartition(".")
-            setattr(sys.modules[parent], child, module)
+        _put(former)
+
+
+def _put(modules: Mapping[str, types.ModuleType]) -> None:
+    sys.modules |= modules
+    for name, module in modules.items():
+        parent, _, child = name.rpartition(".")
+        setattr(sys.modules[parent], child, module)
 
 
 def _parts(function: types.FunctionType) -> list[int]:

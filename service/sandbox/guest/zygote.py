@@ -57,6 +57,7 @@ def main(
     gc.enable()
     sys.modules["matplotlib"].use("Agg")
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
+    sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
     die_with_parent()  # again: the change of user has cleared it

@@ -1,6 +1,7 @@
 """Answers that change, motions that are not the function's own, and functions asked call by call by the host."""
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ FORGED = """
 import sys
 wrong = euler_eqs
 def euler_eqs(t, w, I):
-    of_integrator = sys._getframe(1).f_code.co_name == "spin_rate"
+    of_integrator = sys._getframe(1).f_code.co_name == "evaluate"
     return -np.cross(w, I * w) / I if of_integrator else wrong(t, w, I)
 """
 
@@ -45,6 +46,41 @@ def test_answers_that_differ_in_the_last_bits_are_found(source, rigid_body, sand
 def test_right_equations_are_certified_and_their_motion_is_the_childs(rigid_body, sandbox):
     report = grade(Submission(RIGHT), rigid_body, sandbox, 5, ["2"]).report
     assert report.passed and "verified by probes" in report.provenance.motions["torque-free"]
+
+
+def test_a_right_function_is_not_integrated_along_hidden_motions_and_the_line_says_so(rigid_body, sandbox):
+    graded = grade(Submission(RIGHT), rigid_body, sandbox, 5, ["2", "6"])
+    lines = {o.id: o for o in graded.report.outcomes()}
+    assert all("not integrated: euler_eqs at 128 points" in lines[id].detail for id in ("2-secret", "6-secret"))
+    assert "≤" not in lines["2-motion"].detail and lines["2-secret"].margin > 100
+    how = graded.report.provenance.motions
+    assert {name for name in how if "not integrated" in how[name]} == {"drawn-long", "drawn-attitude"}
+    assert all(end.ended is Ended.FINISHED for end in graded.report.scene_ends if end.scene in how)
+
+
+def test_a_hidden_motion_without_a_bound_is_integrated(rigid_body, sandbox):
+    def without_bound(scene):
+        drive = scene.drive and replace(scene.drive, bounded=lambda inputs, truth, points, answers: None)
+        return replace(scene, drive=drive)
+
+    integrating = replace(rigid_body, scenes=tuple(map(without_bound, rigid_body.scenes)))
+    report = grade(Submission(RIGHT + "print('cells')\n"), integrating, sandbox, 5, ["2"]).report
+    secret = next(o for o in report.outcomes() if o.id == "2-secret")
+    assert report.passed and "≤" not in secret.detail and report.stdout == "cells\n"
+    assert "computed in the sandbox" in report.provenance.motions["drawn-long"]
+    assert [end.scene for end in report.scene_ends] == ["probes", "torque-free", "drawn-long"]
+
+
+def test_a_function_whose_proof_does_not_finish_has_no_hidden_motions(rigid_body, sandbox):
+    report = grade(Submission("def euler_eqs(t, w, I):\n    return 1 / 0\n"), rigid_body, sandbox, 5, ["2"]).report
+    secret = next(o for o in report.outcomes() if o.id == "2-secret")
+    assert "ZeroDivisionError" in secret.detail and secret.diagnosis[0].code == "raises"
+    assert [end.ended for end in report.scene_ends] == [Ended.RAISED, Ended.NOT_PLAYED, Ended.NOT_PLAYED]
+
+
+def test_a_child_that_exits_while_it_loads_ends_the_hidden_motions_too(rigid_body, sandbox):
+    report = grade(Submission("import os\n" + RIGHT + "os._exit(0)\n"), rigid_body, sandbox, 5, ["2"]).report
+    assert [end.ended for end in report.scene_ends] == [Ended.EXITED] * 3
 
 
 def test_a_wrong_functions_own_motion_is_recognised(rigid_body, sandbox):

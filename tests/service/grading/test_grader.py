@@ -55,7 +55,7 @@ def test_what_cannot_be_swept_says_why(source, why, rigid_body, sandbox):
 COUNTED = """import sys
 def euler_eqs(t, w, I):
     frame = sys._getframe(1)
-    while frame and frame.f_code.co_name != "spin_rate":
+    while frame and frame.f_code.co_name != "evaluate":
         frame = frame.f_back
     if frame:
         frame.f_locals["calls"][0] = NUMBER

@@ -12,25 +12,20 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.exercise import Figure
+from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate, returning
 from ecp.judge import Judgement
 from ecp.kinds.asking import arguments, describe, each_row, expression, flat, part_figure, restart, returned, split, stacked
 from ecp.kinds.values import checks, play  # noqa: F401
 from ecp.outcome import Tolerance
 from ecp.return_value import WrongAnswer
 
-solve_ivp: Any = None  # see ``bind``
-SOLVER, RTOL, TIMES = "DOP853", 1e-11, 201
+RTOL, TIMES = 1e-11, 201
 TIMED = 500
-
-
-def bind() -> None:
-    """Import ``solve_ivp``, when it is first needed. The sandbox does so before a submission could replace it."""
-    global solve_ivp  # noqa: PLW0603
-    from scipy.integrate import solve_ivp
 
 
 def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -40,19 +35,21 @@ def times(question: Mapping[str, Any]) -> NDArray[np.float64]:
 
 def _motion(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
     """Return the ``motion`` (d, TIMES) of a row."""
-    run = _integrated(question, student, row, (SOLVER, RTOL), [0])
-    if not run.success:
-        raise WrongAnswer(None, f"the integration stopped at t = {run.t[-1] if len(run.t) else 0.0:.3g}: {run.message}")
-    return {"motion": run.y}
+    start, rates, atol = _driven(question, student, row, RTOL, [0])
+    try:
+        return {"motion": integrate(rates, start, times(question), RTOL, atol)}
+    except IntegrationStopped as stopped:
+        raise WrongAnswer(None, f"the integration stopped at t = {stopped.last:.3g}: {stopped}") from None
 
 
 def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row's motion with each of the settings, the calls and seconds it took, and the seconds of one call."""
-    given, runs, each = arguments(question, row), [], []
-    for setting in question["settings"]:
+    given, t, runs, each = arguments(question, row), times(question), [], []
+    for solver, rtol in question["settings"]:
         motion, calls, began = np.full((np.size(given[question["state"]]), TIMES), np.nan), [0], time.perf_counter()
+        start, rates, atol = _driven(question, student, row, rtol, calls)
         try:
-            run = _integrated(question, student, row, setting, calls)
+            run = solve_ivp(returning(rates), (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
             motion[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not
@@ -64,29 +61,29 @@ def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
     return stacked(runs) | {"per_call": np.median(each)}
 
 
-def _integrated(
-    question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any], setting: tuple[Any, float], calls: list[int]
-) -> Any:
-    """Return the run of scipy's solver; counts the calls of the student's function in ``calls``."""
+def _driven(
+    question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping[str, Any], rtol: float, calls: list[int]
+) -> tuple[Array, Rates, Array]:
+    """Return start, right-hand side and atol of a row's motion; ``calls`` counts the calls of the student's function."""
     given, name, most = arguments(question, row), question["function"], question["most_calls"]
     state, (value,) = [question["state"]], (value["name"] for value in question["returns"])
 
-    def rates(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
-        calls[0] += 1
-        if calls[0] > most:
-            raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}")
-        restart(given)
-        at = {**given, question["time"]: float(t), **split(state, given, y)}
-        try:
-            return returned(question, student[name](*(at[parameter] for parameter in question["parameters"])))[value].ravel()
-        except WrongAnswer as error:
-            raise WrongAnswer(error.code, f"{error} (at t = {t:.3g} of the integration)") from None
+    def rates(y: Array, out: Array) -> Evaluate:
+        def evaluate(t: float) -> None:
+            calls[0] += 1
+            if calls[0] > most:
+                raise WrongAnswer(None, f"the integration stalled at t = {t:.3g} after {most} calls of {name}")
+            restart(given)
+            asked = {**given, question["time"]: float(t), **split(state, given, y)}
+            try:
+                answer = student[name](*(asked[parameter] for parameter in question["parameters"]))
+                out[:] = returned(question, answer)[value].ravel()
+            except WrongAnswer as error:
+                raise WrongAnswer(error.code, f"{error} (at t = {t:.3g} of the integration)") from None
 
-    (solver, rtol), t = setting, times(question)
-    atol = 1e-2 * rtol * np.asarray(question["scale"])
-    if solve_ivp is None:
-        bind()
-    return solve_ivp(rates, (0.0, t[-1]), flat(state, given), method=solver, t_eval=t, rtol=rtol, atol=atol)
+        return evaluate
+
+    return flat(state, given), rates, 1e-2 * rtol * np.asarray(question["scale"])
 
 
 def deviation(question: Mapping[str, Any], got: Any, want: Any) -> tuple[Any, Any, Any]:

@@ -47,7 +47,11 @@ INSIDE = {
     "a method": ("plays()['FromCell'].__call__ = forged", "__call__"),
 }
 BEFORE = {
-    "through gc": ("replaced_in_private_memory('watch', __code__=forged.__code__)", "watch"),
+    "through gc": (
+        "[setattr(d['record'].__globals__['watch'], '__code__', forged.__code__) for d in gc.get_objects()"
+        " if isinstance(d, dict) and d.get('__name__') == 'plays']",
+        "watch",
+    ),
     "the table of calls": (
         "[d.update(animation=forged) for d in gc.get_objects() if isinstance(d, dict) and d.get('__name__') == 'plays']",
         "animation",
@@ -72,6 +76,13 @@ def test_what_a_function_replaces_while_it_is_called(replace, name, rigid_body, 
 def test_what_a_cell_replaces(replace, name, rigid_body, sandbox):
     end, recorded = film(FUNCTION.replace("REPLACE", "pass") + replace, rigid_body, sandbox)
     assert end.ended is Ended.WRONG_ANSWER and not recorded and f"your code replaces {name}," in end.sentence, end
+
+
+def test_functions_of_the_copies_are_not_among_the_objects_of_gc(rigid_body, sandbox):
+    end, recorded = film(
+        FUNCTION.replace("REPLACE", "pass") + "replaced_in_private_memory('watch', __code__=forged.__code__)", rigid_body, sandbox
+    )
+    assert end.ended is Ended.FINISHED and recorded
 
 
 def test_what_is_public_may_be_replaced(rigid_body, sandbox):

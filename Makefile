@@ -5,7 +5,7 @@ BIN := .venv/bin
 INSTALL := umask 022; env -u PYTHONDONTWRITEBYTECODE PYTHONUNBUFFERED=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check
 CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests wait a lot, so several processes run whole files, in the order of tests/conftest.py.
-TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),2) --dist loadfile --no-loadscope-reorder
+TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),3) --dist loadfile --no-loadscope-reorder
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
@@ -49,7 +49,7 @@ lint: .venv/tests  ## run ruff, mypy (strict) and the import contracts
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-test: lint .venv/browser  ## lint, then run the fast tests (four minutes on two cores; PROCESSES=2)
+test: lint .venv/browser  ## lint, then run the fast tests (four minutes on two cores; PROCESSES=3)
 	@$(TEST) -m "not slow and not exhaustive"
 
 test-all: lint .venv/browser  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages

@@ -22,7 +22,7 @@ from tests.support.database import connections_left, new_database, sql
 from tests.support.hub import Hub
 from tests.support.server import Server
 
-# Files that take longest begin first, so that the short ones fill what is left where two processes share the files.
+# Files that take longest begin first, so that the short ones fill what is left where several processes share the files.
 LONGEST = (
     "test_attacks",
     "test_samples",

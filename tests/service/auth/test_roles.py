@@ -10,9 +10,11 @@ from fastapi.routing import APIRoute
 
 from service import app
 from service.auth import roles
+from service.auth.identity import same_origin
 from tests.support.database import entered, new, run
 from tests.support.http_client import HIDDEN, Browser
 
+UPLOAD = "/assignments/{slug}/submissions"
 ROLES = ("student", "assistant", "instructor")
 RANK = {role: rank for rank, role in enumerate(ROLES)}
 # Pages that nobody has to be known for. Whatever else has no role declared fails below.
@@ -90,11 +92,16 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
         "/v1/submissions/{id}/report.html",
     }
     account = {"/account", "/account/logout-everywhere", "/account/password", "/account/revoke"}
-    assert students == {"/", "/assignments/{slug}", *own, *account}
+    assert students == {"/", "/assignments/{slug}", UPLOAD, *own, *account}
     points = {"/submissions/{id}/overrides", "/submissions/{id}/overrides/{override}/withdraw", "/regrades/{id}/apply"}
     terms = {"/assignments/{slug}/rules", "/assignments/{slug}/extensions"}
     changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}
     assert changes == {*points, *terms, "/people"}
+
+
+def test_another_site_cannot_submit(browsers):
+    status, page = browsers["student"].open(UPLOAD.format(slug="rigid-body"), origin="https://evil.example", file="x = 1")
+    assert status == 403 and "another site" in page
 
 
 def test_every_form_is_checked():
@@ -102,7 +109,9 @@ def test_every_form_is_checked():
 
     for router in app.PAGES:
         for route in router.routes:
-            if "POST" in route.methods and route.path != "/logout":  # which looks at its form where there is a session to end
+            if route.path == UPLOAD:  # the submission's parser reads its form
+                assert same_origin in set(calls(route.dependant))
+            elif "POST" in route.methods and route.path != "/logout":  # which looks at its form where there is a session to end
                 assert {forms.checked_form, forms.checked_public_form} & set(calls(route.dependant)), route.path
 
 

@@ -13,11 +13,10 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose, with_packages
 
 DECLARED = [catalogue.slug_of(folder) for folder in catalogue._here() if folder.name != "rigid_body"]
+SLOWEST = {"heavy-top", "random-walks", "lagrangian"}
 
 
-@pytest.mark.parametrize(
-    "slug", [pytest.param(slug, marks=pytest.mark.slow) if slug in {"heavy-top", "random-walks", "lagrangian"} else slug for slug in DECLARED]
-)
+@pytest.mark.parametrize("slug", [pytest.param(slug, marks=pytest.mark.slow) if slug in SLOWEST else slug for slug in DECLARED])
 def test_the_right_solutions_pass(slug, sandbox):
     assignment = catalogue.find(slug)
     right = next(sample for sample in assignment.made_samples() if sample.right)

@@ -52,8 +52,9 @@ lint: .venv/tests  ## run ruff, mypy (strict) and the import contracts
 test: lint .venv/browser  ## lint, then run the fast tests (four minutes on two cores; PROCESSES=3)
 	@$(TEST) -m "not slow and not exhaustive"
 
-test-all: lint .venv/browser  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages
-	@$(TEST) -m "not exhaustive"
+test-all: .venv/browser  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages
+	@$(MAKE) --no-print-directory test
+	@$(TEST) --numprocesses $(or $(PROCESSES),2) -m "slow and not exhaustive"  # a third process would starve the servers of others
 
 exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotage, chaos, the image, and newer Pythons if installed
 	@$(TEST) -m exhaustive

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from exercises.assignment import ArraySpec, Ask
-from service.sandbox.guest.run_scenes import FILES
-from service.sandbox.guest.wire import LENGTH
+from service.sandbox.guest.wire import FILES, LENGTH
 
 LOAD_BUDGET_S = 10.0
 

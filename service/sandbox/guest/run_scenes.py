@@ -28,11 +28,10 @@ from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, pieces, runnable, statements
 from .seal import Seal, private_modules
-from .wire import CLOCK_FACTOR, Questions, Writer
+from .wire import CLOCK_FACTOR, FILES, Questions, Writer
 
 Names = dict[str, Any]
 
-FILES = {"setup": "Setup", "plays": "plays.py"}  # their names in tracebacks
 DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder and the integrator: plays import private copies, which a submission cannot replace

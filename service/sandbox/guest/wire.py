@@ -15,6 +15,7 @@ import numpy as np
 LENGTH = struct.Struct("<I")  # in front of the job and of each question; 0 after the last question of a scene
 HEADER = struct.Struct("<H")  # in front of the header of named arrays
 CHUNK = 1 << 16
+FILES = {"setup": "Setup", "plays": "plays.py"}  # names of compiled texts in tracebacks
 CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]

@@ -165,10 +165,10 @@ async def store_submission(
     workers: Held[WorkerStatus],
     large: Held[parse_submission.LargeBodies],
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
-) -> tuple[Accepted, str]:
-    """Store the submission in the body and queue its grading. Return also the SHA-256 of its source.
+) -> Accepted:
+    """Store the submission in the body and queue its grading.
 
-    Raises Problem if there is no sandbox, or if the submission is invalid or not permitted.
+    Raises Problem if the sandbox is unavailable, or if the submission is invalid or not permitted.
     """
     arrived = time.monotonic()
     isolation, reason = await workers.current()
@@ -177,17 +177,17 @@ async def store_submission(
             503, "no-walls", f"the sandbox is unavailable, so submissions are not accepted: contact the course staff ({reason})"
         )
     parsed = await parse_submission.parse_submission(request, assignment, large)
-    source, drawn = parsed.submission, secrets.randbits(48)
-    new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, source, parsed.exercises, drawn, arrived)
+    drawn = secrets.randbits(48)
+    new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, parsed.submission, parsed.exercises, drawn, arrived)
     try:
-        return await _accept(database, settings.open_submissions, person, new, idempotency_key or None), source.sha256
+        return await _accept(database, settings.open_submissions, person, new, idempotency_key or None)
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
         raise Problem(403, reason.kind, str(reason)) from reason
 
 
-Stored = Annotated[tuple[Accepted, str], Depends(store_submission)]
+Stored = Annotated[Accepted, Depends(store_submission)]
 
 
 @router.post(
@@ -200,7 +200,7 @@ Stored = Annotated[tuple[Accepted, str], Depends(store_submission)]
 )
 async def submit(
     person: Submitter,
-    stored: Stored,
+    accepted: Stored,
     database: Db,
     listener: Held[Listener],
     prefer: Annotated[str | None, Header()] = None,
@@ -208,9 +208,8 @@ async def submit(
     """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
     wait=SECONDS``.
     """
-    accepted, sha256 = stored
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
-    given = {"id": accepted.id, "submitted_at": accepted.submitted_at, "late": accepted.late, "sha256": sha256}
+    given = {name: getattr(accepted, name) for name in ("id", "submitted_at", "late", "sha256")}
     queued = answers.Submission(**given, status="queued", report=None)
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return _response(queued, 202, {"Location": location, "Retry-After": "1"})
@@ -275,7 +274,7 @@ async def _wait(database: Db, listener: Listener, accepted: Accepted, seconds: f
     """Return the submission when it has its result, at latest after ``seconds``."""
     changes, stored = listener.wait_for_changes(str(accepted.id), seconds), None
     if accepted.fresh:
-        await anext(changes)  # begins to wait: there is no result yet
+        await anext(changes)  # starts to wait: a new submission has no result yet
     async for _ in changes:
         stored = await records.read(database, accepted.id)
         if stored is None or stored.finished:

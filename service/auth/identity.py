@@ -155,7 +155,7 @@ async def _by_cookie(cookies: sessions.Cookies, database: Database) -> Person | 
     info = await tokens.find(database, secret)
     if info is None or info.over is not None:
         return None
-    scopes = frozenset(info.scopes) | {"submit"}  # by the form on an assignment's page
+    scopes = info.scopes | {"submit"}  # by the form on an assignment's page
     return Person(info.person, scopes, info.role, session=info.id)
 
 

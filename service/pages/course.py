@@ -68,7 +68,7 @@ async def own_submissions(request: Request, person: CurrentUser, assignment: Ass
 @router.post("/assignments/{slug}/submissions")
 async def upload(person: CurrentUser, origin: forms.SameOrigin, stored: Stored) -> Response:
     """Store an uploaded file as a submission, and show its page."""
-    return RedirectResponse(f"/submissions/{stored[0].id}", 303)
+    return RedirectResponse(f"/submissions/{stored.id}", 303)
 
 
 @router.get("/people", response_class=HTMLResponse)

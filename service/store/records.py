@@ -108,6 +108,9 @@ LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
     SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
 )), false)) AS late"""
 
+# The deadline ``until.due_at`` of assignment ``x`` with a person's extension ``e``. Without a deadline an extension means nothing.
+OWN_DEADLINE = "(SELECT CASE WHEN x.due_at IS NOT NULL THEN greatest(x.due_at, e.due_at) END AS due_at) until ON true"
+
 # Whether every grading of submission ``s`` ended in a system fault: it does not use up a submission.
 FAULTED = """(SELECT bool_and(r.fault IS NOT NULL) FROM grading a LEFT JOIN result r ON r.grading_id = a.id
     WHERE a.submission_id = s.id AND NOT a.preview)"""

@@ -14,7 +14,7 @@ from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database, NoRow, Row
 from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
-from service.store.records import FAULTED, LATE, NewSubmission
+from service.store.records import FAULTED, LATE, OWN_DEADLINE, NewSubmission
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
 
@@ -56,9 +56,10 @@ ON CONFLICT DO NOTHING
 
 @dataclass(frozen=True)
 class Accepted:
-    """A stored submission. If not ``fresh``, an earlier request stored it, and it may have a result."""
+    """A stored submission. If not ``fresh``, an earlier request stored the same source, and it may have a result."""
 
     id: UUID
+    sha256: str
     submitted_at: datetime
     late: bool
     fresh: bool
@@ -111,7 +112,7 @@ async def _accept(database: Database, new: NewSubmission, key: str | None, kind:
             raise TooManyOpen
         await send(connection, [values["grading"]], priority=priority_of(kind, stored.open))
     database.persons[new.person] = person  # cached after the commit only
-    return Accepted(new.id, rules.at, rules.late, fresh=True)
+    return Accepted(new.id, new.submission.sha256, rules.at, rules.late, fresh=True)
 
 
 async def add_grading(connection: Connection, of: UUID, kind: str, seed: int) -> UUID:
@@ -134,13 +135,13 @@ FROM grading WHERE submission_id = :submission
 # The submission time is that of the request, by the database's clock. The lock serializes a person's
 # submissions, so that two concurrent ones cannot both take the last place.
 _RULES = f"""
-SELECT a.id, until.due_at, a.grace_s, a.submission_limit, at, coalesce(at > until.due_at, false) AS late,
-    coalesce(at > until.due_at + make_interval(secs => a.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
-FROM assignment a JOIN course c ON c.id = a.course_id
-    LEFT JOIN extension e ON e.assignment_id = a.id AND e.person_id = CAST(:person AS uuid)
-    JOIN LATERAL (SELECT CASE WHEN a.due_at IS NOT NULL THEN greatest(a.due_at, e.due_at) END AS due_at) until ON true,
+SELECT x.id, until.due_at, x.grace_s, x.submission_limit, at, coalesce(at > until.due_at, false) AS late,
+    coalesce(at > until.due_at + make_interval(secs => x.grace_s), false) AS over, {PERSON_LOCK.format("CAST(:person AS text)")}
+FROM assignment x JOIN course c ON c.id = x.course_id
+    LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = CAST(:person AS uuid)
+    JOIN LATERAL {OWN_DEADLINE},
     (SELECT clock_timestamp() - make_interval(secs => :age) AS at) arrived
-WHERE a.slug = :slug AND c.slug = :course
+WHERE x.slug = :slug AND c.slug = :course
 """
 
 # A separate statement: it must see what was committed before the lock was granted to count the open gradings.
@@ -184,4 +185,4 @@ async def _find_repeated(connection: Connection, new: NewSubmission, person: UUI
     found = await connection.one(_REPEATED, {"person": person, "key": key})
     if found.fingerprint != new.fingerprint:
         raise KeyReused
-    return Accepted(found.id, found.submitted_at, found.late, fresh=False)
+    return Accepted(found.id, new.submission.sha256, found.submitted_at, found.late, fresh=False)

@@ -960,9 +960,9 @@ STORE = [
     ),
     Breakage(
         "an extension does not let its person submit",
-        "service/store/submissions.py",
-        "greatest(a.due_at, e.due_at)",
-        "a.due_at",
+        "service/store/records.py",
+        "greatest(x.due_at, e.due_at)",
+        "x.due_at",
         ("tests/service/store/test_submissions.py",),
     ),
     Breakage(

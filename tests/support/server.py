@@ -17,7 +17,7 @@ from service.settings import Settings
 
 
 class Server:
-    """``polhode serve`` as its own process on a free loopback port, with ``rigid-body`` alone unless told otherwise."""
+    """``polhode serve`` as its own process on a free loopback port, with ``rigid-body`` unless ``environment`` names others."""
 
     def __init__(self, data: Path, *, port: int | None = None, **environment: str) -> None:
         self.data, self.port = data, port or free_port()

@@ -6,14 +6,14 @@ from ecp.return_value import describe_exception
 
 from .calls import LOADED, Channel
 from .run_scenes import prepare
-from .wire import Questions
+from .wire import FILES, Questions
 
 
 def run(job_fd: int, calls_fd: int) -> None:
     """Load the right solutions and answer calls of them until the other process ends."""
     job = Questions(job_fd).job()
     try:
-        names = prepare(compile(job["setup"], "Setup", "exec"))
+        names = prepare(compile(job["setup"], FILES["setup"], "exec"))
         exec(compile(job["source"], "solution.py", "exec"), names)
         exported, error = {name: names[name] for name in job["names"]}, ""
     except BaseException as raised:

@@ -73,7 +73,7 @@ def main(
                 os.waitpid(middle, 0)
                 os.close(fds[0])
             elif os.fork():
-                os._exit(0)  # so that the copy is no child of this process, which would have to reap it
+                os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
                 control.send(READY + json.dumps(identity()).encode())

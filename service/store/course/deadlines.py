@@ -6,7 +6,7 @@ from datetime import datetime
 from service.store.course import audit
 from service.store.course.people import COURSE
 from service.store.database import Database, Row
-from service.store.records import FAULTED
+from service.store.records import FAULTED, OWN_DEADLINE
 
 
 async def extend(database: Database, slug: str, name: str, due_at: datetime, *, reason: str, by: str) -> bool:
@@ -38,7 +38,7 @@ async def own(database: Database, slug: str, name: str) -> Row:
     """Return a person's own rules: ``due_at`` with the extension, whether it is ``extended`` and, with ``grace_s``, ``over``, the
     ``submission_limit``, and how many submissions are ``used``.
     """
-    return (await database.rows(_OWN, {"slug": slug, "name": name, "course": COURSE}))[0]
+    return await database.one(_OWN, {"slug": slug, "name": name, "course": COURSE})
 
 
 _OF = """
@@ -63,11 +63,11 @@ WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due
 """
 
 _OWN = f"""
-SELECT own.due_at, coalesce(own.due_at > x.due_at, false) AS extended, x.grace_s, x.submission_limit,
-    coalesce(now() > own.due_at + make_interval(secs => x.grace_s), false) AS over,
+SELECT until.due_at, coalesce(until.due_at > x.due_at, false) AS extended, x.grace_s, x.submission_limit,
+    coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id AND NOT {FAULTED}) AS used
 FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
-    JOIN LATERAL (SELECT CASE WHEN x.due_at IS NOT NULL THEN greatest(x.due_at, e.due_at) END AS due_at) own ON true
+    JOIN LATERAL {OWN_DEADLINE}
 WHERE x.slug = :slug AND c.slug = :course
 """

@@ -20,7 +20,7 @@ DAY_S = 86400.0
 
 @dataclass(frozen=True)
 class TokenInfo:
-    """A token with its person, their role in the course, and its scopes; ``over`` says why it is no longer valid, or is None."""
+    """A token with its person, their role in the course, and its scopes; ``over`` is the reason why it is not valid, or None."""
 
     id: UUID
     person: str

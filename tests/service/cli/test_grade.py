@@ -245,8 +245,8 @@ def test_whatever_goes_wrong_before_a_command_is_no_verdict(folder, tmp_path):
         (tmp_path / library / f"{library}.py").write_text(f"raise ImportError('no {library} here')")
         environment = os.environ | {"PYTHONPATH": f"{tmp_path / library}:{os.environ.get('PYTHONPATH', '')}"}
         command = [*COMMAND, "grade", folder / "right_terms.py"]
-        told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        assert told.returncode == 2 and f"no {library} here" in told.stderr
+        result = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert result.returncode == 2 and f"no {library} here" in result.stderr
 
 
 def test_a_terminal_shows_how_far_it_is_and_other_readers_do_not(polhode, folder):

@@ -133,6 +133,7 @@ class Submission(BaseModel):
     fault: str = Field("", description="The former name of system_fault.")
     system_fault: str = ""
     cancelled_by: str = ""
+    repeated: bool = False
     points: int = 0
     overrides: list[Override] = []
     regrade_requests: list[RegradeRequest] = []

@@ -4,7 +4,6 @@ import contextlib
 import json
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from datetime import datetime
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from ecp import course
 from ecp.document import NotADocument, read
 from ecp.errors import NotebookError
 from ecp.gather import Bundle, CannotSend, gather, whole_notebook
+from ecp.health import local_time, outdated
 from ecp.http import CONTACT_S, Event, RequestError, call, events
 from ecp.identity import JSON, authorization
 from ecp.notebook.outputs import strip_outputs
@@ -64,13 +64,13 @@ def submit(
     repeated = bool(accepted.get("repeated"))
     page = f"{where}/submissions/{accepted['id']}"
     with _final_text_on_error(line, f"submitted, see {page}"):
-        url, outdated = f"{where}/v1/submissions/{accepted['id']}", _outdated(where, slug)
+        url, remark = f"{where}/v1/submissions/{accepted['id']}", outdated(where, slug)
         report = _report(_wait(url, headers, line, page), page)
     report.sent, report.address, report.drawn = sent, page, cache(_fetcher(report, url, headers))
-    remarks = [REPEATED.format(_local_time(accepted["submitted_at"]))] if repeated else []
+    remarks = [REPEATED.format(local_time(accepted["submitted_at"]))] if repeated else []
     remarks += [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
     remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server graded a different text than the one sent.")
-    report.remark = " ".join(filter(None, [*remarks, outdated]))
+    report.remark = " ".join(filter(None, [*remarks, remark]))
     line.end(f"{'not submitted again' if repeated else 'submitted and graded'}: {report.summary()}")
     return report
 
@@ -97,11 +97,6 @@ def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
         with contextlib.suppress(ValueError):  # the server reports what is wrong with it
             text = strip_outputs(text)
     return Bundle(text, filename=path.name)
-
-
-def _local_time(text: str) -> str:
-    """Return a time of the server in the notebook's time zone."""
-    return f"{datetime.fromisoformat(text).astimezone():%Y-%m-%d %H:%M}"
 
 
 def _post(url: str, body: dict[str, Any], headers: Mapping[str, str], line: Line, again: bool) -> dict[str, Any]:
@@ -154,20 +149,6 @@ def _fetcher(report: Report, url: str, headers: Mapping[str, str]) -> Callable[[
         return call("GET", f"{url}/{folders[name]}/{name}.png", headers=headers, patience=PICTURE_S).body
 
     return fetch
-
-
-def _outdated(server: str, slug: str) -> str:
-    """Return a remark if the server now distributes another kit, whose public checks may differ; else ""."""
-    if (own := course.build(slug)) is None:
-        return ""
-    try:
-        current = call("GET", f"{server}/v1/assignments/{slug}", patience=5.0).json()
-    except RequestError:
-        return ""
-    if current.get("kit_build") == own:
-        return ""
-    address = f"{server}{current.get('kit')}"
-    return f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {address}, then restart the kernel."
 
 
 @contextlib.contextmanager

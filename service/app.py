@@ -21,6 +21,7 @@ from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
+<<<<<<< HEAD
 from service.pages import (
     account,
     comments,
@@ -34,6 +35,9 @@ from service.pages import (
     speed_vs_accuracy,
     submission,
 )
+=======
+from service.pages import account, course, gradebook, login, overrides, people, queue, regrades, speed_vs_accuracy, submission
+>>>>>>> staff
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret
@@ -53,6 +57,7 @@ ROUTERS = (
 )
 PAGES = (
     course.router,
+    people.router,
     gradebook.router,
     exports.router,
     queue.router,

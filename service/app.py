@@ -21,7 +21,6 @@ from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
-<<<<<<< HEAD
 from service.pages import (
     account,
     comments,
@@ -29,15 +28,13 @@ from service.pages import (
     gradebook,
     login,
     overrides,
+    people,
     queue,
     regrade_requests,
     regrades,
     speed_vs_accuracy,
     submission,
 )
-=======
-from service.pages import account, course, gradebook, login, overrides, people, queue, regrades, speed_vs_accuracy, submission
->>>>>>> staff
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret

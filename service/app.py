@@ -28,6 +28,7 @@ from service.pages import (
     gradebook,
     login,
     overrides,
+    people,
     queue,
     regrade_requests,
     regrades,
@@ -53,6 +54,7 @@ ROUTERS = (
 )
 PAGES = (
     course.router,
+    people.router,
     gradebook.router,
     exports.router,
     queue.router,

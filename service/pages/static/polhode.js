@@ -1,5 +1,5 @@
 // Progressive enhancement: every page also works without JavaScript.
-//   [data-rows]            table or list; j and k move between its rows, o or Enter opens a row's first link
+//   [data-rows]            table or list; j and k move between its rows, o or Enter opens a row's first link, or its a[data-main]
 //   table[data-grid]       arrow keys, Home and End move between cells
 //   input[data-filter=ID]  hides the rows of table ID that do not contain the typed text; / focuses it. Wrap it in [data-js][hidden]
 //   [data-live=URL][id]    is reloaded at each event of the stream URL; data-events lists the event names, default "message"
@@ -47,7 +47,7 @@ function step(by) {
 }
 
 function open(row) {
-  row?.querySelector("a[href]")?.click();
+  (row?.querySelector("a[data-main]") ?? row?.querySelector("a[href]"))?.click();
 }
 
 // ---- cells

@@ -78,6 +78,7 @@ bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, 
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
 	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
+	@$(CLEAN_ENV) $(BIN)/python -m bench.notebook
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
 	@$(CLEAN_ENV) $(BIN)/python -m bench.connections

@@ -11,6 +11,7 @@ from exercises.catalogue import assignments
 from exercises.validation_cells import is_self_reported
 from service.api.health import WorkerStatus
 from service.api.history import list_own
+from service.api.release import visible_row
 from service.api.submissions import Assigned, Stored
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
@@ -35,7 +36,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     overview.sort(key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug)))
     context = {
         "staff": staff,
-        "rows": await recent(database, LATEST, None if staff else person.name),
+        "rows": [visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)],
         "assignments": assignments(),
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": overview,

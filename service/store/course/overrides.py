@@ -23,7 +23,7 @@ class Override:
 
     id: UUID
     check: str | None
-    points: int
+    points: float
     reason: str
     by: str
     at: datetime
@@ -60,7 +60,7 @@ def revision(overrides: Sequence[Override]) -> int:
 
 
 async def give(
-    database: Database, submission: UUID, actor: str, *, check: str | None, points: int, reason: str, seen: int | None = None
+    database: Database, submission: UUID, actor: str, *, check: str | None, points: float, reason: str, seen: int | None = None
 ) -> None:
     """Override the points of a check or of the submission, replacing an override in force.
 
@@ -112,7 +112,7 @@ async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -
     return True
 
 
-def _validate(before: Row, outcome: Row | None, check: str | None, points: int, reason: str) -> None:
+def _validate(before: Row, outcome: Row | None, check: str | None, points: float, reason: str) -> None:
     if before.max_score is None:
         raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:

@@ -21,7 +21,19 @@ from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
-from service.pages import account, course, gradebook, login, overrides, people, queue, regrades, speed_vs_accuracy, submission
+from service.pages import (
+    account,
+    class_tabs,
+    course,
+    gradebook,
+    login,
+    overrides,
+    people,
+    queue,
+    regrades,
+    speed_vs_accuracy,
+    submission,
+)
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret
@@ -41,6 +53,7 @@ ROUTERS = (
 PAGES = (
     course.router,
     people.router,
+    class_tabs.router,
     gradebook.router,
     exports.router,
     queue.router,

@@ -66,6 +66,7 @@ def _report_context(stored: SubmissionRecord) -> dict[str, Any]:
     places = {cell.name: cell.place for cell in shown}
     assignment = assignments().get(stored.assignment)
     return {
+        "title": assignment.title if assignment else stored.assignment,
         "cells": shown,
         "lines": sum(len(cell.lines) for cell in shown),
         "stops": [

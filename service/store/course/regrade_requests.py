@@ -47,7 +47,7 @@ async def of_submission(database: Database, submission: UUID) -> Sequence[Regrad
 async def of_assignment(database: Database, slug: str) -> Sequence[Row]:
     """Return the latest MOST requests about an assignment, open ones first and oldest of these first.
 
-    A row has the fields of RegradeRequest, ``person``, ``full_name``, and the submission's ``points`` and ``max_score``.
+    A row has the fields of RegradeRequest, ``person``, ``full_name``, and the submission's ``points`` and ``total``.
     """
     return await database.rows(_OF_ASSIGNMENT, {"slug": slug, "course": COURSE})
 
@@ -85,7 +85,7 @@ _OF_SUBMISSION = f"SELECT {_COLUMNS} FROM regrade_request WHERE submission_id = 
 
 _OF_ASSIGNMENT = f"""
 SELECT q.id, q.submission_id AS submission, q.reason, q.requested_at, q.status, q.answer, q.answered_by, q.answered_at,
-    p.name AS person, p.full_name, given.points, shown.max_score
+    p.name AS person, p.full_name, given.points, shown.total
 FROM regrade_request q JOIN submission s ON s.id = q.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id JOIN course c ON c.id = x.course_id JOIN {SHOWN}
 WHERE x.slug = :slug AND c.slug = :course

@@ -72,7 +72,7 @@ def test_the_list_of_an_assignment_begins_with_the_open_requests(database_url):
     made = [requested(database_url, one) for one in sent]
     answered(database_url, made[0].id)
     rows = run(database_url, lambda d: of_assignment(d, "rigid-body"))
-    assert [(row.person, row.status, row.points, row.max_score) for row in rows] == [
+    assert [(row.person, row.status, row.points, row.total) for row in rows] == [
         ("ben", "open", 1, 2),
         ("cid", "open", 1, 2),
         ("ann", "declined", 1, 2),

@@ -15,6 +15,7 @@ class GradeRow:
 
     ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded; the late ``penalty`` is not
     subtracted. ``lateness`` is the time after the student's own deadline. ``weight`` is the assignment's in the course.
+    ``released`` says whether the student may see the scores.
     ``max_points`` is the assignment's maximum, the same for every student. ``counted`` are the points of the counted checks in the
     report; they are fewer if the submission left out exercises. ``attempts`` is the number of the student's
     submissions. ``status`` is the submission's, or "none" without one. ``checks`` holds each check's measured
@@ -39,6 +40,7 @@ class GradeRow:
     points: float | None = None
     penalty: float = 0
     weight: float = 1.0
+    released: bool = True
     lateness: timedelta | None = None
     counted: int | None = None
     overridden: bool = False

@@ -13,6 +13,7 @@ from service.auth import forms
 from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db, Held
+from service.http.templating import ZONE
 from service.store import queue_overview, sweeps
 from service.store.course import deadlines, gradebook
 
@@ -76,13 +77,13 @@ async def _login_name(database: Db, slug: str, name: str) -> str:
 
 
 def _datetime(form: FormData, name: str) -> datetime | None:
-    """Return a datetime-local field in UTC, None if it is empty. Raises Problem 422 if it is invalid."""
+    """Return a datetime-local field, read in the course's time zone, in UTC; None if empty. Raises Problem 422 if it is invalid."""
     if not (text := forms.field(form, name, 40)):
         return None
     with suppress(ValueError):
         at = datetime.fromisoformat(text)
         if at.year in YEARS:
-            return at.replace(tzinfo=UTC) if at.tzinfo is None else at
+            return at.replace(tzinfo=ZONE.get()).astimezone(UTC) if at.tzinfo is None else at
     raise Problem(422, "invalid-request", f"expected a date and time such as 2026-12-01T12:00, got {text[:40]!r}", f"/{name}")
 
 

@@ -94,7 +94,7 @@ def _cells(row: Row) -> dict[str, Cell]:
 
 async def students(database: Database, slug: str) -> list[StudentRow]:
     """Return all students of the course, by name, with their counted submissions but without cells."""
-    rows = await database.rows(_STANDINGS, {"slug": slug, "course": COURSE})
+    rows = await database.rows(_STANDINGS, {"slug": slug, "person": None, "course": COURSE})
     return [StudentRow(**row._asdict()) for row in rows]
 
 
@@ -139,7 +139,8 @@ WHERE v.grading_id = ANY(CAST(:gradings AS uuid[])) AND (v.state <> 'pass' AND v
 """
 
 _OVERVIEW = f"""
-SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, coalesce(class.students, 0) AS students,
+SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, x.scores_release, x.scores_released_at, x.details_release,
+    x.details_released_at, coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades, (

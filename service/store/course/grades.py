@@ -7,7 +7,7 @@ from exercises.catalogue import assignments
 from service.formats.grade_row import GradeRow
 from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
-from service.store.records import FINAL, LATE, OWN_DEADLINE, PENALTY, SHOWN, STATUS
+from service.store.records import FINAL, LATE, OWN_DEADLINE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
 
 BATCH = 25  # submissions with reports: some megabytes at most
 AUDIT_BATCH = 2000  # short rows
@@ -17,10 +17,11 @@ AUDIT_BATCH = 2000  # short rows
 BEST = f"""
 SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE},
     shown.grading, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
-    coalesce(cut.penalty, 0) AS penalty, {FINAL} AS final,
+    coalesce(cut.penalty, 0) AS penalty, {FINAL} AS final, {SCORES_RELEASED},
     count(*) OVER (PARTITION BY s.assignment_id, s.person_id) AS submissions
 FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slug = CAST(:slug AS text), true) JOIN {SHOWN}
     LEFT JOIN {PENALTY}
+WHERE CAST(:person AS text) IS NULL OR s.person_id = (SELECT p.id FROM person p WHERE p.name = :person)
 ORDER BY s.assignment_id, s.person_id, {FINAL} DESC NULLS LAST, s.submitted_at DESC, s.id
 """
 
@@ -38,8 +39,8 @@ FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.pers
         WHERE :detailed AND v.grading_id = b.grading) measured ON true
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
         WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL AND o.withdrawn_at IS NULL) overridden ON true
-WHERE c.slug = :course AND m.role = 'student' AND coalesce(x.slug = CAST(:slug AS text), true)
-    AND {IS_PERSON} ORDER BY x.slug, p.name
+WHERE c.slug = :course AND (m.role = 'student' AND CAST(:person AS text) IS NULL OR p.name = :person)
+    AND coalesce(x.slug = CAST(:slug AS text), true) AND {IS_PERSON} ORDER BY x.slug, p.name
 """
 
 _SUBMISSIONS = f"""
@@ -69,9 +70,9 @@ WHERE c.slug = :course AND {IS_PERSON} ORDER BY p.name
 """
 
 
-async def grades(database: Database, slug: str | None = None) -> list[GradeRow]:
-    """Return a row per student: of one assignment with check states, or of all assignments without."""
-    values = {"slug": slug, "course": COURSE, "detailed": slug is not None}
+async def grades(database: Database, slug: str | None = None, person: str | None = None) -> list[GradeRow]:
+    """Return a row per student, or of one person: of one assignment with check states, or of all assignments without."""
+    values = {"slug": slug, "person": person, "course": COURSE, "detailed": slug is not None}
     return [_row(found) for found in await database.rows(_GRADES, values)]
 
 
@@ -121,6 +122,7 @@ def _row(found: Row) -> GradeRow:
         grader=grader,
         checks=found.checks or {},
         penalty=found.penalty or 0,
+        released=found.scores_released is not False,
         weight=found.weight,
         lateness=found.after_due if found.late else None,
         worth=found.worth or {},

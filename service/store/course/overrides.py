@@ -39,9 +39,9 @@ class Override:
 class OverrideRejected(Exception):
     """The override cannot be changed; ``kind`` is "invalid-request", "not-ready" or "changed-meanwhile"."""
 
-    def __init__(self, kind: str, sentence: str) -> None:
+    def __init__(self, kind: str, sentence: str, pointer: str | None = None) -> None:
         super().__init__(sentence)
-        self.kind = kind
+        self.kind, self.pointer = kind, pointer
 
 
 async def of_submission(database: Queries, submission: UUID) -> Sequence[Override]:
@@ -116,12 +116,14 @@ def _validate(before: Row, outcome: Row | None, check: str | None, points: float
     if before.max_score is None:
         raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:
-        raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}")
+        raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}", "/check")
     most = before.max_score if outcome is None else outcome.points
     if not 0 <= points <= most:
-        raise OverrideRejected("invalid-request", f"points must be from 0 to {most}")
+        raise OverrideRejected("invalid-request", f"points must be from 0 to {most}", "/points")
     if not 0 < len(reason) <= LONGEST_REASON:
-        raise OverrideRejected("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
+        raise OverrideRejected(
+            "invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it", "/reason"
+        )
 
 
 async def _locked(connection: Connection, submission: UUID) -> Row:

@@ -23,10 +23,12 @@ from service.store import history, queue_overview, records, regrades, runs, swee
 from service.store.course import (
     audit,
     comments,
+    course_settings,
     credentials,
     deadlines,
     gradebook,
     grades,
+    notes,
     overrides,
     people,
     regrade_requests,
@@ -211,6 +213,26 @@ def test_feedback_on_a_submission_of_an_older_database(full_url):
     ):
         with pytest.raises(psycopg.IntegrityError):
             sql(full_url, query, ONE)
+
+
+def test_settings_of_an_older_database_change_nothing(full_url):
+    """Scores are released and nobody loses points; overrides keep theirs, and may be fractions."""
+    given = sql(full_url, "SELECT id, points FROM override ORDER BY id")
+    migrate(full_url)
+    stored = run(full_url, lambda d: records.read(d, ONE))
+    assert (stored.scores_released, stored.details_released, stored.penalty) == (True, True, 0)
+    assert run(full_url, course_settings.read) == course_settings.CourseSettings("UTC", 0.0, 1.0)
+    assert sql(full_url, "SELECT id, points FROM override ORDER BY id") == given
+    sql(full_url, "UPDATE override SET points = 0.25")
+    run(full_url, lambda d: notes.write(d, "ann", "was ill", "prof"))
+    assert [n.note for n in run(full_url, lambda d: notes.of_person(d, "ann"))] == ["was ill"]
+    for query in (
+        "UPDATE course SET late_penalty = 2",
+        "UPDATE assignment SET scores_release = 'never'",
+        "UPDATE assignment SET details_release = 'never'",
+    ):
+        with pytest.raises(psycopg.IntegrityError):
+            sql(full_url, query)
 
 
 def test_a_job_queued_before_the_renaming_is_graded_after_it(full_url):

@@ -117,7 +117,7 @@ def _validate(before: Row, outcome: Row | None, check: str | None, points: float
         raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:
         raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}", "/check")
-    most = before.max_score if outcome is None else outcome.points
+    most = max(before.max_score, before.total) if outcome is None else outcome.points
     if not 0 <= points <= most:
         raise OverrideRejected("invalid-request", f"points must be from 0 to {most}", "/points")
     if not 0 < len(reason) <= LONGEST_REASON:
@@ -156,7 +156,7 @@ WHERE p.name = :name AND o.withdrawn_at IS NULL ORDER BY o.given_at DESC, o.id
 _LOCK = "SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE"
 
 _SHOWN = f"""
-SELECT p.name AS person, shown.grading, shown.score, shown.max_score, given.points
+SELECT p.name AS person, shown.grading, shown.score, shown.max_score, shown.total, given.points
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = :id
 """
 

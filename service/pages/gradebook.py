@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 from datetime import UTC, datetime
+from urllib.parse import quote
 
 from fastapi import APIRouter, Response
 from fastapi.responses import RedirectResponse
@@ -59,18 +60,20 @@ async def extend(person: Instructor, form: forms.Form, assignment: Assigned, dat
     if due is None:
         if not await deadlines.remove_extension(database, slug, name, person.name):
             raise Problem(422, "invalid-request", f"{name or 'this person'} has no extension to remove: check the name", "/name")
-    elif not reason:
+        return RedirectResponse(f"/assignments/{slug}/class/settings?removed={quote(name, safe='')}#extensions", 303)
+    if not reason:
         raise Problem(422, "invalid-request", "an extension needs a reason: enter one", "/reason")
-    elif due <= datetime.now(UTC):
+    if due <= datetime.now(UTC):
         raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
-    elif not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
+    if not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
         raise Problem(422, "invalid-request", f"no person named {name!r} in the course: check the name", "/name")
     return RedirectResponse(f"/assignments/{slug}/class/settings#extensions", 303)
 
 
 async def _login_name(database: Db, slug: str, name: str) -> str:
-    """Return the login name of the only student with that full name, else ``name``."""
-    found = [s.name for s in await gradebook.students(database, slug) if name and s.full_name == name]
+    """Return the login name of the only student with that full name, in any case, else ``name``."""
+    wanted = " ".join(name.split()).casefold()
+    found = [s.name for s in await gradebook.students(database, slug) if wanted and s.full_name.casefold() == wanted]
     if len(found) > 1:
         raise Problem(422, "invalid-request", f"several students are named {name}: enter one of {', '.join(found)}", "/name")
     return found[0] if found else name

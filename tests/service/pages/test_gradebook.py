@@ -103,7 +103,13 @@ def test_rules_and_extensions(looks, url):
     assert sql(url, "SELECT p.name, e.reason FROM extension e JOIN person p ON p.id = person_id") == [("zoe", "ill <b>")]
     assert "2099-02-01 12:00" in looks("zoe", OWN)[1] and "with your extension" in looks("zoe", OWN)[1]
     assert "with your extension" not in looks("ann", OWN)[1]
-    assert looks("prof", extend, at=SETTINGS, name="Zoe <b>Adams</b>", due="")[0] == 200
+    page = looks("prof", extend, at=SETTINGS, name="zoe  <B>Adams</b>", due="")[1]
+    undo = dict(re.findall(r'name="(name|due|reason)" value="([^"]*)"', page[page.index('class="notice"') :])[:3])
+    assert undo == {"name": "zoe", "due": "2099-02-01T12:00:00+00:00", "reason": "ill &lt;b&gt;"} and ">Undo<" in page
+    assert sql(url, "SELECT count(*) FROM extension") == [(0,)]
+    assert looks("prof", extend, at=SETTINGS, **undo)[0] == 200 and sql(url, "SELECT count(*) FROM extension") == [(1,)]
+    assert ">Undo<" not in looks("prof", f"{SETTINGS}?removed=zoe")[1]
+    assert looks("prof", extend, at=SETTINGS, name="zoe", due="")[0] == 200
     assert sql(url, "SELECT count(*) FROM extension") == [(0,)]
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, due="", grace="0", most="")[0] == 200
 

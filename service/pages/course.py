@@ -19,7 +19,7 @@ from service.auth.roles import CurrentUser, Staff
 from service.formats.grade_row import total_percent
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.store.course import deadlines, gradebook
+from service.store.course import gradebook
 from service.store.course.audit import MOST, entries
 from service.store.course.grades import grades
 from service.store.records import recent
@@ -60,10 +60,10 @@ def _self_reported(checks: Sequence[Check]) -> str:
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
 async def own_submissions(request: Request, person: CurrentUser, assignment: Assigned, database: Db) -> Response:
     """Show the person's submissions to an assignment and the changes between them."""
-    history, own = await list_own(assignment, person, database), await deadlines.own(database, assignment.slug, person.name)
+    history = await list_own(assignment, person, database)
     best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
     context = {"assignment": assignment, "person": person.name, "history": history}
-    context |= {"best": best, "last": last, "own": own, "most": assignment.max_points(), "session": COOKIE in request.cookies}
+    context |= {"best": best, "last": last, "most": assignment.max_points(), "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "submissions.html", context)
 
 

@@ -178,15 +178,17 @@ def test_a_roster_is_chosen_and_entered_and_its_token_logs_in(seen_by, page, ser
     file.write_text("name,role,full_name,email,student_id\nzoe,student,Zoë Ågård,zoe@example.org,0042\nyan,former,,,\n")
     prof.locator("summary", has_text="Import roster").click()
     prof.get_by_label("Roster file").set_input_files(file)
-    prof.get_by_role("button", name="Import").click()
+    prof.get_by_role("button", name="Preview import").click()
+    prof.get_by_role("button", name="Import 2 people").click()
     prof.get_by_text("Imported 2 people.").wait_for()
     prof.get_by_label("Filter").fill("agard")
     assert rows(prof, "#people") == ["zoe Zoë Ågård student zoe@example.org 0042 0 –"]
     prof.locator("summary", has_text="Import roster").click()
     prof.get_by_label("Roster file").set_input_files(file)
+    prof.get_by_role("button", name="Preview import").click()
     prof.get_by_label("Create a new login token").check()
     with prof.expect_download() as coming:
-        prof.get_by_role("button", name="Import").click()
+        prof.get_by_role("button", name="Import 2 people").click()
     given = dict(csv.reader(io.StringIO(coming.value.path().read_text())))
     assert set(given) == {"name", "zoe", "yan"}
     log_in(page(), f"{server.url}{BASE}", token=given["zoe"])
@@ -207,7 +209,7 @@ def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(se
     page.get_by_role("link", name="Students", exact=True).click()
     page.locator("#heat").get_by_role("link", name="2-energy").click()
     assert found(page).startswith("3 of ") and [row[:3] for row in rows(page, "#submissions")] == ["ann", "cle", "dan"]
-    page.locator("#submissions tr", has_text="cleo").get_by_role("link").click()
+    page.locator("#submissions tr", has_text="cleo").locator("a[data-main]").click()
     assert page.url.endswith(f"/submissions/{sent['cleo']}#check-2-energy") and "By cleo" in page.locator("main").inner_text()
     page.get_by_role("link", name="Rigid", exact=False).first.click()
     page.locator("tr", has_text=OTHER.sentence).get_by_role("link", name="1 student").click()

@@ -99,7 +99,7 @@ def test_what_a_form_was_sent_comes_back_as_text(looking, server, paths, tmp_pat
         page.goto(server.url + paths["people"])
         page.locator("summary", has_text="Import roster").click() if not page.get_by_label("Roster file").is_visible() else None
         page.get_by_label("Roster file").set_input_files(file)
-        page.get_by_role("button", name="Import").click()
+        page.get_by_role("button", name="Preview import").click()
         assert "bad.csv" in inert(page)
 
 

@@ -2,6 +2,7 @@
 
 import uuid
 from datetime import UTC, datetime, timedelta
+from urllib.parse import quote
 
 from service.grading.submission import Submission
 from service.store import gradings, queue_overview, regrades, runs, workers
@@ -66,6 +67,7 @@ async def _fill(database, url, sandbox, source, texts):
         "regrade": f"/regrades/{regrade}",
     }
     paths |= {"waiting": f"/submissions/{going}", "applied": f"/regrades/{decided}", "attempts": BASE, "reference": "/reference"}
+    paths |= {"person": f"/person?name={quote(name)}", "search": "/search?q=a", "course settings": "/settings"}
     return paths | {"problem": "/submissions/none", "nobody": f"{BASE}/class/submissions?check=2-energy&state=timeout"}
 
 

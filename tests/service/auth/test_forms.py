@@ -140,7 +140,7 @@ def test_rules_beyond_the_calendar_are_refused_and_the_pages_stay(server, url, b
 
 
 def test_a_browser_is_told_everything_as_a_page(server, boss):
-    for path, status in ((f"{CLASS}?sort=x", 422), ("/nothing", 404), ("/queue/x/cancel", 405)):
+    for path, status in ((f"{CLASS}/students?sort=x", 422), ("/nothing", 404), ("/queue/x/cancel", 405)):
         got, headers, page = ask(server, boss, path)
         assert (got, headers.get_content_type()) == (status, "text/html") and 'role="alert"' in page, path
     assert ask(server, boss, "/v1/nothing")[1].get_content_type() == "application/problem+json"

@@ -15,7 +15,6 @@ import tarfile
 import tempfile
 import time
 import tomllib
-import urllib.error
 import urllib.request
 import zipfile
 from pathlib import Path
@@ -142,7 +141,7 @@ def serve(polhode: Path, folder: Path, environment: dict[str, str]) -> str:
             try:
                 urllib.request.urlopen(f"{address}/readyz", timeout=5).close()
                 break
-            except urllib.error.URLError:
+            except OSError:  # not listening, or no worker yet
                 time.sleep(0.2)
         body = json.dumps({"source": SAMPLE.read_text(), "exercises": ["2"]}).encode()
         headers = {"Content-Type": "application/json", "Prefer": "wait=60"}

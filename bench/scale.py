@@ -12,6 +12,7 @@ import os
 import pickle
 import secrets
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -20,7 +21,7 @@ import time
 import types
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -182,11 +183,12 @@ def postgres(folder: Path, number: int, quota: float | None) -> Iterator[tuple[l
                 (group / "cpu.cfs_period_us").write_text(str(PERIOD_US))
                 (group / "cpu.cfs_quota_us").write_text(str(int(quota * PERIOD_US)))
                 for one in (main, *children(main)):
-                    (group / "cgroup.procs").write_text(str(one))
+                    with suppress(ProcessLookupError):  # a connection that has just been closed
+                        (group / "cgroup.procs").write_text(str(one))
             yield urls, main
         finally:
-            process.terminate()
-            process.wait(30)
+            os.kill(int((data / "postmaster.pid").read_text().split("\n")[0]), signal.SIGINT)  # its parent cannot signal it
+            process.wait(60)
             if group.exists():
                 group.rmdir()
 

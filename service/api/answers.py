@@ -82,7 +82,7 @@ class Override(BaseModel):
     """An instructor's override of a check's points, or of the whole submission (check null)."""
 
     check: str | None
-    points: int
+    points: int | float
     reason: str
     by: str
     at: Moment
@@ -133,7 +133,11 @@ class Submission(BaseModel):
     fault: str = Field("", description="The former name of system_fault.")
     system_fault: str = ""
     cancelled_by: str = ""
-    points: int = 0
+    repeated: bool = False
+    points: int | float = 0
+    penalty: int | float = Field(0, description="Points lost for being late.")
+    final: int | float = Field(0, description="Points after the penalty.")
+    scores_released: bool = Field(True, description="False if the report is withheld until the scores are released.")
     overrides: list[Override] = []
     regrade_requests: list[RegradeRequest] = []
     comments: list[Comment] = []
@@ -158,19 +162,32 @@ class Past(BaseModel):
     score: int | None
     max_score: int | None
     total: int | None
-    points: int | None
+    points: int | float | None
+    penalty: int | float
+    final: int | float | None
+    scores_released: bool
     sha256: str
     verdicts: dict[str, str]
     changed: Changed | None
 
 
 class History(BaseModel):
-    """A person's submissions to an assignment, newest first, and the ids of the best and the last."""
+    """A person's submissions to an assignment, newest first, the ids of the best and the last, and the person's own rules.
+
+    ``due_at`` is the deadline with an extension, if it is ``extended``; with ``grace_s`` seconds more it is ``over``.
+    ``used`` counts the submissions towards ``submission_limit``.
+    """
 
     assignment: str
     submissions: list[Past]
     best: UUID | None
     last: UUID | None
+    due_at: Moment | None
+    extended: bool
+    grace_s: float
+    over: bool
+    submission_limit: int | None
+    used: int
 
 
 class Ready(BaseModel):

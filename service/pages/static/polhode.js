@@ -121,6 +121,18 @@ function onKeydown(event) {
 
 // ---- live
 
+// Show where a submission is. Return whether its page has that place, so that nothing needs to be reloaded.
+function progress(element, event) {
+  const line = element.querySelector("[data-progress]");
+  if (!line || !["queued", "running"].includes(event.type)) return false;
+  const { position, scene, scenes } = JSON.parse(event.data);
+  line.textContent = event.type === "queued" ? `Queued${position ? `, position ${position}` : ""}.` : `Running${scenes ? ` scene ${scene} of ${scenes}` : ""}.`;
+  const bar = element.querySelector("progress");
+  bar.hidden = !scenes;
+  if (scenes) Object.assign(bar, { max: scenes, value: scene });
+  return true;
+}
+
 function live(element) {
   const stream = new EventSource(element.dataset.live);
   let loading = false, again = false, lost;
@@ -137,7 +149,7 @@ function live(element) {
     loading = false;
     if (again) { again = false; reload(); }
   }
-  for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, reload);
+  for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, event => progress(element, event) || reload());
   stream.addEventListener("open", () => { clearTimeout(lost); lost = undefined; announce(""); });
   stream.addEventListener("error", () => {
     lost ??= setTimeout(() => announce(stream.readyState === EventSource.CLOSED ? "Connection lost. Reload the page." : "Connection lost. Reconnecting…"), 2000);

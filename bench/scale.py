@@ -62,6 +62,7 @@ def main() -> None:
     if given.be_workers:
         be_workers(given.be_workers, given.grading)
         return
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends machines and database too
     with tempfile.TemporaryDirectory(prefix="scale-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         folder.chmod(0o755)

@@ -9,7 +9,7 @@ TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),3) 
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all exhaustive sabotage lint docs bench chaos image-test lock clean
+.PHONY: help env demo serve test test-all exhaustive sabotage lint docs bench chaos image-test release-check lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -33,6 +33,11 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 .venv/docs: .venv/runtime requirements-docs.lock
 	@echo "polhode: installing the documentation's generator"
 	@$(INSTALL) --require-hashes -r requirements-docs.lock
+	@touch $@
+
+.venv/release: .venv/runtime requirements-release.lock
+	@echo "polhode: installing the tools that check a release"
+	@$(INSTALL) --require-hashes -r requirements-release.lock
 	@touch $@
 
 # Install a browser if permitted; without one the browser tests are skipped.
@@ -96,6 +101,9 @@ image-test: .venv/tests  ## build the container image with podman and run it as 
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }
 	@$(CLEAN_ENV) $(BIN)/python -m tests.image
 
+release-check: .venv/release  ## build wheel and sdist in dist, check both, and use the wheel outside the clone (PYTHONS="python3.12 python3.13")
+	@$(CLEAN_ENV) $(BIN)/python -m tests.support.release $(PYTHONS)
+
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)
 	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
@@ -106,4 +114,4 @@ lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	@! grep -nE 'https?://' requirements*.lock
 
 clean:  ## remove everything that the other targets created
-	rm -rf .venv .demo .data .bench .site .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv .demo .data .bench .site .cache dist .pytest_cache .mypy_cache .ruff_cache

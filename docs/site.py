@@ -40,17 +40,21 @@ def stage(folder: Path) -> None:
         text = (ROOT / name).read_text(encoding="utf-8")
         (folder / page).write_text(re.sub(r"\]\(docs/", "](", text), encoding="utf-8")
     for page in folder.rglob("*.md"):
-        page.write_text(_site_links(page.read_text(encoding="utf-8")), encoding="utf-8")
+        page.write_text(_for_the_site(page.read_text(encoding="utf-8")), encoding="utf-8")
     for name, text in reference_pages().items():
         page = folder / "reference" / f"{name}.md"
         page.parent.mkdir(exist_ok=True)
         page.write_text(text, encoding="utf-8")
 
 
-def _site_links(text: str) -> str:
-    """Return the text with links to files of the top folder made those of the site, or plain text if they are no page."""
+def _for_the_site(text: str) -> str:
+    """Return a page with links to files of the top folder made those of the site, or plain text if they are no page.
+
+    In the code of a table's cell, a bar needs a backslash on GitHub and none here.
+    """
     for name, page in BESIDE.items():
         text = re.sub(rf"\]\((?:\.\./)*{re.escape(name)}", f"]({page}", text)
+    text = re.sub(r"(?m)^\|.*$", lambda row: re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), row[0]), text)
     return re.sub(r"\[([^\]]*)\]\(\.\./(?!(?:\w+/)?[\w-]+\.(?:md|png|svg))[^)]*\)", r"\1", text)
 
 

@@ -71,6 +71,10 @@ def test_the_reference_is_complete(pages):
     assert "(L. Euler, 1758; Landau & Lifshitz, Mechanics, §36)" in pages["reference/physics.md"]
 
 
+def test_a_bar_in_a_tables_code_has_no_backslash(pages):
+    assert "| `max|Δ| = … (rtol=…, atol=…)`" in pages["checks.md"] and "max\\|Δ" not in pages["checks.md"]
+
+
 def test_a_label_keeps_its_characters_in_markdown():
     assert site.text("a_b*c of ``x|y`` and |L|") == r"a\_b\*c of `x|y` and \|L\|"
 

@@ -1169,6 +1169,27 @@ STORE = [
         ("tests/service/store/postgres/test_backup.py::test_restoring_over_something_needs_to_be_asked_for",),
     ),
     Breakage(
+        "prune deletes the arrays of shown reports without being asked to",
+        "service/store/postgres/retention.py",
+        "k.name = 'arrays.npz' AND %(arrays)s THEN",
+        "k.name = 'arrays.npz' THEN",
+        ("tests/service/store/postgres/test_retention.py",),
+    ),
+    Breakage(
+        "prune deletes the files of a preview that nobody has decided on",
+        "service/store/postgres/retention.py",
+        "AND (NOT g.preview OR y.decided IS NOT NULL) AND",
+        "AND",
+        ("tests/service/store/postgres/test_retention.py::test_a_preview_keeps_its_files_until_its_regrade_is_decided",),
+    ),
+    Breakage(
+        "a drill does not notice a changed value",
+        "service/store/postgres/drill.py",
+        "hashtextextended(CAST(t AS text), 0)",
+        "0",
+        ("tests/service/store/postgres/test_drill.py::test_the_contents_see_one_changed_value_and_no_order",),
+    ),
+    Breakage(
         "half a backup is restored as if it were whole",
         "service/store/postgres/backup.py",
         "if done.returncode != 0:",

@@ -162,6 +162,8 @@ class Past(BaseModel):
     points: int | None
     sha256: str
     verdicts: dict[str, str]
+    comments: int
+    regrade_request: regrade_requests.Status | None
     changed: Changed | None
 
 

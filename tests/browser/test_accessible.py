@@ -46,7 +46,11 @@ def test_every_page(page, server, url, paths, scheme, name):
     page.goto(f"{server.url}/login?next=/people")
     found = [*wrong(page)]
     log_in(page, server, entered(url, name, {"prof": "instructor", "tutor": "assistant", "ben": "student"}[name]))
-    shown = {"prof": paths, "tutor": ("class", "regrade"), "ben": ("course", "given", "attempts", "account", "people")}[name]
+    shown = {
+        "prof": paths,
+        "tutor": ("class", "students", "settings", "regrade"),
+        "ben": ("course", "given", "attempts", "account", "people"),
+    }[name]
     for what in shown:
         page.goto(server.url + paths[what])
         page.locator("button.keys").wait_for()

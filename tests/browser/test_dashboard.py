@@ -21,7 +21,19 @@ NOTHING = "def euler_eqs(t, w, I):\n    pass\n"
 LOOP = GOOD.replace(":\n", ":\n    calls.append(t)\n    while len(calls) > 200:\n        pass\n") + "calls = []\n"
 OTHER = Diagnosis("cyclic-order", "ω̇₂ multiplies ω₁·ω₂ where ω₃·ω₁ belongs", 1.0)
 ROLES = {"prof": "instructor", "tutor": "assistant", "ann": "student", "ben": "student", "cleo": "student", "dan": "student"}
-STAFF_ONLY = ("/people", f"{BASE}/class", f"{BASE}/class/submissions", "/queue", f"{BASE}/regrades", "/audit", "/grades.csv")
+STUDENTS, SETTINGS = f"{BASE}/class/students", f"{BASE}/class/settings"
+STAFF_ONLY = (
+    "/people",
+    f"{BASE}/class",
+    STUDENTS,
+    f"{BASE}/class/checks",
+    SETTINGS,
+    f"{BASE}/class/submissions",
+    "/queue",
+    f"{BASE}/regrades",
+    "/audit",
+    "/grades.csv",
+)
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +92,14 @@ def log_in(page, address, **fields):
 
 def heading(page):
     return page.get_by_role("heading", level=1).inner_text()
+
+
+def told(page):
+    return " ".join(page.locator("main").inner_text().split())
+
+
+def found(page):
+    return page.get_by_role("heading", level=2).first.inner_text()
 
 
 def rows(page, table):
@@ -184,19 +204,19 @@ def test_a_roster_that_is_none_is_told_with_its_line(seen_by, tmp_path):
 
 def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(seen_by, sent):
     page = seen_by("prof", f"{BASE}/class")
+    page.get_by_role("link", name="Students", exact=True).click()
     page.locator("#heat").get_by_role("link", name="2-energy").click()
-    assert heading(page).startswith("3 of ") and [row[:3] for row in rows(page, "#submissions")] == ["ann", "cle", "dan"]
+    assert found(page).startswith("3 of ") and [row[:3] for row in rows(page, "#submissions")] == ["ann", "cle", "dan"]
     page.locator("#submissions tr", has_text="cleo").get_by_role("link").click()
     assert page.url.endswith(f"/submissions/{sent['cleo']}#check-2-energy") and "By cleo" in page.locator("main").inner_text()
-    page.go_back()
-    page.go_back()
+    page.get_by_role("link", name="Rigid", exact=False).first.click()
     page.locator("tr", has_text=OTHER.sentence).get_by_role("link", name="1 student").click()
-    assert heading(page).startswith("1 of ") and [row[:4] for row in rows(page, "#submissions")] == ["cleo"]
+    assert found(page).startswith("1 of ") and [row[:4] for row in rows(page, "#submissions")] == ["cleo"]
     assert page.locator("main q").inner_text() == OTHER.sentence
 
 
 def test_the_class_is_filtered_by_typing_and_gone_through_by_keys(seen_by, sent):
-    page = seen_by("prof", f"{BASE}/class")
+    page = seen_by("prof", STUDENTS)
     page.locator("button.keys").wait_for()
     page.keyboard.press("/")
     page.keyboard.type("BEN")
@@ -214,14 +234,15 @@ def test_the_class_is_filtered_by_typing_and_gone_through_by_keys(seen_by, sent)
     page.wait_for_url(f"**/submissions/{sent['ben']}")
 
 
-def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, url):
+def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, server):
     seen_by.allowed.append("status of 422")
-    page = seen_by("prof", f"{BASE}/class")
+    page, overview = seen_by("prof", SETTINGS), seen_by("prof", f"{BASE}/class")
     page.get_by_label("Deadline (UTC)", exact=True).fill("2036-02-29T12:30")
     page.get_by_label("Grace period (minutes)").fill("90")
     page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_text("Deadline and limits saved.").wait_for()
-    assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; unlimited" in " ".join(page.locator("main").inner_text().split())
+    overview.reload()
+    assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; unlimited" in told(overview)
     page.get_by_label("Name").fill("ann")
     page.get_by_label("New deadline (UTC)").fill("2020-03-07T12:30")
     page.get_by_label("Reason").fill("was ill for a week")
@@ -240,7 +261,8 @@ def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, url):
     page.get_by_label("Deadline (UTC)", exact=True).fill("")
     page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_text("Deadline and limits saved.").wait_for()
-    assert "Deadline: none; unlimited" in " ".join(page.locator("main").inner_text().split())
+    overview.reload()
+    assert "Deadline: none; unlimited" in told(overview)
 
 
 def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, server):

@@ -88,7 +88,7 @@ def test_what_an_address_says_is_shown_and_does_nothing(looking, server):
 
 def test_what_a_form_was_sent_comes_back_as_text(looking, server, paths, tmp_path):
     page, file = looking("prof", "instructor"), tmp_path / "bad.csv"
-    page.goto(server.url + paths["class"])
+    page.goto(server.url + paths["settings"])
     page.get_by_label("Name").fill(CORPUS[:180])
     page.get_by_label("New deadline (UTC)").fill("2036-01-01T00:00")
     page.get_by_label("Reason").fill(CORPUS[:380])

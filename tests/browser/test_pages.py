@@ -98,7 +98,7 @@ def test_a_student_sets_a_password_sees_a_motion_and_no_page_of_the_staff(seen_b
 @pytest.mark.slow
 def test_an_assistant_filters_the_class_cancels_what_runs_and_may_not_decide(seen_by, server, paths):
     seen_by.allowed.append("status of 403")
-    page = seen_by("tutor", f"{BASE}/class")
+    page = seen_by("tutor", f"{BASE}/class/students")
     page.locator("button.keys").wait_for()
     page.keyboard.press("/")
     page.keyboard.type("CLEO")
@@ -146,7 +146,7 @@ def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(se
 @pytest.mark.slow
 def test_nothing_runs_on_the_pages_that_show_most(seen_by, server, paths):
     page = seen_by("prof")
-    for what in ("class", "people", "queue", "audit", "failed", "changed", "applied"):
+    for what in ("students", "people", "queue", "audit", "failed", "changed", "applied"):
         show(page, server.url + paths[what])
         page.locator("details:not([open]) > summary").evaluate_all("all => all.forEach(one => one.click())")
         assert SHOWN[what] in inert(page), what
@@ -158,7 +158,7 @@ def test_axe_objects_to_nothing_and_pages_fit_a_phone(seen_by, page, server, pat
     show(plain, f"{server.url}/login")
     found = [*wrong(plain, (360,))]
     shown = seen_by("prof")
-    for what in ("class", "moving"):
+    for what in ("students", "moving"):
         show(shown, server.url + paths[what])
         found += wrong(shown)
     assert found == []

@@ -169,7 +169,7 @@ def test_nothing_names_a_package_registry_and_no_page_names_another_host():
     for name in ("requirements.lock", "requirements-test.lock"):
         assert "://" not in doc(name)
     for page in [*(ROOT / "service/pages/templates").iterdir(), *(ROOT / "service/pages/static").iterdir()]:
-        assert "://" not in page.read_text(), page
+        assert b"://" not in page.read_bytes(), page
 
 
 def test_the_changelog_has_an_entry_for_what_is_coming():

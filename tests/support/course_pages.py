@@ -56,6 +56,7 @@ async def _fill(database, url, sandbox, source, texts):
     await regrades.apply(database, decided, "prof")
     going = await _queue(database, url, name)
     paths = {"course": "/", "people": "/people", "class": f"{BASE}/class", "account": "/account", "login": "/login"}
+    paths |= {tab: f"{BASE}/class/{tab}" for tab in ("students", "checks", "settings", "submissions")}
     paths |= {"chosen": f"{BASE}/class/submissions?check=2-momentum&state=not-pass", "queue": "/queue", "audit": "/audit"}
     paths |= {"passed": f"/submissions/{first}", "failed": f"/submissions/{real}", "given": f"/submissions/{bad}"}
     paths |= {

@@ -28,7 +28,7 @@ precession_rate = named
 """
 TEXTS = {"name": f"ann {TAGS}", "full_name": f"Ann {TAGS} שרה", "filename": f"a{TAGS}\u202eyp.py", "words": CORPUS}
 SHOWN = {  # pages on which what is told must be seen as it is, with the beginning of it
-    "course": "a\"><img", "people": "Ann \"><img", "class": "Ann \"><img", "chosen": "Ann \"><img", "queue": "ann \"><img",
+    "course": "a\"><img", "people": "Ann \"><img", "students": "Ann \"><img", "chosen": "Ann \"><img", "queue": "ann \"><img",
     "audit": "<script>window", "passed": "</title></textarea>", "failed": "</title></textarea>", "given": "<base href=",
     "changed": "<!--", "regrades": "<meta http-equiv", "applied": "<svg onload", "regrade": "ann \"><img", "waiting": "Ann \"><img",
 }  # fmt: skip

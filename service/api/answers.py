@@ -168,6 +168,8 @@ class Past(BaseModel):
     scores_released: bool
     sha256: str
     verdicts: dict[str, str]
+    comments: int
+    regrade_request: regrade_requests.Status | None
     changed: Changed | None
 
 

@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from ecp import grouped, report_html
 from ecp.exercise import Motion
+from ecp.judge import Verdict
 from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 from exercises.assignment import Assignment
@@ -26,7 +27,7 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
-from service.store import records
+from service.store import records, sweeps
 from service.store.course import comments, regrade_requests
 from service.store.history import gradings, previous, timeline
 from service.store.records import SubmissionRecord
@@ -42,6 +43,7 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
     context = await asyncio.to_thread(_report_context, stored, commented) | {
         "stored": stored,
         "comments": commented,
+        "sweep_failed": await records.find_artefact(database, stored.grading, sweeps.REFUSED),
         "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
@@ -79,7 +81,7 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
             if scene_end.traceback
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
-        "sweeps": assignment is not None and assignment.sweep is not None,
+        "sweeps": assignment is not None and stored.report is not None and _may_be_swept(assignment, stored.report),
         "cause_numbers": grouped.numbers,
         "causes_header": grouped.header,
         "cause_list": _markup(report_html.cause_list),
@@ -87,6 +89,15 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
         "check_item": _markup(report_html.item),
         "judged": lambda outcome: _judged(outcome, scene_ends),
     }
+
+
+def _may_be_swept(assignment: Assignment, report: Report) -> bool:
+    """Return whether the assignment measures speed vs accuracy of a function, one of whose checks was measured in the report."""
+    if assignment.sweep is None:
+        return False
+    numbers = {e.number for e in assignment.exercises if assignment.sweep.scene.function in e.function_names()}
+    outcomes = [o for e in report.exercises if e.number in numbers for o in e.outcomes]
+    return any(o.verdict is not Verdict.UNMEASURED for o in outcomes)
 
 
 def _markup(render: Callable[..., str]) -> Callable[..., Markup]:

@@ -14,7 +14,10 @@ MOST = 100
 
 @dataclass(frozen=True)
 class PastSubmission:
-    """A person's submission; ``verdicts`` by check id are those of the report shown, if any."""
+    """A person's submission; ``verdicts`` by check id are those of the report shown, if any.
+
+    ``comments`` is the number of comments on its source; ``regrade_request`` the status of the last request, if any.
+    """
 
     id: UUID
     filename: str
@@ -30,6 +33,8 @@ class PastSubmission:
     penalty: float
     scores_released: bool
     verdicts: dict[str, str]
+    comments: int
+    regrade_request: str | None
 
     @property
     def final(self) -> float | None:
@@ -71,7 +76,9 @@ SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score
     given.points, coalesce(cut.penalty, 0) AS penalty, {SCORES_RELEASED}, {STATUS}, (
     SELECT jsonb_object_agg(o->>'id', o->>'verdict')
     FROM jsonb_array_elements(shown.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
-) AS verdicts
+) AS verdicts,
+    (SELECT count(*) FROM source_comment c WHERE c.submission_id = s.id) AS comments,
+    (SELECT q.status FROM regrade_request q WHERE q.submission_id = s.id ORDER BY requested_at DESC LIMIT 1) AS regrade_request
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
     LEFT JOIN {PENALTY}
 WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most

@@ -71,7 +71,8 @@ def submit(
     remarks += [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
     remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server graded a different text than the one sent.")
     report.remark = " ".join(filter(None, [*remarks, remark]))
-    line.end(f"{'not submitted again' if repeated else 'submitted and graded'}: {report.summary()}")
+    late = " late" if accepted["late"] else ""
+    line.end(f"{'not submitted again' if repeated else f'submitted{late} and graded'}: {report.summary()}")
     return report
 
 

@@ -34,6 +34,7 @@ def test_a_comment_stands_at_its_line_until_it_is_deleted(browsers, page):
     read = ann.open(page)[1]
     line = re.search(r'id="line-1-2" data-line="2">    return w\n</span><span class="comment"[^>]*>(.*?)<span', read, re.DOTALL)
     assert line[1].strip() == "why not &lt;script&gt;alert(1)&lt;/script&gt;?" and "/delete" not in read
+    assert f'<a href="{page}#source">1 comment</a>' in ann.open("/assignments/rigid-body")[1]
     (action,) = re.findall(r'action="([^"]+/delete)"', shown)
     assert tutor.send(action, page)[0] == 200 and "alert(1)" not in ann.open(page)[1]
 

@@ -39,6 +39,8 @@ def test_a_request_its_answer_and_what_the_student_reads(browsers, page):
     assert status == 200 and tutor.at == f"{page}#regrade-requests"
     read = ann.open(page)[1]
     assert "<b>Declined</b> by tutor" in read and "no, see &lt;i&gt;here&lt;/i&gt;" in read and "Request a regrade" in read
+    own = ann.open("/assignments/rigid-body")[1]
+    assert f'<a href="{page}#regrade-requests">regrade request declined</a>' in own
     assert action not in tutor.open(LIST)[1] and "regrade request<" not in tutor.open("/")[1]
     assert "regrade request declined" in tutor.open(f"/audit?subject={page.rsplit('/', 1)[1]}")[1]
 

@@ -18,6 +18,7 @@ from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT
 from service.pages.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference
+from service.store import records, sweeps
 from service.store.course import people, tokens
 from tests.support.database import run, sql
 from tests.support.reports import outcome
@@ -378,6 +379,15 @@ def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, pro
     ):
         assert words in theirs and words in mine, words
     assert re.search(r"<td>\d+(\.\d)? m?s</td>\s*<td>\d+(\.\d)? m?s</td>", mine), "waited and took"
+
+
+def test_speed_against_accuracy_is_offered_for_a_function_that_can_be_measured(server, ann, url, send):
+    right, raises = send(ann, RIGHT), send(ann, "def euler_eqs(t, w, I):\n    raise ValueError\n")
+    without = send(ann, "def box_moments(m, a, b, c):\n    return [1.0, 1.0, 1.0]\n", exercises=("1",))
+    assert [f"{one['id']}/sweep.svg" in page(server, ann, one) for one in (right, raises, without)] == [True, False, False]
+    ((grading,),) = sql(url, "SELECT id FROM grading WHERE submission_id = %s", right["id"])
+    run(url, lambda database: records.store_artefacts(database, grading, {sweeps.REFUSED: b"{}"}))
+    assert "sweep.svg" not in page(server, ann, right)
 
 
 COPIED = """

@@ -19,12 +19,12 @@ from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.store.course import audit, deadlines, gradebook, people, tokens
+from service.store.course import audit, deadlines, gradebook, people, progress, tokens
 from service.store.course.audit import MOST, entries
 from service.store.records import recent
 
 router = APIRouter()
-LATEST = 100
+LATEST = 20
 TOKEN_S = 200.0 * tokens.DAY_S
 MOST_PEOPLE = 5000
 
@@ -44,6 +44,9 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
         "weights": sum(row.weight for row in overview),
+        "medians": await progress.medians(database) if staff else {},
+        "own": {} if staff else await progress.own(database, person.name),
+        "most": {slug: one.max_points() for slug, one in assignments().items()},
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)

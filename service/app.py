@@ -11,7 +11,7 @@ from fastapi.middleware.cors import CORSMiddleware
 from fastapi.staticfiles import StaticFiles
 
 from exercises.catalogue import load_catalogue
-from service.api import events, exports, figures, health, history, kit, parse_submission, submissions
+from service.api import events, exports, feedback, figures, health, history, kit, parse_submission, submissions
 from service.api.figure_renderer import Renderer
 from service.auth import device_login, forms, oidc, roles
 from service.auth.jupyterhub import Hub
@@ -21,7 +21,20 @@ from service.auth.sessions import Secret
 from service.http import errors, middleware, openapi
 from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
-from service.pages import account, class_tabs, course, gradebook, login, overrides, queue, regrades, speed_vs_accuracy, submission
+from service.pages import (
+    account,
+    class_tabs,
+    comments,
+    course,
+    gradebook,
+    login,
+    overrides,
+    queue,
+    regrade_requests,
+    regrades,
+    speed_vs_accuracy,
+    submission,
+)
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret
@@ -33,6 +46,7 @@ ROUTERS = (
     health.router,
     submissions.router,
     history.router,
+    feedback.router,
     events.router,
     figures.router,
     device_login.router,
@@ -46,6 +60,8 @@ PAGES = (
     queue.router,
     regrades.router,
     overrides.router,
+    regrade_requests.router,
+    comments.router,
     speed_vs_accuracy.router,
     submission.router,
     login.router,

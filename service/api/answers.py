@@ -9,6 +9,7 @@ from uuid import UUID
 from pydantic import BaseModel, Field, GetPydanticSchema, PlainSerializer, WithJsonSchema, create_model
 
 from ecp.report import Report
+from service.store.course import regrade_requests
 
 Moment = Annotated[datetime, PlainSerializer(datetime.isoformat), WithJsonSchema({"type": "string", "format": "date-time"})]
 Status = Literal["queued", "running", "graded", "faulted"]
@@ -87,6 +88,39 @@ class Override(BaseModel):
     at: Moment
 
 
+class RegradeRequest(BaseModel):
+    """A student's request for a regrade; ``answer``, ``answered_by`` and ``answered_at`` are null while it is open."""
+
+    id: UUID
+    submission: UUID
+    reason: str
+    requested_at: Moment
+    status: regrade_requests.Status
+    answer: str | None
+    answered_by: str | None
+    answered_at: Moment | None
+
+
+class ListedRegradeRequest(RegradeRequest):
+    """A request with the student who made it and the present points of the submission."""
+
+    person: str
+    full_name: str
+    points: int | None
+    total: int | None
+
+
+class Comment(BaseModel):
+    """A comment of the staff on line ``line`` of code cell ``cell``, both counted from 1. A Python file is one cell."""
+
+    id: UUID
+    cell: int
+    line: int
+    comment: str
+    author: str
+    written_at: Moment
+
+
 class Submission(BaseModel):
     """A submission. Fields that do not apply are missing."""
 
@@ -101,6 +135,8 @@ class Submission(BaseModel):
     cancelled_by: str = ""
     points: int = 0
     overrides: list[Override] = []
+    regrade_requests: list[RegradeRequest] = []
+    comments: list[Comment] = []
 
 
 class Changed(BaseModel):

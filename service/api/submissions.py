@@ -5,7 +5,7 @@ import re
 import secrets
 import time
 import uuid
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,7 +29,7 @@ from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.http.state import Config, Db, Held
 from service.store import records
-from service.store.course import overrides
+from service.store.course import comments, overrides, regrade_requests
 from service.store.database import is_loss, is_outage
 from service.store.records import NewSubmission, SubmissionRecord
 from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
@@ -242,10 +242,15 @@ async def _accept(database: Db, most: int, person: Person, new: NewSubmission, k
 
 @router.get("/v1/submissions/{id}", response_model_exclude_unset=True, responses=problems(PERSON | {404: "not-found"}))
 async def show_submission(stored: Submission, database: Db) -> answers.Submission:
-    """Return the status of a submission, its report if graded, and an instructor's overrides."""
+    """Return the status of a submission, its report if graded, and the staff's overrides, answers and comments."""
     in_force = [one for one in await overrides.of_submission(database, stored.id) if one.in_force]
     listed = [answers.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at) for o in in_force]
-    return _document(stored, **({"points": stored.points, "overrides": listed} if listed else {}))
+    feedback = {
+        "regrade_requests": [asdict(one) for one in await regrade_requests.of_submission(database, stored.id)],
+        "comments": [asdict(one) for one in await comments.of_submission(database, stored.id)],
+    }
+    more: dict[str, Any] = {"points": stored.points, "overrides": listed} if listed else {}
+    return _document(stored, **more, **{name: rows for name, rows in feedback.items() if rows})
 
 
 def _visible(person: Person, stored: SubmissionRecord) -> SubmissionRecord:

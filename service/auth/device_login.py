@@ -2,38 +2,19 @@
 /login in a browser.
 """
 
-from collections.abc import Callable, Coroutine
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Body, Request, Response
 from fastapi.responses import JSONResponse
-from fastapi.routing import APIRoute
 from pydantic import BaseModel
 
 from service.auth.identity import Bearer, Reader
 from service.auth.rate_limit import LoginRateLimiter
 from service.http.errors import Problem
 from service.http.openapi import PERSON, also, problems
-from service.http.requests import PublicAddress, read_capped
+from service.http.requests import PublicAddress, SmallBody
 from service.http.state import Config, Db, Held
 from service.store.course import tokens
-
-MOST_BODY = 4096
-
-
-class SmallBody(APIRoute):
-    """A route that refuses a body above MOST_BODY bytes. FastAPI itself would read any body into memory."""
-
-    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Return the handler of a request."""
-        handle = super().get_route_handler()
-
-        async def handle_small(request: Request) -> Response:
-            await read_capped(request, MOST_BODY, f"the body is larger than {MOST_BODY} bytes: send less")
-            return await handle(request)
-
-        return handle_small
-
 
 router = APIRouter(route_class=SmallBody)
 INTERVAL_S = 2

@@ -73,6 +73,13 @@ def field(form: FormData, name: str, most: int = 400) -> str:
     return raw_field(form, name, most).replace("\x00", "").strip()  # PostgreSQL text cannot hold NUL
 
 
+def required(form: FormData, name: str, most: int = 400) -> str:
+    """Return a field's text, stripped. Raises Problem 422 if it is empty or longer than ``most`` characters."""
+    if not (text := field(form, name, most)):
+        raise Problem(422, "invalid-request", f"enter the {name}", f"/{name}")
+    return text
+
+
 def raw_field(form: FormData, name: str, most: int = 1000) -> str:
     """Return a field's text unchanged; "" if it is missing.
 

@@ -2,16 +2,20 @@
 
 import ipaddress
 import re
-from typing import Annotated
+from collections.abc import Callable, Coroutine
+from typing import Annotated, Any
 from urllib.parse import urlsplit
+from uuid import UUID
 
-from fastapi import Depends, Request
+from fastapi import Depends, Request, Response
+from fastapi.routing import APIRoute
 
 from service.http.errors import Problem
 from service.http.state import Config
 from service.settings import Settings
 
 LONGEST_PATH = 1000
+SMALL_BODY = 16 * 1024
 HOST = re.compile(r"([A-Za-z0-9._~!$&'()*+,;=%-]*|\[[0-9A-Fa-f:.]+\])(:[0-9]*)?")
 
 
@@ -27,6 +31,14 @@ def local_path(path: str) -> str:
     """Return ``path`` if it is safe to redirect to, that is a path on this server; otherwise ""."""
     inside = path.startswith("/") and not path.startswith("//") and "\\" not in path
     return path if inside and path.isascii() and path.isprintable() and " " not in path else ""
+
+
+def identifier(text: str) -> UUID:
+    """Return the id in a URL. Raises Problem 404 if it is not a UUID."""
+    try:
+        return UUID(text)
+    except ValueError:
+        raise Problem(404, "not-found", f"no entry with the id {text[:80]}: check the address") from None
 
 
 def is_valid_host(header: str) -> bool:
@@ -79,3 +91,17 @@ async def read_capped(request: Request, most: int, message: str) -> None:
         if len(body) > most:
             raise Problem(413, "too-large", message)
     request._body = bytes(body)
+
+
+class SmallBody(APIRoute):
+    """A route that refuses a body above SMALL_BODY bytes. FastAPI itself would read any body into memory."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return the handler of a request."""
+        handle = super().get_route_handler()
+
+        async def handle_small(request: Request) -> Response:
+            await read_capped(request, SMALL_BODY, f"the body is larger than {SMALL_BODY} bytes: send less")
+            return await handle(request)
+
+        return handle_small

@@ -9,8 +9,8 @@ from service.api.submissions import Submission
 from service.auth.forms import Form, field
 from service.auth.roles import Instructor
 from service.http.errors import Problem
+from service.http.requests import identifier
 from service.http.state import Db
-from service.pages.queue import identifier
 from service.store.course import overrides
 from service.store.records import SubmissionRecord
 

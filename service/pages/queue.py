@@ -2,7 +2,6 @@
 
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
-from uuid import UUID
 
 from fastapi import APIRouter, Header, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -12,6 +11,7 @@ from service.auth.forms import Form
 from service.auth.roles import Staff
 from service.http.errors import Problem
 from service.http.live import ChangeFeed
+from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.settings import LEASE_S
@@ -66,14 +66,6 @@ async def retry(submission: str, person: Staff, form: Form, database: Db, queue:
         )
     queue.invalidate()
     return RedirectResponse("/queue", 303)
-
-
-def identifier(text: str) -> UUID:
-    """Return the id in a URL. Raises Problem 404 if it is not a UUID."""
-    try:
-        return UUID(text)
-    except ValueError:
-        raise Problem(404, "not-found", f"no entry with the id {text[:80]}: check the address") from None
 
 
 def snapshot(queue: QueueSnapshot, lease_s: float = LEASE_S) -> dict[str, Any]:

@@ -17,9 +17,10 @@ from service.auth.roles import Instructor, Staff
 from service.grading.result import MARKS, WORDS
 from service.http.errors import Problem
 from service.http.live import ChangeFeed, Listener
+from service.http.requests import identifier
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.pages.queue import Queue, identifier
+from service.pages.queue import Queue
 from service.store import records, regrades
 from service.store.database import Row
 from service.store.regrades import BEST, EVERY, Regrade

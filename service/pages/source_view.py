@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ecp.outcome import SceneEnd
 from service.grading.submission import BREAK, SourceLocation, Submission, source_locations
 from service.sandbox.untrusted_text import text
+from service.store.course.comments import Comment
 
 MOST_LINES = 2000
 MOST_WORK = 2e7  # upper bound of comparison steps, a few seconds
@@ -28,11 +29,12 @@ class Mark:
 
 @dataclass(frozen=True)
 class Line:
-    """A line with its number, from 1, and its marks."""
+    """A line with its number, from 1, its marks, and the staff's comments on it."""
 
     number: int
     text: str
     marks: list[Mark] = field(default_factory=list)
+    comments: list[Comment] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -48,17 +50,24 @@ class ShownCell:
     left_out: int
 
 
-def cells(submission: Submission, scene_ends: Sequence[SceneEnd]) -> list[ShownCell]:
-    """Return the cells with their lines, marked from the tracebacks of ``scene_ends``.
+def cells(submission: Submission, scene_ends: Sequence[SceneEnd], comments: Iterable[Comment] = ()) -> list[ShownCell]:
+    """Return the cells with their lines, marked from the tracebacks of ``scene_ends`` and with the ``comments`` on them.
 
-    The cells have at most MOST_LINES lines in total, or more if needed to reach the last marked line.
+    The cells have at most MOST_LINES lines in total, or more if needed to reach the last line with a mark or comment.
     """
     marks = _marks(scene_ends)
+    commented: dict[tuple[int, int], list[Comment]] = {}
+    for one in comments:
+        commented.setdefault((one.cell, one.line), []).append(one)
     shown, remaining = [], MOST_LINES
     for place, cell in enumerate(submission.cells(), start=1):
         lines = split(cell.source)
-        many = min(len(lines), max(remaining, _last_marked(marks, cell.name)))
-        numbered = [Line(n, line, marks.get(SourceLocation(cell.name, n), [])) for n, line in enumerate(lines[:many], start=1)]
+        last_comment = max((line for at, line in commented if at == place), default=0)
+        many = min(len(lines), max(remaining, _last_marked(marks, cell.name), last_comment))
+        numbered = [
+            Line(n, line, marks.get(SourceLocation(cell.name, n), []), commented.get((place, n), []))
+            for n, line in enumerate(lines[:many], start=1)
+        ]
         shown.append(ShownCell(place, cell.name, numbered, len(lines) - many))
         remaining = max(0, remaining - many)
     return shown

@@ -1,7 +1,7 @@
 """The submission page: report, source, motions, gradings, and the student's other submissions."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
@@ -26,6 +26,7 @@ from service.http.templating import templates
 from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
 from service.store import records
+from service.store.course import comments, regrade_requests
 from service.store.history import gradings, previous, timeline
 from service.store.records import SubmissionRecord
 
@@ -36,8 +37,11 @@ router = APIRouter()
 @router.get("/v1/submissions/{id}/report.html", response_class=HTMLResponse)
 async def report(request: Request, person: CurrentUser, stored: Submission, database: Db) -> Response:
     """Show one submission. Staff see more details of the grading than the student."""
-    context = await asyncio.to_thread(_report_context, stored) | {
+    commented = await comments.of_submission(database, stored.id)
+    context = await asyncio.to_thread(_report_context, stored, commented) | {
         "stored": stored,
+        "comments": commented,
+        "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
         "timeline": await timeline(database, stored.person, stored.assignment),
@@ -57,10 +61,10 @@ async def changes(request: Request, person: CurrentUser, stored: Submission, dat
     return templates.TemplateResponse(request, "diff.html", context)
 
 
-def _report_context(stored: SubmissionRecord) -> dict[str, Any]:
+def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comment]) -> dict[str, Any]:
     """Return the part of the context that is slow to compute: source lines, failing lines and motions."""
     scene_ends = stored.report.scene_ends if stored.report else []
-    shown = cells(stored.submission, scene_ends)
+    shown = cells(stored.submission, scene_ends, commented)
     places = {cell.name: cell.place for cell in shown}
     assignment = assignments().get(stored.assignment)
     return {

@@ -31,8 +31,8 @@ Row: TypeAlias = Any
 """A named tuple of a query's columns."""
 TABLES = (
     "artefact", "assignment", "assignment_version", "audit", "course", "device_login", "extension", "grading", "grading_artefact",
-    "member", "oidc_account", "outcome", "override", "person", "regrade", "result", "run", "secret", "submission", "token",
-    "worker",
+    "member", "oidc_account", "outcome", "override", "person", "regrade", "regrade_request", "result", "run", "secret",
+    "source_comment", "submission", "token", "worker",
 )  # fmt: skip
 CONNECT_S = 3
 IDLE = 4  # most connections of a pool that stay open while nobody uses them

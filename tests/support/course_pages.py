@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 from service.grading.submission import Submission
 from service.store import gradings, queue_overview, regrades, runs, workers
-from service.store.course import audit, deadlines, overrides, people
+from service.store.course import audit, comments, deadlines, overrides, people, regrade_requests
 from service.store.records import NewSubmission
 from service.store.submissions import accept
 from tests.support import submissions
@@ -45,6 +45,10 @@ async def _fill(database, url, sandbox, source, texts):
     await deadlines.extend(database, ASSIGNMENT.slug, name, later + timedelta(days=7), reason=words, by="prof")
     await overrides.give(database, first, "prof", check="2-energy", points=0, reason=words, seen=0)
     await overrides.give(database, bad, "prof", check=None, points=3, reason=words, seen=0)
+    answered = await regrade_requests.request(database, bad, "ben", words)
+    await regrade_requests.answer(database, answered.id, "tutor", "declined", words)
+    await regrade_requests.request(database, real, name, words)
+    await comments.write(database, real, "tutor", cell=1, line=2, comment=words)
     decided = await regrades.create(database, ASSIGNMENT.slug, bad, "tutor", description=words)
     await submissions.grade(database, bad, {"2-energy": "✓", "2-momentum": ("✗", 0.1)}, version="2")
     regrade = await regrades.create(database, ASSIGNMENT.slug, first, "prof", description="one submission")
@@ -55,7 +59,12 @@ async def _fill(database, url, sandbox, source, texts):
     paths |= {tab: f"{BASE}/class/{tab}" for tab in ("students", "checks", "settings", "submissions")}
     paths |= {"chosen": f"{BASE}/class/submissions?check=2-momentum&state=not-pass", "queue": "/queue", "audit": "/audit"}
     paths |= {"passed": f"/submissions/{first}", "failed": f"/submissions/{real}", "given": f"/submissions/{bad}"}
-    paths |= {"changed": f"/submissions/{real}/diff", "regrades": f"{BASE}/regrades", "regrade": f"/regrades/{regrade}"}
+    paths |= {
+        "changed": f"/submissions/{real}/diff",
+        "regrades": f"{BASE}/regrades",
+        "requests": f"{BASE}/regrade-requests",
+        "regrade": f"/regrades/{regrade}",
+    }
     paths |= {"waiting": f"/submissions/{going}", "applied": f"/regrades/{decided}", "attempts": BASE, "reference": "/reference"}
     return paths | {"problem": "/submissions/none", "nobody": f"{BASE}/class/submissions?check=2-energy&state=timeout"}
 

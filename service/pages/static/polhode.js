@@ -6,6 +6,7 @@
 //   [data-confirm=TEXT]    button that asks for confirmation
 //   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced
 //   form[data-drop]        takes a file that is dropped on it
+//   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
 // Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
 
@@ -206,6 +207,27 @@ for (const form of all("form[data-drop]")) {
   });
 }
 
+// ---- comments on lines
+
+function pickLine(line) {
+  const form = document.querySelector("form[data-lines]");
+  if (!form || !line || !getSelection().isCollapsed) return;
+  form.elements.cell.value = line.closest("[data-cell]").dataset.cell;
+  form.elements.line.value = line.dataset.line;
+  form.closest("details").open = true;
+  form.classList.add("picked");
+  form.elements.comment.focus({ preventScroll: true });
+}
+
+// ---- links into closed details
+
+function reveal() {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  let closed = false;
+  for (let at = target?.closest("details:not([open])"); at; at = at.parentElement.closest("details:not([open])")) closed = at.open = true;
+  if (closed) target.scrollIntoView();
+}
+
 // ---- initialization
 
 function prepare(root) {
@@ -222,6 +244,7 @@ function prepare(root) {
 
 document.body.append(help);
 document.addEventListener("keydown", onKeydown);
+document.addEventListener("click", event => { if (!event.target.closest("a")) pickLine(event.target.closest("[data-cell] [data-line]")); });
 document.addEventListener("input", event => { if (event.target.matches?.("input[data-filter]")) filter(event.target); });
 document.addEventListener("submit", event => {
   const question = event.submitter?.dataset.confirm;
@@ -237,4 +260,6 @@ if (bar) {
 }
 try { announce(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
 prepare(document);
+addEventListener("hashchange", reveal);
+reveal();
 for (const element of all("[data-live][id]")) live(element);

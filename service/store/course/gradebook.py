@@ -138,7 +138,9 @@ _OVERVIEW = f"""
 SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
-        SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades
+        SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades, (
+        SELECT count(*) FROM regrade_request q JOIN submission s ON s.id = q.submission_id
+        WHERE s.assignment_id = x.id AND q.status = 'open') AS requests
 FROM assignment x JOIN course c ON c.id = x.course_id
     LEFT JOIN (SELECT m.course_id, count(*) AS students FROM member m JOIN person p ON p.id = m.person_id
         WHERE m.role = 'student' AND {IS_PERSON} GROUP BY 1) class

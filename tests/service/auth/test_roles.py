@@ -92,7 +92,7 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
         "/v1/submissions/{id}/report.html",
     }
     account = {"/account", "/account/logout-everywhere", "/account/password", "/account/revoke"}
-    assert students == {"/", "/assignments/{slug}", UPLOAD, *own, *account}
+    assert students == {"/", "/assignments/{slug}", UPLOAD, "/submissions/{id}/regrade-requests", *own, *account}
     points = {"/submissions/{id}/overrides", "/submissions/{id}/overrides/{override}/withdraw", "/regrades/{id}/apply"}
     terms = {"/assignments/{slug}/rules", "/assignments/{slug}/extensions"}
     changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}

@@ -9,6 +9,7 @@ from ecp.report import Picture
 from exercises import wheel
 from service.grading.submission import MIB
 from service.http.errors import PROBLEM_TYPE, TITLES
+from service.store.course import comments, regrade_requests
 from service.store.records import store_artefacts
 from tests.support.database import entered, run
 from tests.support.http_client import call
@@ -16,6 +17,9 @@ from tests.support.submissions import graded, submitted
 
 SLUG, OWN = "/v1/assignments/rigid-body", "/v1/submissions/{id}"
 SUBMIT = ("POST", "/v1/assignments/{slug}/submissions", f"{SLUG}/submissions")
+REQUESTED, ANSWER = "/v1/assignments/{slug}/regrade-requests", "/v1/regrade-requests/{request}/answer"
+COMMENT, ONE_COMMENT = b'{"line": 1, "comment": "c"}', f"{OWN}/comments/{{comment}}"
+STAFF = {"Authorization": "staff"}
 SOURCE = b'{"source": "x = 1"}'
 ARTEFACTS = ("figures/omega.png", "figures/omega.svg", "sweep.json", "sweep.svg", "animations/spin.png")
 
@@ -44,6 +48,10 @@ GET = [
     (f"{OWN}/report.txt", "/v1/submissions/{open}/report.txt", 409, {}),
     (f"{OWN}/report.junit.xml", f"{OWN}/report.junit.xml", 200, {}),
     (f"{OWN}/report.junit.xml", "/v1/submissions/{open}/report.junit.xml", 409, {}),
+    (f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 200, {}),
+    (f"{OWN}/comments", f"{OWN}/comments", 200, {}),
+    (REQUESTED, f"{SLUG}/regrade-requests", 403, {}),
+    (REQUESTED, f"{SLUG}/regrade-requests", 200, STAFF),
     (f"{OWN}/events", f"{OWN}/events", 200, {}),
     (f"{OWN}/events", "/v1/submissions/none/events", 404, {}),
     (f"{OWN}/figures/{{name}}.{{form}}", f"{OWN}/figures/omega.png", 200, {}),
@@ -67,9 +75,18 @@ OTHER = [
     (*SUBMIT, 422, b"{}", {}),
     ("POST", "/v1/logins", "/v1/logins", 201, b"{}", {}),
     ("POST", "/v1/logins", "/v1/logins", 422, b"[]", {}),
-    ("POST", "/v1/logins", "/v1/logins", 413, b" " * 10_000, {}),
+    ("POST", "/v1/logins", "/v1/logins", 413, b" " * 20_000, {}),
     ("POST", "/v1/logins/token", "/v1/logins/token", 410, b'{"device_code": "none"}', {}),
     ("POST", "/v1/logins/token", "/v1/logins/token", 422, b"{}", {}),
+    ("POST", f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 201, b'{"reason": "r"}', {}),
+    ("POST", f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 409, b'{"reason": "r"}', {}),
+    ("POST", f"{OWN}/regrade-requests", f"{OWN}/regrade-requests", 422, b"{}", {}),
+    ("POST", ANSWER, "/v1/regrade-requests/{regrade_request}/answer", 200, b'{"status": "declined", "answer": "a"}', STAFF),
+    ("POST", ANSWER, "/v1/regrade-requests/{regrade_request}/answer", 409, b'{"status": "declined", "answer": "a"}', STAFF),
+    ("POST", f"{OWN}/comments", f"{OWN}/comments", 403, COMMENT, {}),
+    ("POST", f"{OWN}/comments", f"{OWN}/comments", 201, COMMENT, STAFF),
+    ("DELETE", ONE_COMMENT, f"{OWN}/comments/{{comment}}", 204, None, STAFF),
+    ("DELETE", ONE_COMMENT, f"{OWN}/comments/{{comment}}", 404, None, STAFF),
     ("DELETE", "/v1/me/token", "/v1/me/token", 204, None, {}),
     ("DELETE", "/v1/me/token", "/v1/me/token", 401, None, {"Authorization": ""}),
 ]
@@ -89,7 +106,7 @@ def server(new_app, url):
 
 @pytest.fixture(scope="module")
 def ids(url):
-    """Ann's graded submission with its pictures, and one that waits."""
+    """Ann's graded submission with its pictures and a comment, one that waits, and a regrade request."""
     picture = {"figures": [Picture("omega", "2", "ω", "ω(t)")], "animations": [Picture("spin", "2", "spin", "a spin")]}
     id, (waiting, _) = graded(url, "ann", "+", **picture), submitted(url, "ann")
 
@@ -97,15 +114,20 @@ def ids(url):
         grading = (await database.rows("SELECT id FROM grading WHERE submission_id = :id", {"id": id}))[0].id
         await store_artefacts(database, grading, {name: name.encode() for name in ARTEFACTS})
 
-    run(url, store)
-    return {"id": id, "open": waiting}
+        requested = await regrade_requests.request(database, other, "ann", "r")
+        comment = await comments.write(database, id, "prof", cell=1, line=1, comment="c")
+        return {"regrade_request": requested.id, "comment": comment.id}
+
+    other = graded(url, "ann", "+")
+    return {"id": id, "open": waiting} | run(url, store)
 
 
 def test_every_route_returns_what_the_document_declares(server, document, ids, url):
-    authorization = f"Bearer {entered(url, 'ann')}"
+    authorization, staff = f"Bearer {entered(url, 'ann')}", f"Bearer {entered(url, 'prof', 'instructor')}"
     for method, route, path, status, body, headers in REQUESTS:
         path = path.format_map(ids)
         headers = {"Authorization": authorization} | ({"Content_Type": "application/json"} if body else {}) | headers
+        headers |= {"Authorization": staff} if headers["Authorization"] == "staff" else {}
         answered, received, content = call(server, path, body, method, **headers)
         assert answered == status, (method, path, content[:300])
         declared = document["paths"][route][method.lower()]["responses"]

@@ -20,7 +20,18 @@ from service.sandbox.result import Cancelled
 from service.settings import Settings
 from service.store import database as migrating
 from service.store import history, queue_overview, records, regrades, runs, sweeps, workers
-from service.store.course import audit, credentials, deadlines, gradebook, grades, overrides, people, tokens
+from service.store.course import (
+    audit,
+    comments,
+    credentials,
+    deadlines,
+    gradebook,
+    grades,
+    overrides,
+    people,
+    regrade_requests,
+    tokens,
+)
 from service.store.database import TABLES, Database, NoConnection, WrongSchema, driver_url, is_outage, migrate
 from service.store.postgres.backup import check
 from service.workers.worker import Worker
@@ -146,7 +157,7 @@ def _counts(url, tables):
 def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     before = _counts(full_url, TABLES_0005)
     assert all(before.values()), "rows in every table"
-    assert migrate(full_url) == "0008"
+    assert migrate(full_url) == "0009"
     assert _counts(full_url, {RENAMED.get(t, t) for t in TABLES_0005}) == {RENAMED.get(t, t): n for t, n in before.items()}
     assert not any(check(full_url).values())
 
@@ -187,6 +198,21 @@ def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     assert sql(full_url, "SELECT isolation FROM result") == [("tier B",)]
 
 
+def test_feedback_on_a_submission_of_an_older_database(full_url):
+    migrate(full_url)
+    asked = run(full_url, lambda d: regrade_requests.request(d, ONE, "ann", "the same number"))
+    assert asked in run(full_url, lambda d: regrade_requests.of_submission(d, ONE))
+    noted = run(full_url, lambda d: comments.write(d, ONE, "prof", cell=1, line=1, comment="why?"))
+    assert run(full_url, lambda d: comments.of_submission(d, ONE)) == [noted]
+    for query in (
+        "INSERT INTO regrade_request (submission_id, reason) VALUES (%s, 'again')",
+        "INSERT INTO regrade_request (submission_id, reason, status) VALUES (%s, 'without a date', 'declined')",
+        "INSERT INTO source_comment (submission_id, cell, line, comment, author) VALUES (%s, 1, 0, 'c', 'prof')",
+    ):
+        with pytest.raises(psycopg.IntegrityError):
+            sql(full_url, query, ONE)
+
+
 def test_a_job_queued_before_the_renaming_is_graded_after_it(full_url):
     migrate(full_url)
     ((arguments,),) = sql(full_url, "SELECT args FROM procrastinate_jobs")
@@ -220,7 +246,7 @@ def test_no_constraint_or_index_keeps_an_old_name(full_url):
     assert not [name for name in names if old.search(name)]
     assert {
         "token_person", "submission_person_assignment", "submission_submitted_at", "grading_regrade", "ix_run_grading_id",
-        "run_open", "override_in_force",
+        "run_open", "override_in_force", "regrade_request_open", "regrade_request_submission", "source_comment_submission",
     } <= names  # fmt: skip
 
 
@@ -238,7 +264,7 @@ def test_many_that_start_at_once_migrate_once(old_url):
         thread.start()
     for thread in threads:
         thread.join()
-    assert not failures and migrate(old_url) == "0008"
+    assert not failures and migrate(old_url) == "0009"
 
 
 def test_tables_of_a_later_version_are_refused_in_a_sentence(database_url):
@@ -296,7 +322,7 @@ def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(old_u
         sql(old_url, "SELECT pg_terminate_backend(%s)", pid)
         thread.join()
     assert failures and _schema(old_url) == before
-    assert migrate(old_url) == "0008" and not any(check(old_url).values())
+    assert migrate(old_url) == "0009" and not any(check(old_url).values())
 
 
 def _schema(url):

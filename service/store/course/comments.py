@@ -1,0 +1,60 @@
+"""Comments of the course staff on lines of a submission's source."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from service.store.course import audit
+from service.store.database import Database
+
+LONGEST = 2000
+
+
+@dataclass(frozen=True)
+class Comment:
+    """A comment on line ``line`` of cell ``cell``, both counted from 1."""
+
+    id: UUID
+    cell: int
+    line: int
+    comment: str
+    author: str
+    written_at: datetime
+
+
+async def of_submission(database: Database, submission: UUID) -> Sequence[Comment]:
+    """Return the comments on a submission in the order of its lines."""
+    return [Comment(**row._asdict()) for row in await database.rows(_ALL, {"submission": submission})]
+
+
+async def write(database: Database, submission: UUID, author: str, *, cell: int, line: int, comment: str) -> Comment:
+    """Store a comment on a line, which must exist, and return it."""
+    values = {"submission": submission, "cell": cell, "line": line, "comment": comment, "author": author}
+    async with database.begin() as connection:
+        written = Comment(**(await connection.one(_WRITE, values))._asdict())
+        await audit.record(connection, author, "comment", str(submission), {"cell": cell, "line": line, "comment": comment})
+    return written
+
+
+async def delete(database: Database, submission: UUID, id: UUID, actor: str) -> bool:
+    """Delete a comment; the audit log keeps its text. Return False if the submission has no such comment."""
+    async with database.begin() as connection:
+        row = await connection.first(_DELETE, {"submission": submission, "id": id})
+        if row is not None:
+            await audit.record(connection, actor, "comment deleted", str(submission), row._asdict())
+    return row is not None
+
+
+_COLUMNS = "id, cell, line, comment, author, written_at"
+
+_ALL = f"SELECT {_COLUMNS} FROM source_comment WHERE submission_id = :submission ORDER BY cell, line, written_at, id"
+
+_WRITE = f"""
+INSERT INTO source_comment (submission_id, cell, line, comment, author)
+VALUES (:submission, :cell, :line, :comment, :author) RETURNING {_COLUMNS}
+"""
+
+_DELETE = """
+DELETE FROM source_comment WHERE id = :id AND submission_id = :submission RETURNING cell, line, comment, author
+"""

@@ -9,7 +9,7 @@ TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),3) 
 
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all exhaustive sabotage lint bench chaos image-test lock clean
+.PHONY: help env demo serve test test-all exhaustive sabotage lint docs bench chaos image-test lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -28,6 +28,11 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 .venv/tests: .venv/runtime requirements-test.lock
 	@echo "polhode: installing the test dependencies"
 	@$(INSTALL) --require-hashes -r requirements-test.lock
+	@touch $@
+
+.venv/docs: .venv/runtime requirements-docs.lock
+	@echo "polhode: installing the documentation's generator"
+	@$(INSTALL) --require-hashes -r requirements-docs.lock
 	@touch $@
 
 # Install a browser if permitted; without one the browser tests are skipped.
@@ -52,7 +57,7 @@ lint: .venv/tests  ## run ruff, mypy (strict) and the import contracts
 test: lint .venv/browser  ## lint, then run the fast tests (four minutes on two cores; PROCESSES=3)
 	@$(TEST) -m "not slow and not exhaustive"
 
-test-all: .venv/browser  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages
+test-all: .venv/browser .venv/docs  ## run also the slow tests: all samples over HTTP, browser, JupyterHub, several machines, wheels, outages
 	@$(MAKE) --no-print-directory test
 	@$(TEST) --numprocesses $(or $(PROCESSES),2) -m "slow and not exhaustive"  # a third process would starve the servers of others
 
@@ -64,6 +69,10 @@ exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotag
 	@$(MAKE) --no-print-directory image-test
 	@for python in python3.12 python3.13 python3.14; do if command -v $$python >/dev/null; then copy=$$(mktemp -d) \
 		&& git clone --quiet . $$copy && $(MAKE) -C $$copy --no-print-directory test PYTHON=$$python && rm -rf $$copy || exit 1; fi; done
+
+docs: .venv/docs  ## build the documentation site in .site/html (SERVE=8001: then serve it on that port of this machine)
+	@$(CLEAN_ENV) $(BIN)/python -m docs.site
+	@$(if $(SERVE),$(BIN)/python -m http.server --bind 127.0.0.1 --directory .site/html $(SERVE),echo "polhode: the site is .site/html/index.html; make docs SERVE=8001 serves it")
 
 bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, a deadline surge, attacks by connections, pages, and other autograders
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
@@ -89,9 +98,11 @@ image-test: .venv/tests  ## build the container image with podman and run it as 
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)
 	uv export --quiet --format requirements.txt --group build --no-emit-project --no-header --output-file requirements.lock
-	uv export --quiet --format requirements.txt --all-groups --all-extras --no-emit-project --no-header --output-file requirements-test.lock
+	uv export --quiet --format requirements.txt --all-groups --no-group docs --no-group release --all-extras --no-emit-project --no-header --output-file requirements-test.lock
 	echo uv | uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --output-file requirements-uv.lock -
-	@! grep -nE 'https?://' requirements.lock requirements-test.lock requirements-uv.lock
+	for group in docs release; do uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
+		--constraint requirements-test.lock --group $$group --output-file requirements-$$group.lock; done
+	@! grep -nE 'https?://' requirements*.lock
 
 clean:  ## remove everything that the other targets created
-	rm -rf .venv .demo .data .bench .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv .demo .data .bench .site .pytest_cache .mypy_cache .ruff_cache

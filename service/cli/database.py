@@ -1,7 +1,8 @@
-"""The command ``polhode db``: upgrade, back up, restore and check the database."""
+"""The command ``polhode db``: upgrade, back up, restore, check and prune the database, and try a backup."""
 
 import argparse
 import asyncio
+import tempfile
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -10,10 +11,11 @@ from typing import TypeVar
 import psycopg
 from sqlalchemy.exc import DBAPIError
 
+from exercises.catalogue import assignments
 from service.cli.errors import CommandError
 from service.settings import Settings
 from service.store.database import Connection, Database, check_schema, migrate
-from service.store.postgres import backup
+from service.store.postgres import backup, drill, retention
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.postgres.server import EmbeddedPostgres, find_programs, running_url
 
@@ -32,6 +34,28 @@ def add_db(parser: argparse.ArgumentParser) -> None:
     restore.add_argument("--replace", action="store_true", help="delete the database's present content first")
     restore.set_defaults(run=_restore)
     actions.add_parser("check", help="check the stored data for inconsistencies").set_defaults(run=_check)
+    drill = actions.add_parser("drill", help="restore a new backup, or FILE, into an empty database of its own, and compare")
+    drill.add_argument("file", type=Path, metavar="FILE", nargs="?", help="file written by polhode db backup; default: a new one")
+    drill.set_defaults(run=_drill)
+    prune = actions.add_parser("prune", help="count stored files that polhode can make again, or delete them")
+    prune.add_argument("--older-than", type=_days, default=30.0, metavar="DAYS", help="only of results this old (default 30)")
+    prune.add_argument(
+        "--arrays",
+        action="store_true",
+        help="not figures, but the arrays that reports were made from: figures that nobody has opened then need a regrade",
+    )
+    prune.add_argument("--delete", action="store_true", help="delete them; default: only count")
+    prune.set_defaults(run=_prune)
+
+
+def _days(text: str) -> float:
+    """Return a number of days. Raises ArgumentTypeError unless it is 0 or more."""
+    try:
+        if 0 <= (days := float(text)) < 1e5:
+            return days
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"{text} is not a number of days")
 
 
 @contextmanager
@@ -125,3 +149,46 @@ def _check(arguments: argparse.Namespace) -> int:
     for sentence, count in found.items():
         print(f"{'✗' if count else '✓'}  {count} {sentence}")
     return 1 if any(found.values()) else 0
+
+
+def _prune(arguments: argparse.Namespace) -> None:
+    versions = {slug: assignment.version for slug, assignment in assignments().items()}
+    options = {"days": arguments.older_than, "arrays": arguments.arrays, "delete": arguments.delete}
+    with database_url(Settings()) as url:
+        run_async(url, lambda database: database.ping())  # checks the schema first
+        found = retention.prune(url, versions, **options)
+    for kind, files, size in found:
+        print(f"{files} files, {size / 1e6:.1f} MB: {FILES[kind]}")
+    print("deleted; PostgreSQL uses the space for new data" if arguments.delete else "nothing was deleted: --delete deletes them")
+
+
+FILES = {
+    "replaced": "files of gradings that are not shown, as a later grading replaced them or the regrade was dropped",
+    "drawn": "figures and motions, which the next request draws again",
+    "arrays": "arrays that reports were made from; a regrade makes them again",
+}
+
+
+def _drill(arguments: argparse.Namespace) -> int:
+    settings, before = Settings(), {}
+    programs = settings.postgres or find_programs()
+    with tempfile.TemporaryDirectory(prefix="polhode-drill-", ignore_cleanup_errors=True) as folder:
+        file = arguments.file or Path(folder) / "backup"
+        if arguments.file is None:
+            with database_url(settings) as url:
+                before = drill.back_up(url, programs, file)
+        backup.check_file(file)
+        after, broken = drill.restore(file, programs, Path(folder) / "data")
+    rows, number = sum(table.rows for table in after.values()), after["submission"].rows
+    print(f"restored into an empty database: {number} submissions, {rows} rows of {len(after)} tables")
+    different = [name for name in before if before[name] != after.get(name)]
+    for name in different:
+        restored = after[name].rows if name in after else 0
+        other = ", with other values" if restored == before[name].rows else ""
+        print(f"✗  {name}: {restored} rows restored of {before[name].rows}{other}")
+    for sentence in (sentence for sentence, count in broken.items() if count):
+        print(f"✗  {broken[sentence]} {sentence}")
+    good = not different and not any(broken.values())
+    if good:
+        print("✓  every row is the same, and the data is consistent" if before else "✓  the data is consistent")
+    return 0 if good else 1

@@ -93,7 +93,8 @@ def _start(settings: "Settings | Defaults") -> "Sandbox":
     from service.sandbox.select import choose
 
     isolation = choose(settings.min_isolation, settings.allow_root_guest)
-    process = GuestProcess(isolation.command, isolation.environment)
+    # without namespaces, the guest cannot read matplotlib's settings any more when it has changed its user
+    process = GuestProcess(isolation.command, isolation.environment, has_matplotlib=isolation.level == "process")
     from service.sandbox.sandbox import Sandbox
     from service.sandbox.time_budget import TimeLimits
 

@@ -80,7 +80,7 @@ def _files(binds: list[Path]) -> list[str]:
     args += ["--ro-bind", DATA, GUEST_DATA]
     for device in DEVICES:
         args += ["--dev-bind", device, device]
-    args += ["--perms", "0755", "--size", str(1 << 20), "--tmpfs", SCRATCH, "--perms", "0755", "--dir", f"{SCRATCH}/mpl"]
+    args += ["--perms", "0755", "--size", str(1 << 20), "--tmpfs", SCRATCH, "--perms", "0777", "--dir", f"{SCRATCH}/mpl"]
     for cached in font_list():
         args += ["--ro-bind", str(cached), f"{SCRATCH}/mpl/{cached.name}"]
     return args

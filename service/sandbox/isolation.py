@@ -27,7 +27,7 @@ import json, sys
 settings = json.loads(sys.argv[1])
 sys.path += settings.pop("path")
 from guest.zygote import main
-main(int(sys.argv[2]), **settings)
+main(int(sys.argv[2]), *sys.argv[3:], **settings)
 """
 # Opens folders as root and runs the command with /proc/self/fd/N in place of their paths: see `process_isolation`.
 OPEN_FOLDERS = """
@@ -62,9 +62,9 @@ ENVIRONMENT = {
 class Isolation:
     """The isolation of a guest: its ``level``, its ``layers``, and the command and environment that start it.
 
-    The command is ``around`` followed by ``inside``, the interpreter's own command. The host appends the number of the zygote's
-    control socket. ``stays_root`` says why the guest of a server that runs as root cannot change to an unprivileged user; such a
-    guest fails the self-test unless ``allow_root`` is set.
+    The command is ``around`` followed by ``inside``, the interpreter's own command. The host appends the arguments of the zygote's
+    ``main`` that are not in ``inside``. ``stays_root`` says why the guest of a server that runs as root cannot change to an
+    unprivileged user; such a guest fails the self-test unless ``allow_root`` is set.
     """
 
     level: Level

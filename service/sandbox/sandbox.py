@@ -12,7 +12,7 @@ from service.sandbox.job import Job
 from service.sandbox.result import CODES, Cancelled, PlayResult, SystemFault
 from service.sandbox.self_test_job import self_test_job
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
-from service.sandbox.zygote import Zygote, ZygoteLost
+from service.sandbox.zygote import MatplotlibNeeded, Zygote, ZygoteLost
 
 log = logging.getLogger(__name__)
 MOST_PLAYS = 1000  # of one zygote
@@ -104,7 +104,12 @@ class Sandbox:
             zygote, cpu_s = self.start(), budget.cpu_s
             played = PlayResult()  # of this try alone: what a lost zygote sent is discarded
             try:
-                reusable = zygote.play(job, budget, played, on_scene)
+                try:
+                    reusable = zygote.play(job, budget, played, on_scene)
+                except MatplotlibNeeded:
+                    zygote.import_matplotlib()
+                    played = PlayResult()
+                    reusable = zygote.play(job, budget, played, on_scene)
             except ZygoteLost as lost:
                 self.close()
                 if number == TRIES - 1:

@@ -46,6 +46,11 @@ class ChildExit(NamedTuple):
             raise OSError("the sandbox process stopped unexpectedly")
         return cls(*REAPED.unpack(data))
 
+    @property
+    def codes(self) -> list[int]:
+        """The exit codes of both, negative for a signal."""
+        return [os.waitstatus_to_exitcode(status) for status in (self.status, self.reference)]
+
 
 class NoAnswer(BaseException):
     """The child will not answer a question because the scene has ended. Not an Exception, so that a driver does not catch it."""
@@ -216,9 +221,10 @@ class PlaySession:
 
     def _by_status(self) -> Ended | None:
         assert self.ended is not None
-        if os.waitstatus_to_exitcode(self.ended.reference) == MALFORMED:
+        code, reference = self.ended.codes
+        if reference == MALFORMED:
             return Ended.PROTOCOL
-        ended_by = -os.waitstatus_to_exitcode(self.ended.status)  # a signal, if positive
+        ended_by = -code  # a signal, if positive
         if ended_by == signal.SIGXCPU or (ended_by > 0 and not self.budget.cpu_left()):
             return Ended.TIMED_OUT
         if ended_by > 0:

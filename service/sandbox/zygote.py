@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import PLAY, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, MATPLOTLIB_NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job
@@ -33,6 +33,10 @@ class ZygoteLost(Exception):
     """The zygote ended or froze during a play. The play may be tried again with another zygote."""
 
 
+class MatplotlibNeeded(Exception):
+    """The submission uses matplotlib, which the zygote has not imported. The play may be tried again when it has."""
+
+
 class Zygote:
     """A zygote in the process ``started``. Children can read its folder, which holds the job's data files during a play.
 
@@ -42,7 +46,7 @@ class Zygote:
     def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
         self._data, self._control, self._log, self._process = started.data, started.control, started.log, started.process
         self._cancelled = cancelled
-        self._is_copy = False
+        self.has_matplotlib, self._is_copy = started.has_matplotlib, False
         self._identity: Identity | None = None  # known once it is ready
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
@@ -60,7 +64,7 @@ class Zygote:
     def wait_ready(self) -> Identity:
         """Return the guest's identity when it has imported everything. Raises SystemFault with its output if it cannot start."""
         if self._identity is None:
-            if not (message := self._first_message()).startswith(READY):
+            if not (message := self._message()).startswith(READY):
                 self._log.seek(0)
                 words = self._log.read(2000).decode(errors="replace").strip()
                 self.kill()
@@ -68,8 +72,15 @@ class Zygote:
             self._identity = Identity(**json.loads(message[len(READY) :]))
         return self._identity
 
-    def _first_message(self) -> bytes:
-        """Return what the zygote sends first, b"" if it ends or freezes. Waiting for a processor does not count as frozen."""
+    def import_matplotlib(self) -> None:
+        """Let the zygote import matplotlib. Raises ZygoteLost."""
+        self._control.send(IMPORT)
+        if self._message() != READY:
+            raise ZygoteLost("the sandbox process stopped while it imported matplotlib")
+        self.has_matplotlib = True
+
+    def _message(self) -> bytes:
+        """Return what the zygote sends after its imports, b"" if it ends or freezes. Waiting for a processor is not freezing."""
         self._control.settimeout(START_S)
         waited = 0.0
         for _ in range(MOST_STARTS):
@@ -86,8 +97,8 @@ class Zygote:
     def play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> bool:
         """Play ``job`` in one child within ``budget`` and add to ``result``. Calls ``on_scene`` with the name of each that begins.
 
-        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, or ZygoteLost if the zygote
-        does not answer: kill it, and try again with another.
+        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, MatplotlibNeeded, or
+        ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
         with self._data_files(job) if job.data else contextlib.nullcontext():
@@ -120,6 +131,8 @@ class Zygote:
         budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
+        if not self.has_matplotlib and MATPLOTLIB_NEEDED in session.ended.codes:
+            raise MatplotlibNeeded
         reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
         session.record_end(reader.result)
         return not session.abnormal

@@ -82,7 +82,7 @@ report, sandbox, guest / host, isolation level, scene end, system fault"""
 
 
 @pytest.mark.parametrize("word", GLOSSARY.replace("\n", " ").split(", "))
-def test_the_glossary_is_whole(word):
+def test_the_glossary_has_matplotlib(word):
     assert re.search(rf"^\| {re.escape(word)} \| .{{5,}} \|$", doc("README.md"), re.MULTILINE)
 
 

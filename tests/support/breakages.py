@@ -572,9 +572,16 @@ SANDBOX = [
     Breakage(
         "what a submission got with invalid frames to the reference functions is believed",
         "service/sandbox/session.py",
-        "if os.waitstatus_to_exitcode(self.ended.reference) == MALFORMED:",
+        "if reference == MALFORMED:",
         "if self.ended.reference == MALFORMED:",
         ("tests/system/test_reference_attacks.py",),
+    ),
+    Breakage(
+        "a submission that uses matplotlib does not get it",
+        "service/sandbox/zygote.py",
+        "if not self.has_matplotlib and MATPLOTLIB_NEEDED in session.ended.codes:",
+        "if False:",
+        ("tests/service/sandbox/guest/test_unused_matplotlib.py",),
     ),
     Breakage(
         "a cell's own definition replaces the reference function",

@@ -2,13 +2,13 @@
 wrappers around each call, which cost more than most students' functions.
 """
 
+import functools
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import DOP853
 
 Array = NDArray[np.float64]
 Evaluate = Callable[[float], None]
@@ -17,7 +17,7 @@ Rates = Callable[[Array, Array], Evaluate]
 Stages = list[tuple[Array, Array, float, Evaluate]]
 """Of each stage the rates before it (n, s), their weights (s,), its time as a share of the step, and its evaluation."""
 
-MAIN, ALL = DOP853.n_stages, DOP853.n_stages + 1 + len(DOP853.C_EXTRA)
+MAIN, ALL = 12, 16  # stages of a step, and with those of its interpolation
 SAFETY, LEAST_FACTOR, MOST_FACTOR, EXPONENT = 0.9, 0.2, 10.0, -1 / 8
 STOPPED = "Required step size is less than spacing between numbers."
 
@@ -30,12 +30,28 @@ class IntegrationStopped(ArithmeticError):
         self.last = last
 
 
+class Solvers(NamedTuple):
+    """SciPy's class ``DOP853`` and its function ``solve_ivp``."""
+
+    DOP853: Any
+    solve_ivp: Any
+
+
+@functools.cache
+def solvers() -> Solvers:
+    """Import SciPy's solvers at the first call: that takes 0.3 s, which a process that integrates nothing saves."""
+    from scipy.integrate import DOP853, solve_ivp
+
+    return Solvers(DOP853, solve_ivp)
+
+
 def integrate(rates: Rates, start: ArrayLike, times: ArrayLike, rtol: float, atol: Array | float) -> Array:
     """Return the states (n, m) at increasing ``times`` (m,), m > 1, from the state ``start`` (n,) at the first of them.
 
     The numbers are those of ``solve_ivp(…, method="DOP853", t_eval=times)``, to the last bit. Raises IntegrationStopped, and what
     ``rates`` raises.
     """
+    DOP853 = solvers().DOP853
     y, at = np.array(start, dtype=float), np.asarray(times, dtype=float)
     t, end, n = float(at[0]), float(at[-1]), len(y)
     K, state, pieces, done = np.empty((ALL, n)), y.copy(), [], 0
@@ -115,7 +131,7 @@ def _norm(x: Array) -> Any:
 
 
 def _error_norm(K: Array, h: float, scale: Array) -> Any:
-    fifth, third = K.dot(DOP853.E5), K.dot(DOP853.E3)
+    fifth, third = K.dot(solvers().DOP853.E5), K.dot(solvers().DOP853.E3)
     fifth /= scale
     third /= scale
     a, b = np.sqrt(fifth.dot(fifth)) ** 2, np.sqrt(third.dot(third)) ** 2
@@ -127,7 +143,7 @@ def _terms(K: Array, h: float, y: Array, new_y: Array) -> Array:
     terms, step = np.empty((8, len(y))), new_y - y
     terms[0] = y
     terms[7], terms[6], terms[5] = step, h * K[0] - step, 2 * step - h * (K[MAIN] + K[0])
-    terms[4:0:-1] = h * DOP853.D.dot(K)
+    terms[4:0:-1] = h * solvers().DOP853.D.dot(K)
     return terms
 
 

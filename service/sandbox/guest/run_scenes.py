@@ -15,13 +15,13 @@ from time import monotonic, process_time
 from typing import Any
 
 import numpy as np
-from matplotlib.animation import Animation
 
 from ecp import animate
 from ecp.author_errors import SOURCES, AuthorError, author_error, checked_arrays
 from ecp.course import MODULES, use_modules
 from ecp.return_value import describe_exception, is_written, missing
 
+from . import unused_matplotlib
 from .calls import LOADED, Channel
 from .claims import PRIVATE as RECORDER
 from .claims import Recorder
@@ -35,7 +35,8 @@ Names = dict[str, Any]
 DEFINITIONS_S = 1.0  # for the definitions that follow a cell whose time is spent
 REPEAT_S = 0.2  # interval of the alarm once a budget may be spent
 # the recorder and the integrator: plays import private copies, which a submission cannot replace
-PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", "ecp.integration")
+INTEGRATION = "ecp.integration"
+PRIVATE = ("ecp.artists", "ecp.axes_decoration", "ecp.visibility", "ecp.animation_recording", INTEGRATION)
 KINDS = "ecp.kinds"  # and its modules: private copies too, for plays that import them
 
 
@@ -76,7 +77,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
         raise
     write.event("prepared")
-    with animate.watched():
+    with nullcontext() if unused_matplotlib.installed() else animate.watched():
         _run(job, plays, student, questions, write, unchanged=unchanged, reference=reference)
 
 
@@ -162,8 +163,9 @@ def _play(
 def copy_modules() -> None:
     """Make the private copies that each play needs, before the zygote starts children."""
     for names in (PRIVATE, (*PRIVATE, *_kinds()), RECORDER):
-        with private_modules(names):
-            pass
+        with private_modules(names) as copies:
+            if INTEGRATION in copies:
+                copies[INTEGRATION].solvers()  # before a submission can replace them
 
 
 def _kinds() -> list[str]:
@@ -220,6 +222,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     an empty string.
     """
     budget, shows, left = Budget(job["load_budget_s"]), "", Budget(DEFINITIONS_S)
+    animations = () if unused_matplotlib.installed() else sys.modules["matplotlib.animation"].Animation
     student |= kept
     several = any(published for _, _, published in job["cells"])
     for name, source, published in job["cells"]:
@@ -233,7 +236,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                 with recorder.in_place(student) if published else nullcontext():
                     ended = _run_limited(partial(_execute, piece, name, student, kept), budget)
                 recorder.send(write)
-                if (last := student.get(last_name(piece))) is not None and isinstance(last, Animation):
+                if (last := student.get(last_name(piece))) is not None and isinstance(last, animations):
                     animate.shown[:] = [last]
                 shows = shows if animate.shown == before else piece
                 if ended["ended"] != "finished":

@@ -7,6 +7,7 @@ with which the host can kill the child, and after the child's exit its wait stat
 descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
 READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
+A zygote that imports matplotlib later does so when it receives IMPORT, and answers READY.
 """
 
 import gc
@@ -21,7 +22,7 @@ import sys
 import traceback
 from typing import Any
 
-LOCKDOWN_FAILED = 97
+MATPLOTLIB_NEEDED, LOCKDOWN_FAILED = 96, 97  # exit codes
 READY = b"ready"
 PLAY = struct.Struct("<i")  # limit of CPU time in seconds
 REAPED = struct.Struct("<iid")  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
@@ -32,21 +33,27 @@ WARM = (
     "guest.lockdown",
     "guest.reference",
     "guest.run_scenes",
-    "matplotlib.animation",
-    "matplotlib.backends.backend_agg",
-    "matplotlib.pyplot",
-    "mpl_toolkits.mplot3d.art3d",
     "scipy.integrate",
     "scipy.linalg",
     "scipy.optimize",
     "scipy.spatial.transform",
 )
+DRAWING = ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d")
+IMPORT = b"import matplotlib"
+LATER = "matplotlib-later"
 
 
 def main(
-    control_fd: int, *, user: int | None, layers: list[str], readable: list[str], listable: list[str], folders: list[str]
+    control_fd: int,
+    when: str = "",
+    *,
+    user: int | None,
+    layers: list[str],
+    readable: list[str],
+    listable: list[str],
+    folders: list[str],
 ) -> None:
-    """Fork a child for each play that the control socket asks for, until the host closes it."""
+    """Import the libraries and obey the control socket. With LATER as ``when``, leave out matplotlib until it is needed."""
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
@@ -54,8 +61,11 @@ def main(
     gc.disable()
     for name in WARM:
         importlib.import_module(name)
+    if when == LATER:
+        importlib.import_module("guest.unused_matplotlib").install()
+    else:
+        _import_matplotlib()
     gc.enable()
-    sys.modules["matplotlib"].use("Agg")
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
@@ -64,8 +74,22 @@ def main(
     gc.collect()
     gc.freeze()
     control.send(READY + json.dumps(identity()).encode())
+    _obey(control, prepared)
+
+
+def _obey(control: socket.socket, prepared: Any) -> None:
+    """Do what the control socket asks for, until the host closes it."""
+    from .lockdown import identity
+
     while True:
-        play, fds, _, _ = socket.recv_fds(control, PLAY.size, 4)
+        play, fds, _, _ = socket.recv_fds(control, len(IMPORT), 4)
+        if play == IMPORT:
+            sys.modules["guest.unused_matplotlib"].remove()
+            _import_matplotlib()
+            gc.collect()
+            gc.freeze()
+            control.send(READY)
+            continue
         if not fds:
             return
         if len(fds) == 1:
@@ -93,6 +117,12 @@ def main(
         handles = [os.pidfd_open(child) for child in children]
         socket.send_fds(control, [b"child"], handles)
         control.send(_reap(children, handles))
+
+
+def _import_matplotlib() -> None:
+    for name in DRAWING:
+        importlib.import_module(name)
+    sys.modules["matplotlib"].use("Agg")
 
 
 def _reap(children: list[int], handles: list[int]) -> bytes:

@@ -21,8 +21,8 @@ class BackupError(Exception):
     """The backup or restore failed; the message says why."""
 
 
-def backup(url: str, programs: Path, file: Path) -> None:
-    """Write a consistent snapshot of the database to ``file`` while the server runs.
+def backup(url: str, programs: Path, file: Path, snapshot: str | None = None) -> None:
+    """Write a consistent snapshot of the database to ``file`` while the server runs: a new one, or that of an open transaction.
 
     The file appears once it is complete. It has mode 0600, as it holds students' submissions. Raises
     BackupError.
@@ -32,7 +32,8 @@ def backup(url: str, programs: Path, file: Path) -> None:
     unfinished = file.with_name(file.name + ".part")
     try:
         unfinished.touch(mode=0o600)
-        _run(url, programs / "pg_dump", "--format=custom", "--no-owner", f"--file={unfinished}")
+        same = [f"--snapshot={snapshot}"] if snapshot else []
+        _run(url, programs / "pg_dump", "--format=custom", "--no-owner", f"--file={unfinished}", *same)
         unfinished.replace(file)
     finally:
         unfinished.unlink(missing_ok=True)
@@ -100,7 +101,7 @@ _BROKEN = {
         SELECT count(*) FROM result WHERE (report IS NULL) = (fault IS NULL)""",
     "results without the arrays they were graded from": """
         SELECT count(*) FROM result r WHERE report IS NOT NULL AND NOT EXISTS (
-            SELECT 1 FROM grading_artefact k WHERE k.grading_id = r.grading_id AND k.name = 'arrays.npz')""",
+            SELECT 1 FROM grading_artefact k WHERE k.grading_id = r.grading_id AND k.name IN ('arrays.npz', 'pruned'))""",
     "reports whose outcomes do not add up to their score": """
         SELECT count(*) FROM result r, LATERAL (
             SELECT coalesce(sum(earned), 0) AS earned, coalesce(sum(points), 0) AS points

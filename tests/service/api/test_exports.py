@@ -235,7 +235,7 @@ def found(archive, sent):
     return find
 
 
-def test_the_zip_is_whole_and_leads_nowhere_else(archive, tmp_path):
+def test_the_zip_has_matplotlib_and_leads_nowhere_else(archive, tmp_path):
     assert archive.testzip() is None
     archive.extractall(tmp_path)
     names = archive.namelist()

@@ -73,7 +73,7 @@ def test_stability_measures_the_named_scenes_only(tmp_path, capsys):
     assert {path.name for path in tmp_path.iterdir()} == {"stability.json", "stability-0.csv", "stability-0.svg"}
 
 
-def test_the_measurement_that_comes_along_is_whole():
+def test_the_measurement_that_comes_along_has_matplotlib():
     document = charts.load_work_precision()
     assert len(charts.scenes(document)) == 9
     for scene in charts.scenes(document):

@@ -1,0 +1,104 @@
+"""A guest that imports matplotlib only when a submission uses it: every submission ends as in a guest that has imported it."""
+
+import pytest
+
+from ecp.outcome import Ended
+from exercises.assignment import ArraySpec
+from service.sandbox.guest.zygote import MATPLOTLIB_NEEDED
+from service.sandbox.guest_process import GuestProcess
+from service.sandbox.job import Cell, Job, SceneRequest
+from service.sandbox.sandbox import Sandbox
+
+SETUP = """
+import matplotlib.pyplot as plt
+from ecp.style import use_style
+
+plt.rcParams["animation.html"] = "jshtml"
+use_style()
+"""
+PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"
+IMPORTS = """
+import matplotlib
+import matplotlib.pyplot as plt
+import mpl_toolkits.mplot3d.art3d
+from matplotlib import animation, pyplot
+from matplotlib.animation import FuncAnimation
+from mpl_toolkits.mplot3d import Axes3D
+"""
+UNUSED = {
+    "imported": "f = lambda: 1.0",
+    "named": "def f(anim: FuncAnimation = None, axes=Axes3D, p=pyplot, a=animation.PillowWriter):\n    return 1.0",
+    "same module": "f = lambda: float(matplotlib.pyplot is plt and plt.figure is not None)",
+    "uses in functions that are not called": "def film():\n    return FuncAnimation(plt.figure(), print)\nf = lambda: 1.0",
+}
+USED = {
+    "call": "plt.figure()\nf = lambda: 1.0",
+    "class": "class Film(FuncAnimation):\n    pass\nf = lambda: 1.0",
+    "isinstance": "f = lambda: float(isinstance(1, FuncAnimation))",
+    "union": "kind = FuncAnimation | None\nf = lambda: 1.0",
+    "equality": "f = lambda: float(FuncAnimation == plt.figure)",
+    "hash": "f = lambda: float(len({FuncAnimation, plt.figure}))",
+    "text": "f = lambda: float(len(f'{FuncAnimation}'))",
+    "attribute": "f = lambda: float(hasattr(FuncAnimation, 'save'))",
+    "version": "f = lambda: float(matplotlib.__version__[0])",
+    "settings": "plt.rcParams['figure.dpi'] = 50\nf = lambda: plt.rcParams['figure.dpi']",
+    "settings by update": "plt.rcParams.update({'figure.dpi': 50})\nf = lambda: 1.0",
+    "unknown setting": "plt.rcParams['nothing'] = 1\nf = lambda: 1.0",
+    "unknown name": "from matplotlib.pyplot import nothing\nf = lambda: 1.0",
+    "unknown attribute": "f = lambda: float(plt.nothing is None)",
+    "unknown module": "import matplotlib.nothing\nf = lambda: 1.0",
+    "star": "from matplotlib.pyplot import *\nf = lambda: float(len(get_fignums()))",
+    "constant": "f = lambda: float(len(plt.color_sequences) > 0)",
+    "compiled": "import matplotlib.ft2font\nf = lambda: 1.0",
+    "exit code": f"import os\nf = lambda: os._exit({MATPLOTLIB_NEEDED})",
+}
+
+
+def job(source):
+    scene = SceneRequest("one", "ask", "f", {}, {"x": ArraySpec(())}, 2.0, None)
+    return Job(SETUP, PLAYS, (Cell("cell 1", IMPORTS + source),), ("f",), (scene,))
+
+
+@pytest.fixture(scope="module")
+def unused(sandbox):
+    """A sandbox whose guest imports matplotlib when a submission uses it, for submissions that do not."""
+    guest = GuestProcess(sandbox.isolation.command, sandbox.isolation.environment, has_matplotlib=False)
+    without = Sandbox(sandbox.isolation, first=guest)
+    yield without
+    without.close()
+
+
+@pytest.fixture
+def later(unused):
+    """A copy of it."""
+    copy = unused.copy()
+    yield copy
+    copy.close()
+
+
+def without_times(result):
+    return (
+        result.scene_ends,
+        result.cells,
+        result.defined,
+        {n: {k: v.tolist() for k, v in a.items()} for n, a in result.arrays.items()},
+    )
+
+
+@pytest.mark.parametrize("source", UNUSED.values(), ids=UNUSED)
+def test_a_submission_that_only_imports_matplotlib_runs_without_it(unused, sandbox, source):
+    result = unused.play(job(source))
+    assert result.scene_ends["one"].ended is Ended.FINISHED and without_times(result) == without_times(sandbox.play(job(source)))
+    assert not unused.start().has_matplotlib
+
+
+@pytest.mark.parametrize("source", USED.values(), ids=USED)
+def test_a_submission_that_uses_matplotlib_gets_it(later, sandbox, source):
+    result = later.play(job(source))
+    assert later.start().has_matplotlib and later.zygotes == 0  # none but the copy
+    assert without_times(result) == without_times(sandbox.play(job(source)))
+
+
+def test_what_is_printed_before_the_second_play_is_not_repeated(later):
+    result = later.play(job(f"print('once')\n{USED['call']}"))
+    assert result.stdout == "once\n"

@@ -14,7 +14,7 @@ from service.api.history import list_own
 from service.api.submissions import Assigned, Stored
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
-from service.auth.roles import CurrentUser, Instructor, Staff
+from service.auth.roles import CurrentUser, Instructor, OptionalUser, Staff
 from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem
 from service.http.state import Db, Held
@@ -23,7 +23,7 @@ from service.store.course import audit, deadlines, gradebook, people, progress, 
 from service.store.course.audit import MOST, entries
 from service.store.records import recent
 
-router = APIRouter()
+router, others = APIRouter(), APIRouter()
 LATEST = 20
 TOKEN_S = 200.0 * tokens.DAY_S
 MOST_PEOPLE = 5000
@@ -127,3 +127,9 @@ async def audit_log(
     rows = await entries(database, subject or None, before)
     context = {"rows": rows, "subject": subject, "older": rows[-1].id if len(rows) == MOST else None}
     return templates.TemplateResponse(request, "audit.html", context)
+
+
+@others.get("/{path:path}")
+async def not_found(path: str, person: OptionalUser) -> Response:
+    """Answer every address that nothing else answers with a page on which those who are logged in find their way back."""
+    raise Problem(404, "not-found", "nothing has this address: check it")

@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from ecp import grouped, report_html
 from ecp.exercise import Motion
+from ecp.judge import Verdict
 from ecp.outcome import Ended, Outcome, SceneEnd
 from ecp.report import Report
 from exercises.assignment import Assignment
@@ -25,10 +26,10 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages import overrides
 from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
-from service.store import records
+from service.store import records, sweeps
 from service.store.course import comments, regrade_requests
 from service.store.history import gradings, previous, timeline
-from service.store.records import SubmissionRecord
+from service.store.records import SubmissionRecord, find_artefact
 
 router = APIRouter()
 
@@ -46,6 +47,8 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
         "gradings": await gradings(database, stored.id),
         "timeline": await timeline(database, stored.person, stored.assignment),
     }
+    refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
+    context["sweep_refused"] = refused[0].decode() if refused else ""
     return templates.TemplateResponse(request, "report.html", context | await overrides.context(database, stored))
 
 
@@ -77,7 +80,7 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
             if scene_end.traceback
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
-        "sweeps": assignment is not None and assignment.sweep is not None,
+        "sweeps": assignment is not None and stored.report is not None and _is_measurable(assignment, stored.report),
         "cause_numbers": grouped.numbers,
         "causes_header": grouped.header,
         "cause_list": _markup(report_html.cause_list),
@@ -85,6 +88,12 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
         "check_item": _markup(report_html.item),
         "judged": lambda outcome: _judged(outcome, scene_ends),
     }
+
+
+def _is_measurable(assignment: Assignment, report: Report) -> bool:
+    """Return whether the function whose speed and accuracy the assignment measures gave a check something to measure."""
+    ran = {e.number for e in report.exercises if any(o.verdict is not Verdict.UNMEASURED for o in e.outcomes)}
+    return assignment.sweep is not None and assignment.sweep_of(ran) is not None
 
 
 def _markup(render: Callable[..., str]) -> Callable[..., Markup]:

@@ -26,7 +26,9 @@ INSTALL = """%pip install -q {{{{KIT_URL}}}}
 import ecp
 
 SERVER = "{{{{SERVER}}}}"
-ecp.connect(SERVER, assignment="{slug}")"""
+ecp.connect(SERVER, assignment="{slug}")
+ecp.login()"""
+SUBMIT_NOTE = '# Run All does not submit. To submit, remove the "# " from the next line.'
 EMPTY = "# your code here"
 
 
@@ -75,8 +77,9 @@ def published(slug: str, cells: Sequence[Cell], sections: Sequence[Section]) -> 
     if not any("{{KIT_URL}}" in cell.source for cell in kept):
         start = int(kept[0].kind == "markdown")
         made[start:start] = [Cell("markdown", NOTE, "install-note"), _code(INSTALL.format(slug=slug), "install", "install")]
-    if not any(_calls(cell, "submit") for cell in kept):
+    if not any(_calls(cell, "submit") or "submit" in cell.tags for cell in kept):
         made.append(_code("ecp.submit()", "submit", "submit"))
+    made = [replace(cell, source=_commented(cell.source)) if _only_submits(cell) else cell for cell in made]
     written = {"cells": [_json(id, cell) for id, cell in with_ids(made)], "metadata": KERNEL, "nbformat": 4, "nbformat_minor": 5}
     return json.dumps(written, indent=1, ensure_ascii=False) + "\n"
 
@@ -147,6 +150,18 @@ def _calls(cell: Cell, function: str) -> list[list[str]]:
     """Return the arguments of each call of ``ecp.function`` in a code cell, as text."""
     calls = [node for node in cell.nodes if isinstance(node, ast.Call) and ast.unparse(node.func) == f"ecp.{function}"]
     return [[str(getattr(argument, "value", None)) for argument in call.args] for call in calls]
+
+
+def _only_submits(cell: Cell) -> bool:
+    """Return whether a code cell consists of calls of ``ecp.submit``."""
+    statements = [s.node for s in statements_of(cell.source)] if cell.kind == "code" else []
+    calls = [node.value for node in statements if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)]
+    return bool(calls) and len(calls) == len(statements) and all(ast.unparse(call.func) == "ecp.submit" for call in calls)
+
+
+def _commented(source: str) -> str:
+    """Return calls of ``ecp.submit`` as comments, so that *Run All* does not submit."""
+    return "\n".join([SUBMIT_NOTE, *(f"# {line}" for line in source.split("\n"))])
 
 
 def _code(source: str, id: str, tag: str) -> Cell:

@@ -29,6 +29,7 @@ from service.pages import (
     gradebook,
     login,
     overrides,
+    people,
     queue,
     regrade_requests,
     regrades,
@@ -55,6 +56,7 @@ ROUTERS = (
 PAGES = (
     course.router,
     class_tabs.router,
+    people.router,
     gradebook.router,
     exports.router,
     queue.router,

@@ -133,6 +133,7 @@ class Submission(BaseModel):
     fault: str = Field("", description="The former name of system_fault.")
     system_fault: str = ""
     cancelled_by: str = ""
+    repeated: bool = False
     points: int = 0
     overrides: list[Override] = []
     regrade_requests: list[RegradeRequest] = []
@@ -165,12 +166,22 @@ class Past(BaseModel):
 
 
 class History(BaseModel):
-    """A person's submissions to an assignment, newest first, and the ids of the best and the last."""
+    """A person's submissions to an assignment, newest first, the ids of the best and the last, and the person's own rules.
+
+    ``due_at`` is the deadline with an extension, if it is ``extended``; with ``grace_s`` seconds more it is ``over``.
+    ``used`` counts the submissions towards ``submission_limit``.
+    """
 
     assignment: str
     submissions: list[Past]
     best: UUID | None
     last: UUID | None
+    due_at: Moment | None
+    extended: bool
+    grace_s: float
+    over: bool
+    submission_limit: int | None
+    used: int
 
 
 class Ready(BaseModel):

@@ -14,6 +14,7 @@ from service.api.submissions import Assigned
 from service.auth.identity import Reader
 from service.http.openapi import PERSON, problems
 from service.http.state import Db
+from service.store.course import deadlines
 from service.store.history import PastSubmission, past_submissions
 
 router = APIRouter()
@@ -24,7 +25,7 @@ router = APIRouter()
 )
 async def list_own(assignment: Assigned, person: Reader, database: Db) -> answers.History:
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
-    and the best and last ids.
+    the best and last ids, and the person's own deadline and number of submissions.
     """
     found = await past_submissions(database, person.name, assignment.slug)
     graded = [one for one in found if one.points is not None]
@@ -34,6 +35,7 @@ async def list_own(assignment: Assigned, person: Reader, database: Db) -> answer
         submissions=await asyncio.to_thread(_answers, found),
         best=best and best.id,
         last=found[0].id if found else None,
+        **(await deadlines.own(database, assignment.slug, person.name))._asdict(),
     )
 
 

@@ -165,8 +165,9 @@ async def store_submission(
     workers: Held[WorkerStatus],
     large: Held[parse_submission.LargeBodies],
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
+    prefer: Annotated[str | None, Header()] = None,
 ) -> Accepted:
-    """Store the submission in the body and queue its grading.
+    """Store the submission in the body and queue its grading; with ``Prefer: no-repeat``, unless it repeats the last one.
 
     Raises Problem if the sandbox is unavailable, or if the submission is invalid or not permitted.
     """
@@ -180,7 +181,8 @@ async def store_submission(
     drawn = secrets.randbits(48)
     new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, parsed.submission, parsed.exercises, drawn, arrived)
     try:
-        return await _accept(database, settings.open_submissions, person, new, idempotency_key or None)
+        repeat = re.search(r"(^|[,;\s])no-repeat([,;\s]|$)", prefer or "", re.IGNORECASE) is None
+        return await _accept(database, settings.open_submissions, person, new, idempotency_key or None, repeat)
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
@@ -195,7 +197,8 @@ Stored = Annotated[Accepted, Depends(store_submission)]
     status_code=202,
     response_model=answers.Submission,
     response_description="Stored",
-    responses=also(200, "Graded within the time to wait", answers.Submission) | problems(SUBMIT_PROBLEMS),
+    responses=also(200, "Graded within the time to wait, or the last submission, which this one repeats", answers.Submission)
+    | problems(SUBMIT_PROBLEMS),
     openapi_extra={"requestBody": SUBMIT_BODY},
 )
 async def submit(
@@ -207,6 +210,8 @@ async def submit(
 ) -> JSONResponse:
     """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
     wait=SECONDS``.
+
+    With ``Prefer: no-repeat``, return the person's last submission with 200 if this one repeats it.
     """
     wait_s, location = _seconds(prefer), f"/v1/submissions/{accepted.id}"
     given = {name: getattr(accepted, name) for name in ("id", "submitted_at", "late", "sha256")}
@@ -219,6 +224,8 @@ async def submit(
         if not is_outage(error) or is_loss(error):
             raise
         return _response(queued, 202, {"Location": location, "Retry-After": "5"})  # the submission is stored despite the outage
+    if accepted.repeated:
+        return _response(_document(found, repeated=True), 200, {"Location": location, "Preference-Applied": "no-repeat"})
     if found.finished and wait_s > 0:
         return _response(_document(found), 200, {"Location": location})
     return _response(_document(found), 202, {"Location": location, "Retry-After": "1"})
@@ -228,14 +235,14 @@ def _response(submission: answers.Submission, status: int, headers: dict[str, st
     return JSONResponse(submission.model_dump(mode="json", exclude_unset=True), status, headers)
 
 
-async def _accept(database: Db, most: int, person: Person, new: NewSubmission, key: str | None) -> Accepted:
+async def _accept(database: Db, most: int, person: Person, new: NewSubmission, key: str | None, repeat: bool) -> Accepted:
     """Store the submission. Raises Problem 429 if too many of a student's submissions wait for their reports."""
     most *= SHARED if person.single_user else 1
     try:
-        return await accept(database, new, key, most_open=most)
+        return await accept(database, new, key, most_open=most, repeat=repeat)
     except TooManyOpen:
         if not person.single_user and person.role in STAFF:
-            return await accept(database, new, key)
+            return await accept(database, new, key, repeat=repeat)
     detail = f"{most} of your submissions are waiting for their reports, the most that may: submit again when one has its report"
     raise Problem(429, "too-many-open", detail, retry_after=OPEN_RETRY_S)
 

@@ -14,7 +14,7 @@ from service.cli.arguments import number
 from service.cli.database import in_database, in_transaction
 from service.cli.errors import CommandError
 from service.formats.spreadsheet_csv import table
-from service.store.course import audit, credentials, people, tokens
+from service.store.course import audit, credentials, people, roster, tokens
 from service.store.database import Connection
 
 DAYS, MOST_DAYS = 200.0, 3650.0
@@ -29,7 +29,8 @@ def add_roster(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         type=Path,
         metavar="ROSTER.csv",
-        help="CSV with a header: name; optional: role, full_name, email, student_id; default: list the people",
+        help="CSV with a header: name; optional: role, full_name, email, student_id; or a roster of Gradescope, Canvas, Moodle "
+        "or PrairieLearn; default: list the people",
     )
     parser.add_argument(
         "--tokens",
@@ -90,17 +91,20 @@ def _roster(arguments: argparse.Namespace) -> None:
 
 def _import_roster(arguments: argparse.Namespace) -> None:
     """Import the roster in one transaction, which commits only after the token file, if any, is complete."""
-    roster = people.read(arguments.file.read_bytes(), str(arguments.file))
+    found = roster.read(arguments.file.read_bytes(), str(arguments.file))
+    entries = found.entries
+    if found.unused:
+        print(f"columns not used: {', '.join(found.unused)}")
 
     async def import_roster(connection: Connection, target: TextIO | None = None) -> None:
-        names, seconds = [entry.name for entry in roster], (arguments.days or DAYS) * tokens.DAY_S
-        await people.enroll(connection, roster)
+        names, seconds = [entry.name for entry in entries], (arguments.days or DAYS) * tokens.DAY_S
+        await people.enroll(connection, entries)
         rows = (
             await tokens.create_all(connection, names, label="issued with the roster", scopes=tokens.SCOPES, seconds=seconds)
             if target
             else []
         )
-        about = {"people": len(roster), "tokens": len(rows)}
+        about = {"people": len(entries), "tokens": len(rows)}
         await audit.record(connection, getpass.getuser(), "roster", arguments.file.name, about)
         if target:
             target.write(table(("name", "token"), rows))
@@ -108,7 +112,7 @@ def _import_roster(arguments: argparse.Namespace) -> None:
 
     if arguments.tokens is None:
         in_transaction(import_roster)
-        print(f"imported {len(roster)} people, without tokens")
+        print(f"imported {len(entries)} people, without tokens")
         return
     with os.fdopen(os.open(arguments.tokens, NEW, 0o600), "w", newline="", encoding="utf-8") as target:
         try:
@@ -116,7 +120,7 @@ def _import_roster(arguments: argparse.Namespace) -> None:
         except BaseException:
             arguments.tokens.unlink()
             raise
-    print(f"imported {len(roster)} people; their tokens are in {arguments.tokens}")
+    print(f"imported {len(entries)} people; their tokens are in {arguments.tokens}")
 
 
 def _give(arguments: argparse.Namespace) -> None:

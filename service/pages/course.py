@@ -1,7 +1,7 @@
-"""The home page, the people page with the roster import, and the audit log."""
+"""The home page, a student's page of an assignment, and the audit log."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -14,19 +14,16 @@ from service.api.history import list_own
 from service.api.submissions import Assigned, Stored
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
-from service.auth.roles import CurrentUser, Instructor, OptionalUser, Staff
-from service.formats.spreadsheet_csv import table
+from service.auth.roles import CurrentUser, OptionalUser, Staff
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.store.course import audit, deadlines, gradebook, people, progress, tokens
+from service.store.course import gradebook, progress
 from service.store.course.audit import MOST, entries
 from service.store.records import recent
 
 router, others = APIRouter(), APIRouter()
 LATEST = 20
-TOKEN_S = 200.0 * tokens.DAY_S
-MOST_PEOPLE = 5000
 
 
 @router.get("/", response_class=HTMLResponse)
@@ -61,10 +58,10 @@ def _self_reported(checks: Sequence[Check]) -> str:
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
 async def own_submissions(request: Request, person: CurrentUser, assignment: Assigned, database: Db) -> Response:
     """Show the person's submissions to an assignment and the changes between them."""
-    history, own = await list_own(assignment, person, database), await deadlines.own(database, assignment.slug, person.name)
+    history = await list_own(assignment, person, database)
     best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
     context = {"assignment": assignment, "person": person.name, "history": history}
-    context |= {"best": best, "last": last, "own": own, "most": assignment.max_points(), "session": COOKIE in request.cookies}
+    context |= {"best": best, "last": last, "most": assignment.max_points(), "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "submissions.html", context)
 
 
@@ -72,46 +69,6 @@ async def own_submissions(request: Request, person: CurrentUser, assignment: Ass
 async def upload(person: CurrentUser, origin: forms.SameOrigin, stored: Stored) -> Response:
     """Store an uploaded file as a submission, and show its page."""
     return RedirectResponse(f"/submissions/{stored.id}", 303)
-
-
-@router.get("/people", response_class=HTMLResponse)
-async def show_people(
-    request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
-) -> Response:
-    """Show all people of the course, and to instructors the roster import."""
-    rows = await people.everybody(database)
-    return templates.TemplateResponse(request, "people.html", {"rows": rows, "imported": entered, "columns": people.COLUMNS})
-
-
-@router.post("/people")
-async def import_roster(person: Instructor, form: forms.Form, database: Db) -> Response:
-    """Import people from a CSV file. Return their new tokens as a CSV file if requested."""
-    file, content = await forms.file(form, "roster")
-    try:
-        entries = people.read(content, file)
-    except people.BadRoster as error:
-        raise Problem(422, "invalid-request", str(error), "/roster") from None
-    if len(entries) > MOST_PEOPLE:
-        raise Problem(422, "invalid-request", f"the roster has more than {MOST_PEOPLE} people: split the file", "/roster")
-    if any(entry.name == person.name and entry.role not in (None, "instructor") for entry in entries) and not person.single_user:
-        raise Problem(
-            422,
-            "invalid-request",
-            "this roster would remove your own instructor role, so nothing was imported: correct your line",
-            "/roster",
-        )
-    names = [entry.name for entry in entries] if forms.field(form, "tokens") else []
-    async with database.begin() as connection:
-        await people.enroll(connection, entries)
-        options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
-        created = await tokens.create_all(connection, names, **options) if names else []
-        await audit.record(connection, person.name, "roster", file, {"people": len(entries), "tokens": len(created)})
-    return _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(entries)}", 303)
-
-
-def _tokens_file(created: list[tuple[str, str]]) -> Response:
-    headers = {"Content-Disposition": 'attachment; filename="tokens.csv"'}
-    return Response(table(("name", "token"), created), media_type="text/csv; charset=utf-8", headers=headers)
 
 
 @router.get("/audit", response_class=HTMLResponse)

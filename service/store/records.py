@@ -124,10 +124,12 @@ WHERE s.id = :id
 """
 
 _LIST = f"""
-SELECT s.id, s.filename, p.name AS person, s.submitted_at, shown.score, shown.max_score, shown.total, given.points, {STATUS},
-    x.slug AS assignment
+SELECT s.id, s.filename, p.name AS person, p.full_name, s.submitted_at, {LATE}, shown.score, shown.max_score, shown.total,
+    given.points, given.overridden, {STATUS}, x.slug AS assignment
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
-WHERE coalesce(p.name = CAST(:person AS text), true) ORDER BY s.submitted_at DESC LIMIT :most
+WHERE coalesce(p.name = CAST(:person AS text), true)
+    AND coalesce(starts_with(CAST(s.id AS text), CAST(:text AS text)) OR strpos(lower(s.filename), CAST(:text AS text)) > 0, true)
+ORDER BY s.submitted_at DESC LIMIT :most
 """
 
 _STATE = f"""
@@ -157,13 +159,15 @@ async def read(database: Database, id: UUID) -> SubmissionRecord | None:
     return None if row is None else _stored(row)
 
 
-async def recent(database: Database, most: int, person: str | None = None) -> Sequence[Row]:
+async def recent(database: Database, most: int, person: str | None = None, text: str | None = None) -> Sequence[Row]:
     """Return the latest ``most`` submissions, of everyone or of one person, newest first.
+
+    With ``text``, in lower case, only those whose id begins with it or whose file name contains it.
 
     ``score``, ``max_score``, ``points`` and ``total`` are None without a report. ``total`` is the report's total, or ``max_score``
     for reports stored before the total was recorded.
     """
-    return await database.rows(_LIST, {"most": most, "person": person})
+    return await database.rows(_LIST, {"most": most, "person": person, "text": text})
 
 
 async def state(database: Database, id: UUID) -> Row | None:

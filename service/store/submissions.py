@@ -14,7 +14,7 @@ from exercises.catalogue import assignments
 from service.store.course.people import COURSE, add_person
 from service.store.database import Connection, Database, NoRow, Row
 from service.store.queue import PERSON_LOCK, lock_persons, priority_of, send, send_gradings
-from service.store.records import FAULTED, LATE, OWN_DEADLINE, NewSubmission
+from service.store.records import FAULTED, LATE, OWN_DEADLINE, SHOWN, NewSubmission
 
 MAX_RUNS = 3  # runs of a grading that end without result before it becomes a system fault
 
@@ -56,37 +56,54 @@ ON CONFLICT DO NOTHING
 
 @dataclass(frozen=True)
 class Accepted:
-    """A stored submission. If not ``fresh``, an earlier request stored the same source, and it may have a result."""
+    """A stored submission. If not ``fresh``, an earlier request stored the same source, and it may have a result.
+
+    ``repeated`` means that it is the person's last submission, and that another one was not wanted.
+    """
 
     id: UUID
     sha256: str
     submitted_at: datetime
     late: bool
     fresh: bool
+    repeated: bool = False
 
 
 async def accept(
-    database: Database, new: NewSubmission, key: str | None = None, kind: str = "interactive", most_open: int | None = None
+    database: Database,
+    new: NewSubmission,
+    key: str | None = None,
+    *,
+    kind: str = "interactive",
+    most_open: int | None = None,
+    repeat: bool = True,
 ) -> Accepted:
     """Store a submission and queue its grading; with a known key, return the one stored before.
+
+    Unless ``repeat``, return the person's last submission to the assignment if it has the same content, was or will be graded by
+    the present version of the assignment, and did not end in a system fault.
 
     Waits for a concurrent request with the same key. Raises KeyReused if the stored submission differs,
     SubmissionRejected after the deadline or if no submission is left, and TooManyOpen if ``most_open`` submissions of the
     person are not graded yet.
     """
     try:
-        return await _accept(database, new, key, kind, most_open)
+        return await _accept(database, new, key, kind=kind, most_open=most_open, repeat=repeat)
     except (IntegrityError, NoRow):  # a backup was restored meanwhile: cached ids are wrong
         database.persons.clear()
         await register(database, assignments().values())
-        return await _accept(database, new, key, kind, most_open)
+        return await _accept(database, new, key, kind=kind, most_open=most_open, repeat=repeat)
 
 
-async def _accept(database: Database, new: NewSubmission, key: str | None, kind: str, most_open: int | None) -> Accepted:
+async def _accept(
+    database: Database, new: NewSubmission, key: str | None, *, kind: str, most_open: int | None, repeat: bool
+) -> Accepted:
     async with database.begin() as connection:
         person = database.persons.get(new.person) or await add_person(connection, new.person)  # ids never change
         request = {"slug": new.assignment, "course": COURSE, "person": str(person), "age": time.monotonic() - new.arrived}
         rules = await connection.one(_RULES, request)
+        if not repeat and (last := await _find_same(connection, new, rules.id, person, key)) is not None:
+            return last
         values = {
             "id": new.id,
             "assignment": rules.id,
@@ -165,6 +182,12 @@ SELECT s.id, s.submitted_at, s.fingerprint, {LATE} FROM submission s JOIN assign
 WHERE s.person_id = :person AND s.idempotency_key = :key
 """
 
+_LAST = f"""
+SELECT s.id, s.submitted_at, s.fingerprint, s.idempotency_key AS key, shown.fault, shown.version, {LATE}
+FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
+WHERE s.person_id = :person AND s.assignment_id = :assignment ORDER BY s.submitted_at DESC LIMIT 1
+"""
+
 _USED = f"""
 SELECT count(*) FROM submission s WHERE s.person_id = :person AND s.assignment_id = :assignment AND NOT {FAULTED}
 """
@@ -179,6 +202,18 @@ async def _check(connection: Connection, rules: Row, person: UUID) -> None:
         used = (await connection.one(_USED, {"person": person, "assignment": rules.id}))[0]
         if used > rules.submission_limit:
             raise SubmissionRejected("none-left", f"all {rules.submission_limit} submissions allowed have been used")
+
+
+async def _find_same(
+    connection: Connection, new: NewSubmission, assignment: UUID, person: UUID, key: str | None
+) -> Accepted | None:
+    """Return the person's last submission if another one would repeat it; None if not, or if this request has stored it."""
+    last = await connection.first(_LAST, {"person": person, "assignment": assignment})
+    if last is None or last.fingerprint != new.fingerprint or last.fault is not None or (key is not None and last.key == key):
+        return None
+    if last.version not in (None, assignments()[new.assignment].version):
+        return None
+    return Accepted(last.id, new.submission.sha256, last.submitted_at, last.late, fresh=False, repeated=True)
 
 
 async def _find_repeated(connection: Connection, new: NewSubmission, person: UUID, key: str | None) -> Accepted:

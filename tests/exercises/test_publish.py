@@ -12,7 +12,7 @@ import pytest
 
 from exercises import wheel
 from exercises.author_notebook import Cell
-from exercises.publish import Section, plain, published
+from exercises.publish import SUBMIT_NOTE, Section, plain, published
 from exercises.question import Question
 from tests.support.assignments import known
 from tests.support.author_notebooks import CELLS, HEIGHT, SPEED, code, markdown, write
@@ -36,7 +36,7 @@ def test_the_authors_notebook_becomes_the_students(tmp_path):
     title, note, install, *others = sources(students(write(tmp_path)))
     assert title == "# Falling" and "{{PACKAGES}}" in note
     assert install == (
-        '%pip install -q {{KIT_URL}}\nimport ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="falling")'
+        '%pip install -q {{KIT_URL}}\nimport ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="falling")\necp.login()'
     )
     assert others == [
         "## Setup",
@@ -52,7 +52,7 @@ def test_the_authors_notebook_becomes_the_students(tmp_path):
         'ecp.check("2")',
         "## Summary",
         "print('done')",
-        "ecp.submit()",
+        f"{SUBMIT_NOTE}\n# ecp.submit()",
     ]
 
 
@@ -129,10 +129,21 @@ def test_a_tagged_cell_keeps_only_the_emptied_definitions_and_the_names_that_oth
     assert sources(text)[2] == "def f(x):\n    ...\n\n\n# your code here\n# L = ..."
 
 
+def test_calls_of_submit_alone_in_a_cell_become_comments(sections):
+    def last(source, tags=()):
+        return sources(published("s", [Cell("code", source, tags=tags)], sections))[2:]
+
+    assert last("ecp.submit(f,\n           g)") == [f"{SUBMIT_NOTE}\n# ecp.submit(f,\n#            g)"]
+    again = last("ecp.submit(f)")[0]
+    assert last(again, ("submit",)) == [again], "a published notebook that is published again"
+    assert last("r = ecp.submit(f)\nprint(r)") == ["r = ecp.submit(f)\nprint(r)"]
+    assert last("x = 1") == ["x = 1", f"{SUBMIT_NOTE}\n# ecp.submit()"]
+
+
 def test_a_check_follows_the_last_solution_of_each_exercise(sections):
     def checked(*cells):
         made = [Cell("markdown" if text[0] in "#*" else "code", text) for text in cells]
-        return [text for text in sources(published("s", made, sections)) if not text.startswith(("**Inst", "%pip", "ecp.submit"))]
+        return [text for text in sources(published("s", made, sections)) if not text.startswith(("**Inst", "%pip", SUBMIT_NOTE))]
 
     one, two = 'ecp.check("1")', 'ecp.check("2.1")'
     f, g = "def f():\n    ...", "def g():\n    ..."
@@ -179,7 +190,7 @@ def test_without_a_notebook_a_plain_one_is_made_from_the_declaration():
     assert [text for text in cells if text.startswith("ecp.check(")] == [
         f'ecp.check("{n}")' for n in range(1, text.count("check-") + 1)
     ]
-    assert cells[-1] == "ecp.submit()"
+    assert cells[-1] == f"{SUBMIT_NOTE}\n# ecp.submit()"
     with known(FOLDER) as found:
         served = wheel.notebook(found.valid["toolbox"], "https://x.org", "https://x.org/the-kit").decode()
     assert "{{" not in served and "%pip install -q https://x.org/the-kit" in served

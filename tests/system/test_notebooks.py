@@ -245,7 +245,9 @@ def test_login_revoked_and_offline(server, asking, tmp_path, play):
     student.join()
     _, _, unknown, login, graded, again, _, after, _, offline, local = outputs
     assert "You are not logged in at" in said(unknown) and "run ecp.login()" in said(unknown)
-    assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5 and said(again) == "Logged in as ann.\n"
+    health = f"{asking.url} is ready. Deadline: none. Submissions used: "
+    assert line(login) == "Logged in as ann." and shown(graded).count("✓") == 5
+    assert health + "0." in said(login) and said(again) == f"Logged in as ann.\n{health}1.\n"
     assert "You are not logged in at" in said(after) and "Traceback" not in said(after)
     assert "polhode.invalid" in said(offline) and "Traceback" not in said(offline) and shown(local).count("✓") == 3
     kept = tmp_path / "xdg_config_home" / "polhode" / "tokens.json"
@@ -291,8 +293,9 @@ def test_the_course_notebook_as_the_server_gives_it(which, server, play, tmp_pat
         name = re.match(r"def (\w+)", source)
         sources.append(right.get(name[1], source) if name and "solution" in cell["metadata"].get("tags", []) else source)
     sources[1] = "%matplotlib inline\n" + sources[1]
+    sources = [source.replace("\n# ecp.submit", "\necp.submit") for source in sources]  # as a student does who wants to submit
     outputs = dict(zip([c["id"] for c in cells], play(*sources), strict=True))
-    assert sources[0].count(server.url) == 2
+    assert sources[0].count(server.url) == 2 and f"{server.url} is ready. Deadline: none." in said(outputs["install"])
     if which == "as downloaded":
         assert "Nothing was submitted: " in said(outputs["submit"])
         assert "[not measured: euler_eqs returned None: is a return statement missing?]" in shown(outputs["ex2-check"])

@@ -13,7 +13,7 @@ from typing import Any
 
 from ecp import course
 from ecp.errors import NotebookError
-from ecp.http import CONTACT_S, HTTPError, call
+from ecp.http import CONTACT_S, HTTPError, Unreachable, call
 from ecp.progress import Line
 
 JSON = {"Content-Type": "application/json"}
@@ -27,13 +27,31 @@ def login(server: str | None = None) -> None:
     """Log this computer in to the course server: open the address shown, compare the code, confirm. Once per
     term is enough.
 
-    The token is stored in a file that only you can read, never in the notebook. Raises NotLoggedIn if the
-    code is not confirmed in time or the token cannot be stored.
+    The token is stored in a file that only you can read, never in the notebook. Prints whether the server can grade, your deadline,
+    the submissions used, and whether the kit is current; or that the server does not answer. Raises NotLoggedIn if the code is not
+    confirmed in time or the token cannot be stored.
     """
     where = course.server(server)
-    if (who := _whoami(where)) is not None:
-        print("This server has a single local student; no login is needed." if who["local"] else f"Logged in as {who['person']}.")
+    try:
+        who = _whoami(where)
+    except Unreachable as error:
+        print(f"{error} ecp.check works without the server.")
         return
+    if who is None:
+        _log_in(where)
+    else:
+        print("This server has a single local student; no login is needed." if who["local"] else f"Logged in as {who['person']}.")
+    from ecp.health import health  # which needs this module
+
+    try:
+        slug = course.assignment()
+    except course.UnknownCourse:
+        slug = None
+    print(health(where, slug))
+
+
+def _log_in(where: str) -> None:
+    """Show a code and wait until the student has confirmed it. Raises NotLoggedIn."""
     _store(where, None)  # fails before the student confirms, not after, if the file cannot be written
     label = f"Python on {platform.node() or 'a computer'}"
     request = call("POST", f"{where}/v1/logins", body=_body(label=label), headers=JSON).json()

@@ -64,8 +64,15 @@ def submissions(server: str | None = None, assignment: str | None = None) -> Sub
     """
     slug = course.assignment(assignment)
     where = course.server(server, slug)
-    found = call("GET", f"{where}/v1/assignments/{slug}/submissions", headers=authorization(where), patience=CONTACT_S).json()
+    found = own(where, slug)
     return Submissions(found["assignment"], found["submissions"], found["best"], found["last"], f"{where}/assignments/{slug}")
+
+
+def own(server: str, slug: str) -> dict[str, Any]:
+    """Return the server's list of one's submissions to an assignment."""
+    address = f"{server}/v1/assignments/{slug}/submissions"
+    found: dict[str, Any] = call("GET", address, headers=authorization(server), patience=CONTACT_S).json()
+    return found
 
 
 attempts = submissions

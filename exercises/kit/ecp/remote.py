@@ -12,6 +12,7 @@ from ecp import course
 from ecp.document import NotADocument, read
 from ecp.errors import NotebookError
 from ecp.gather import Bundle, CannotSend, gather, whole_notebook
+from ecp.health import local_time, outdated
 from ecp.http import CONTACT_S, Event, RequestError, call, events
 from ecp.identity import JSON, authorization
 from ecp.notebook.outputs import strip_outputs
@@ -20,6 +21,7 @@ from ecp.report import Report
 from ecp.return_value import is_empty
 
 PATIENCE_S = 300.0  # with a server that stored the submission: it may restart meanwhile
+REPEATED = "Not submitted again: your submission of {} has the same code, and this is its report. again=True submits it."
 PICTURE_S = 5.0  # patience with a server that fails to send a picture
 
 
@@ -33,13 +35,15 @@ def submit(
     exercises: str | int | Sequence[str | int] | None = None,
     server: str | None = None,
     assignment: str | None = None,
+    again: bool = False,
 ) -> Report | None:
     """Submit functions with everything they need, or a ``.py`` or ``.ipynb`` file, or by default all code of
     this notebook.
 
     Waits for the report and returns it; its pictures are fetched when it is displayed. ``exercises`` are the
     numbers to grade (default: those the submission attempts). ``server`` and ``assignment`` default to those
-    of ``ecp.connect``. Functions that are still empty are not sent; returns None if all are empty. Raises
+    of ``ecp.connect``. Functions that are still empty are not sent; returns None if all are empty. If your
+    last submission was the same, its report is returned and nothing is submitted, unless ``again`` is true. Raises
     CannotSend, UnknownCourse, Unreachable or HTTPError if nothing was submitted, and NotGraded if the
     submission has no report.
     """
@@ -56,16 +60,18 @@ def submit(
     if exercises is not None:
         body["exercises"] = [str(number) for number in ([exercises] if isinstance(exercises, str | int) else exercises)]
     line, headers = Line(), authorization(where)
-    accepted = _post(f"{where}/v1/assignments/{slug}/submissions", body, headers, line)
+    accepted = _post(f"{where}/v1/assignments/{slug}/submissions", body, headers, line, again)
+    repeated = bool(accepted.get("repeated"))
     page = f"{where}/submissions/{accepted['id']}"
     with _final_text_on_error(line, f"submitted, see {page}"):
-        url, outdated = f"{where}/v1/submissions/{accepted['id']}", _outdated(where, slug)
+        url, remark = f"{where}/v1/submissions/{accepted['id']}", outdated(where, slug)
         report = _report(_wait(url, headers, line, page), page)
     report.sent, report.address, report.drawn = sent, page, cache(_fetcher(report, url, headers))
-    remarks = [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
+    remarks = [REPEATED.format(local_time(accepted["submitted_at"]))] if repeated else []
+    remarks += [f"Not sent, still empty: {', '.join(empty)}." if empty else "", "Late." if accepted["late"] else ""]
     remarks.append("" if accepted.get("sha256") == sent.sha256 else "The server graded a different text than the one sent.")
-    report.remark = " ".join(filter(None, [*remarks, outdated]))
-    line.end(f"submitted and graded: {report.summary()}")
+    report.remark = " ".join(filter(None, [*remarks, remark]))
+    line.end(f"{'not submitted again' if repeated else 'submitted and graded'}: {report.summary()}")
     return report
 
 
@@ -93,11 +99,11 @@ def _bundle(functions: list[Any], file: str | Path | None, slug: str) -> Bundle:
     return Bundle(text, filename=path.name)
 
 
-def _post(url: str, body: dict[str, Any], headers: Mapping[str, str], line: Line) -> dict[str, Any]:
+def _post(url: str, body: dict[str, Any], headers: Mapping[str, str], line: Line, again: bool) -> dict[str, Any]:
     """Send the submission and return the server's answer once it is stored. Retries do not submit twice."""
     line.show("submitting …")
     with _final_text_on_error(line, "not submitted"):
-        once = {**JSON, **headers, "Idempotency-Key": str(uuid.uuid4())}
+        once = {**JSON, **headers, "Idempotency-Key": str(uuid.uuid4())} | ({} if again else {"Prefer": "no-repeat"})
         accepted: dict[str, Any] = call("POST", url, body=json.dumps(body).encode(), headers=once, patience=CONTACT_S).json()
     return accepted
 
@@ -143,20 +149,6 @@ def _fetcher(report: Report, url: str, headers: Mapping[str, str]) -> Callable[[
         return call("GET", f"{url}/{folders[name]}/{name}.png", headers=headers, patience=PICTURE_S).body
 
     return fetch
-
-
-def _outdated(server: str, slug: str) -> str:
-    """Return a remark if the server now distributes another kit, whose public checks may differ; else ""."""
-    if (own := course.build(slug)) is None:
-        return ""
-    try:
-        current = call("GET", f"{server}/v1/assignments/{slug}", patience=5.0).json()
-    except RequestError:
-        return ""
-    if current.get("kit_build") == own:
-        return ""
-    address = f"{server}{current.get('kit')}"
-    return f"Your kit differs from the server's: %pip install --force-reinstall --no-deps {address}, then restart the kernel."
 
 
 @contextlib.contextmanager

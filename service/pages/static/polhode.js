@@ -1,5 +1,5 @@
 // Progressive enhancement: every page also works without JavaScript.
-//   [data-rows]            table or list; j and k move between its rows, o or Enter opens a row's first link
+//   [data-rows]            table or list; j and k move between its rows, o or Enter opens a row's first link, or its a[data-main]
 //   table[data-grid]       arrow keys, Home and End move between cells
 //   input[data-filter=ID]  hides the rows of table ID that do not contain the typed text; / focuses it. Wrap it in [data-js][hidden]
 //   [data-live=URL][id]    is reloaded at each event of the stream URL; data-events lists the event names, default "message"
@@ -47,7 +47,7 @@ function step(by) {
 }
 
 function open(row) {
-  row?.querySelector("a[href]")?.click();
+  (row?.querySelector("a[data-main]") ?? row?.querySelector("a[href]"))?.click();
 }
 
 // ---- cells
@@ -121,6 +121,18 @@ function onKeydown(event) {
 
 // ---- live
 
+// Show where a submission is. Return whether its page has that place, so that nothing needs to be reloaded.
+function progress(element, event) {
+  const line = element.querySelector("[data-progress]");
+  if (!line || !["queued", "running"].includes(event.type)) return false;
+  const { position, scene, scenes } = JSON.parse(event.data);
+  line.textContent = event.type === "queued" ? `Queued${position ? `, position ${position}` : ""}.` : `Running${scenes ? ` scene ${scene} of ${scenes}` : ""}.`;
+  const bar = element.querySelector("progress");
+  bar.hidden = !scenes;
+  if (scenes) Object.assign(bar, { max: scenes, value: scene });
+  return true;
+}
+
 function live(element) {
   const stream = new EventSource(element.dataset.live);
   let loading = false, again = false, lost;
@@ -137,7 +149,7 @@ function live(element) {
     loading = false;
     if (again) { again = false; reload(); }
   }
-  for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, reload);
+  for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, event => progress(element, event) || reload());
   stream.addEventListener("open", () => { clearTimeout(lost); lost = undefined; announce(""); });
   stream.addEventListener("error", () => {
     lost ??= setTimeout(() => announce(stream.readyState === EventSource.CLOSED ? "Connection lost. Reload the page." : "Connection lost. Reconnecting…"), 2000);

@@ -34,6 +34,11 @@ async def extensions(database: Database, slug: str) -> Sequence[Row]:
     return await database.rows(_LIST, {"slug": slug, "course": COURSE})
 
 
+async def of_person(database: Database, name: str) -> Sequence[Row]:
+    """Return the row of ``own`` for each assignment, with its ``slug``, ``weight`` and the ``reason`` of the extension, if any."""
+    return await database.rows(_OWN, {"slug": None, "name": name, "course": COURSE})
+
+
 async def own(database: Database, slug: str, name: str) -> Row:
     """Return a person's own rules: ``due_at`` with the extension, whether it is ``extended`` and, with ``grace_s``, ``over``, the
     ``submission_limit``, and how many submissions are ``used``.
@@ -63,11 +68,12 @@ WHERE (e.assignment_id, e.person_id) IN (SELECT x.id, p.id {_OF}) ORDER BY e.due
 """
 
 _OWN = f"""
-SELECT until.due_at, coalesce(until.due_at > x.due_at, false) AS extended, x.grace_s, x.submission_limit,
+SELECT x.slug, x.weight, e.reason, until.due_at, coalesce(until.due_at > x.due_at, false) AS extended,
+    x.grace_s, x.submission_limit,
     coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id AND NOT {FAULTED}) AS used
 FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}
-WHERE x.slug = :slug AND c.slug = :course
+WHERE coalesce(x.slug = CAST(:slug AS text), true) AND c.slug = :course ORDER BY x.due_at, x.slug
 """

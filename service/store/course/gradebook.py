@@ -10,8 +10,8 @@ from datetime import datetime
 from typing import NamedTuple
 from uuid import UUID
 
-from service.store.course.grades import BEST, IS_PERSON
-from service.store.course.people import COURSE
+from service.store.course.grades import BEST
+from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
 
 

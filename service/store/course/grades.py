@@ -5,7 +5,7 @@ from uuid import UUID
 
 from exercises.catalogue import assignments
 from service.formats.grade_row import GradeRow
-from service.store.course.people import COURSE
+from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
 from service.store.records import LATE, SHOWN, STATUS
 
@@ -21,9 +21,6 @@ SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, 
 FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slug = CAST(:slug AS text), true) JOIN {SHOWN}
 ORDER BY s.assignment_id, s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC, s.id
 """
-
-# Every database has the person "local", which has no submissions, and is not listed, where people log in.
-IS_PERSON = "(p.name <> 'local' OR EXISTS (SELECT FROM submission o WHERE o.person_id = p.id))"
 
 _GRADES = f"""
 WITH best AS MATERIALIZED ({BEST})

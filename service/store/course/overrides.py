@@ -49,6 +49,11 @@ async def of_submission(database: Queries, submission: UUID) -> Sequence[Overrid
     return [Override(**row._asdict()) for row in await database.rows(_ALL, {"id": submission})]
 
 
+async def of_person(database: Queries, name: str) -> Sequence[Row]:
+    """Return the overrides in force of a person's submissions, newest first, with their ``submission`` and ``assignment``."""
+    return await database.rows(_OF_PERSON, {"name": name})
+
+
 def revision(overrides: Sequence[Override]) -> int:
     """Return a number that grows with every change, with which a form states what its user had seen."""
     return len(overrides) + sum(not one.in_force for one in overrides)
@@ -136,6 +141,14 @@ async def _record_change(connection: Connection, submission: UUID, before: Row, 
 _ALL = """
 SELECT id, check_id AS check, points, reason, given_by AS by, given_at AS at, withdrawn_by, withdrawn_at
 FROM override WHERE submission_id = :id ORDER BY given_at, id
+"""
+
+_OF_PERSON = """
+SELECT o.submission_id AS submission, x.slug AS assignment, o.check_id AS check, o.points, o.reason, o.given_by AS by,
+    o.given_at AS at
+FROM override o JOIN submission s ON s.id = o.submission_id JOIN assignment x ON x.id = s.assignment_id
+    JOIN person p ON p.id = s.person_id
+WHERE p.name = :name AND o.withdrawn_at IS NULL ORDER BY o.given_at DESC, o.id
 """
 
 _LOCK = "SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE"

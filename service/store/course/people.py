@@ -1,10 +1,7 @@
-"""People and their roles in the course, and the roster format."""
+"""People and their roles in the course."""
 
-import csv
-import io
 import unicodedata
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
 from uuid import UUID
 
 from service.store.database import Connection, Database, Row
@@ -13,6 +10,8 @@ COURSE = "local"
 ROLES = ("student", "assistant", "instructor", "former")
 ROSTER = ("name", "role", "full_name", "email", "student_id")
 LONGEST_NAME = 200
+# Every database has the person "local", which has no submissions, and is not listed, where people log in.
+IS_PERSON = "(p.name <> 'local' OR EXISTS (SELECT FROM submission o WHERE o.person_id = p.id))"
 
 
 class InvalidName(ValueError):
@@ -66,6 +65,23 @@ async def everybody(database: Database) -> Sequence[Row]:
     return await database.rows(_EVERYBODY, {"course": COURSE})
 
 
+async def find(database: Database, name: str) -> Row | None:
+    """Return the row of ``everybody`` of the person of that name, or None if they are not in the course."""
+    return await database.first(_FIND, {"course": COURSE, "name": name})
+
+
+async def neighbours(database: Database, name: str) -> Row | None:
+    """Return the names of the student before and after ``name`` in the order of the class, None at its ends, as ``before`` and
+    ``after``; None if the person is not a student.
+    """
+    return await database.first(_NEIGHBOURS, {"course": COURSE, "name": name})
+
+
+async def search(database: Database, text: str, most: int) -> Sequence[Row]:
+    """Return at most ``most`` people of the course whose name, full name, email address or student id contains ``text``."""
+    return await database.rows(_SEARCH, {"course": COURSE, "text": text.casefold(), "most": most})
+
+
 async def secret(database: Database, name: str) -> bytes:
     """Return a signing key that all servers on this database share."""
     return str((await database.rows("SELECT value FROM secret WHERE name = :name", {"name": name}))[0].value).encode()
@@ -92,77 +108,30 @@ _ROLE_OF = """
 SELECT m.role FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
 WHERE p.name = :name AND c.slug = :course
 """
-_EVERYBODY = """
+_PEOPLE = """
 SELECT p.name, p.full_name, p.email, p.student_id, m.role, coalesce(sent.n, 0) AS submissions, sent.last,
     p.password IS NOT NULL AS password, coalesce(given.n, 0) AS tokens
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
-    LEFT JOIN (SELECT person_id, count(*) AS n, max(submitted_at) AS last FROM submission GROUP BY 1) sent ON sent.person_id = p.id
-    LEFT JOIN (SELECT person_id, count(*) AS n FROM token WHERE revoked_at IS NULL AND expires_at > now() GROUP BY 1) given
-        ON given.person_id = p.id
+    LEFT JOIN LATERAL (SELECT count(*) AS n, max(submitted_at) AS last FROM submission s WHERE s.person_id = p.id) sent ON true
+    LEFT JOIN LATERAL (
+        SELECT count(*) AS n FROM token t WHERE t.person_id = p.id AND revoked_at IS NULL AND expires_at > now()
+    ) given ON true
 WHERE c.slug = :course
-ORDER BY array_position(ARRAY['instructor', 'assistant', 'student', 'former'], m.role),
-    lower(coalesce(nullif(p.full_name, ''), p.name))
 """
-
-
-COLUMNS = ROSTER
-LONGEST = 200
-
-
-class BadRoster(ValueError):
-    """The file is not a valid roster; the message names the line."""
-
-
-class Entry(NamedTuple):
-    """A person of a roster; fields that are None stay unchanged."""
-
-    name: str
-    role: str | None = None
-    full_name: str | None = None
-    email: str | None = None
-    student_id: str | None = None
-
-
-def read(content: bytes, file: str) -> list[Entry]:
-    """Read a roster in CSV and return an entry per line.
-
-    Raises BadRoster, with ``file`` in its message, if it is not valid.
-    """
-    try:
-        rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
-        found = _read(rows, file)
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise BadRoster(f"{file} is not CSV text in UTF-8 ({error}): save it as CSV UTF-8") from None
-    if not found:
-        raise BadRoster(f"{file} has no entries: add a line for each person")
-    return found
-
-
-def _read(rows: Any, file: str) -> list[Entry]:
-    columns = [cell.strip().casefold().replace(" ", "_") for cell in next(rows, [])]
-    if "name" not in columns or (unknown := set(columns) - set(COLUMNS)) or len(set(columns)) < len(columns):
-        wrong = f", not {sorted(unknown)[0][:40]!r}" if "name" in columns and unknown else ""
-        raise BadRoster(f"{file}: the first line must name the columns: name and optionally {', '.join(COLUMNS[1:])}{wrong}")
-    found: dict[str, Entry] = {}
-    for cells in rows:
-        if not any(cell.strip() for cell in cells):
-            continue
-        try:
-            entry = _entry(dict(zip(columns, cells, strict=False)))
-        except ValueError as error:
-            raise BadRoster(f"{file}, line {rows.line_num}: {error}") from None
-        if found.setdefault(entry.name, entry) != entry:
-            problem = f"{entry.name} is listed twice with different values: keep one line"
-            raise BadRoster(f"{file}, line {rows.line_num}: {problem}")
-    return list(found.values())
-
-
-def _entry(row: dict[str, str]) -> Entry:
-    role = row.get("role", "").strip().casefold() or None
-    if role not in (None, *ROLES):
-        raise ValueError(f"a role must be one of {', '.join(ROLES)}, not {role[:40]}")
-    about = {name: " ".join(row[name].split()) for name in COLUMNS[2:] if name in row}
-    for name, value in about.items():
-        if len(value) > LONGEST or not value.isprintable():
-            raise ValueError(f"{name} must have at most {LONGEST} printable characters")
-    return Entry(normalize_name(row.get("name", "")), role, **about)
+_BY_ROLE = """ORDER BY array_position(ARRAY['instructor', 'assistant', 'student', 'former'], m.role),
+    lower(coalesce(nullif(p.full_name, ''), p.name)), p.name"""
+_EVERYBODY = f"{_PEOPLE} AND {IS_PERSON} {_BY_ROLE}"
+_FIND = f"{_PEOPLE} AND p.name = :name"
+_SEARCH = f"""
+{_PEOPLE} AND {IS_PERSON} AND strpos(lower(concat_ws(chr(10), p.name, p.full_name, p.email, p.student_id)), :text) > 0
+{_BY_ROLE} LIMIT :most
+"""
+_NEIGHBOURS = f"""
+WITH class AS (
+    SELECT p.name, lag(p.name) OVER place AS before, lead(p.name) OVER place AS after
+    FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id
+    WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}
+    WINDOW place AS (ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name)
+)
+SELECT before, after FROM class WHERE name = :name
+"""

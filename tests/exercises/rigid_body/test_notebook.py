@@ -36,7 +36,7 @@ def test_it_was_never_run():
 def test_the_servers_addresses_and_packages_stand_open_once_each_and_nothing_else():
     install, rest = _source(CODE[0]).split("\n", 1)
     assert install == "%pip install -q {{KIT_URL}}"
-    assert rest == 'import ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="rigid-body")'
+    assert rest == 'import ecp\n\nSERVER = "{{SERVER}}"\necp.connect(SERVER, assignment="rigid-body")\necp.login()'
     assert re.findall(r"\{\{\w*\}\}", "\n".join(map(_source, CELLS))) == ["{{PACKAGES}}", "{{KIT_URL}}", "{{SERVER}}"]
 
 

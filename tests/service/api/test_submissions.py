@@ -205,6 +205,17 @@ def test_idempotency_key(server):
     assert status == 422 and json.loads(answer)["type"].endswith("key-reused")
 
 
+def test_a_repetition_is_answered_with_the_last_submission_where_that_is_preferred(server):
+    body = {"source": ZEROS + "# repeated\n", "exercises": ["2"]}
+    first = json.loads(post(server, body, Prefer="wait=60")[2])
+    status, headers, answer = post(server, body, Prefer="wait=60, No-Repeat")
+    again = json.loads(answer)
+    assert (status, again["id"], again["repeated"], again["report"]["score"]) == (200, first["id"], True, first["report"]["score"])
+    assert headers["Preference-Applied"] == "no-repeat" and headers["Location"].endswith(first["id"])
+    status, _, answer = post(server, body, Prefer="wait=60")
+    assert json.loads(answer)["id"] != first["id"] and "repeated" not in json.loads(answer)
+
+
 def test_many_at_once_with_one_key_are_one_submission(server):
     from concurrent.futures import ThreadPoolExecutor
 

@@ -38,6 +38,44 @@ def test_a_key_means_one_submission_for_one_person(database_url):
     assert sql(database_url, "SELECT count(*) FROM procrastinate_jobs") == [(2,)]
 
 
+def test_what_repeats_the_last_submission_is_stored_only_if_wanted(database_url):
+    def sent(one, key=None, repeat=False):
+        return run(database_url, lambda d: accept(d, one, key, repeat=repeat))
+
+    one = new(exercises=["2"])
+    assert sent(one).fresh
+    repeated = sent(new(exercises=["2"]), "k1")
+    assert (repeated.id, repeated.fresh, repeated.repeated) == (one.id, False, True)
+    assert sent(new(exercises=["2"]), repeat=True).fresh and sent(new()).fresh and sent(new("ben", exercises=["2"])).fresh
+    earlier = new(exercises=["2"])
+    assert sent(earlier).fresh, "only the last submission counts"
+    kept = new(source="x = 1")
+    assert sent(kept, "k2").fresh
+    retried = sent(new(source="x = 1"), "k2")
+    assert retried.id == kept.id and not retried.repeated, "a retry of one request is no repetition"
+    assert sql(database_url, "SELECT count(*) FROM submission") == [(6,)]
+
+
+@pytest.mark.parametrize("result", ["another version", "a system fault"])
+def test_a_repetition_is_graded_if_its_report_would_be_another(database_url, result):
+    one = new()
+    run(database_url, lambda d: accept(d, one))
+    if result == "another version":
+        run(database_url, lambda d: grade(d, one.id, {"2-energy": "✓"}, version="0"))
+    else:
+        sql(database_url, "INSERT INTO result (grading_id, fault) SELECT id, 'ours' FROM grading")
+    assert run(database_url, lambda d: accept(d, new(), repeat=False)).fresh
+
+
+def test_the_last_submission_is_returned_after_the_deadline_and_at_the_limit(database_url):
+    one = new()
+    run(database_url, lambda d: accept(d, one))
+    sql(database_url, "UPDATE assignment SET due_at = now() - interval '1 h', submission_limit = 1")
+    assert run(database_url, lambda d: accept(d, new(), repeat=False)).id == one.id
+    with pytest.raises(SubmissionRejected):
+        run(database_url, lambda d: accept(d, new(source="x = 1"), repeat=False))
+
+
 def test_twenty_at_once_with_one_key_are_one(database_url):
     ids = run(database_url, lambda d: asyncio.gather(*(accept(d, new(), "k") for _ in range(20))))
     assert (

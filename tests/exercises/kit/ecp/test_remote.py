@@ -125,3 +125,15 @@ def test_the_progress_ends_with_the_points(submitted, capsys):
     submitted(picture())
     assert capsys.readouterr().out.splitlines()[-2] == "submitted and graded: 1 of 1 points (public checks: 1 of 1)"
     assert json.loads(submitted.server.seen[0].body) == {"source": "x = 1\n", "filename": "mine.py"}
+
+
+def test_a_repetition_is_not_submitted_and_again_submits_it(submitted, capsys, tmp_path):
+    last = SUBMITTED | {"submitted_at": "2026-01-02T03:04:05+00:00", "repeated": True, "status": "graded"}
+    submitted.server.script += [says(200, last), *ANSWERS[1:], *ANSWERS]
+    given = {"file": tmp_path / "mine.py", "server": submitted.server.url, "assignment": "rigid-body"}
+    found = ecp.submit(**given)
+    assert "Not submitted again: your submission of 2026-01-0" in found.remark and found.score == GRADED.score
+    assert "not submitted again: 1 of 1 points" in capsys.readouterr().out
+    assert "Not submitted again" not in ecp.submit(**given, again=True).remark
+    preferred = [request.headers.get("prefer") for request in submitted.server.seen if request.method == "POST"]
+    assert preferred == ["no-repeat", None]

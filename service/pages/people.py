@@ -1,0 +1,164 @@
+"""People: the list, the roster import with its preview, a person's page, and the search."""
+
+import asyncio
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from starlette.datastructures import FormData
+
+from exercises.catalogue import assignments
+from service.auth import forms
+from service.auth.identity import Person
+from service.auth.roles import Instructor, Staff
+from service.formats.spreadsheet_csv import table
+from service.http.errors import Problem, wants_page
+from service.http.state import Db
+from service.http.templating import templates
+from service.pages.regrades import check_labels
+from service.store.course import audit, deadlines, overrides, people, roster, tokens
+from service.store.database import Row
+from service.store.records import recent
+
+router = APIRouter()
+TOKEN_S = 200.0 * tokens.DAY_S
+MOST_PEOPLE, MOST_SUBMISSIONS, MOST_FOUND, MOST_NAMED = 5000, 500, 50, 20
+
+
+@router.get("/people", response_class=HTMLResponse)
+async def show_people(
+    request: Request, person: Staff, database: Db, entered: Annotated[int | None, Query(ge=0)] = None
+) -> Response:
+    """Show all people of the course, and to instructors the roster import."""
+    return await _page(request, database, entered)
+
+
+async def _page(request: Request, database: Db, entered: int | None = None, problem: Problem | None = None) -> Response:
+    context = {"rows": await people.everybody(database), "imported": entered, "error": problem and problem.detail}
+    return templates.TemplateResponse(request, "people.html", context, status_code=problem.status if problem else 200)
+
+
+@router.post("/people/preview", response_class=HTMLResponse)
+async def preview_roster(request: Request, person: Instructor, form: forms.Form, database: Db) -> Response:
+    """Show what the import of a roster would add and change."""
+    try:
+        file, content, found = await _roster(form, person)
+    except Problem as problem:
+        if not wants_page(request):
+            raise
+        return await _page(request, database, problem=problem)
+    known = {row.name: row for row in await people.everybody(database)}
+    context = {
+        "file": file,
+        "content": content,
+        "found": found,
+        "entries": [(entry, *_change(entry, known.get(entry.name))) for entry in found.entries],
+        "absent": [row for row in known.values() if row.role == "student" and row.name not in {e.name for e in found.entries}],
+        "tokens": forms.field(form, "tokens"),
+        "most_named": MOST_NAMED,
+    }
+    return templates.TemplateResponse(request, "roster.html", context)
+
+
+@router.post("/people")
+async def import_roster(request: Request, person: Instructor, form: forms.Form, database: Db) -> Response:
+    """Import people from a roster. Return their new tokens as a CSV file if requested."""
+    try:
+        file, _, found = await _roster(form, person)
+    except Problem as problem:
+        if not wants_page(request):
+            raise
+        return await _page(request, database, problem=problem)
+    names = [entry.name for entry in found.entries] if forms.field(form, "tokens") else []
+    async with database.begin() as connection:
+        await people.enroll(connection, found.entries)
+        options: dict[str, Any] = {"label": "issued with the roster", "scopes": tokens.SCOPES, "seconds": TOKEN_S}
+        created = await tokens.create_all(connection, names, **options) if names else []
+        await audit.record(connection, person.name, "roster", file, {"people": len(found.entries), "tokens": len(created)})
+    return _tokens_file(created) if created else RedirectResponse(f"/people?entered={len(found.entries)}", 303)
+
+
+async def _roster(form: FormData, person: Person) -> tuple[str, str, roster.Roster]:
+    """Return name, text and entries of the roster in a form: an uploaded file, or the text that a preview repeats.
+
+    Raises Problem 422 if it is not valid.
+    """
+    if text := forms.raw_field(form, "content", forms.MOST_FORM):
+        file, content = forms.field(form, "file") or "the file", text.encode()
+    else:
+        file, content = await forms.file(form, "roster")
+    try:
+        found = await asyncio.to_thread(roster.read, content, file, forms.field(form, "login") or None)
+    except roster.BadRoster as error:
+        raise Problem(422, "invalid-request", str(error), "/roster") from None
+    if len(found.entries) > MOST_PEOPLE:
+        raise Problem(422, "invalid-request", f"the roster has more than {MOST_PEOPLE} people: split the file", "/roster")
+    if not person.single_user and any(e.name == person.name and e.role not in (None, "instructor") for e in found.entries):
+        detail = "this roster would remove your own instructor role, so nothing was imported: correct your line"
+        raise Problem(422, "invalid-request", detail, "/roster")
+    return file, text or roster.text(content), found
+
+
+def _change(entry: roster.Entry, known: Row | None) -> tuple[str, dict[str, tuple[str, str]]]:
+    """Return "new", "changed" or "unchanged", and of a known person the old and the new value of each changed column."""
+    if known is None:
+        return "new", {}
+    pairs = {column: (getattr(known, column), getattr(entry, column)) for column in people.ROSTER[1:]}
+    changed = {column: (old, new) for column, (old, new) in pairs.items() if new is not None and new != old}
+    return "changed" if changed else "unchanged", changed
+
+
+def _tokens_file(created: list[tuple[str, str]]) -> Response:
+    headers = {"Content-Disposition": 'attachment; filename="tokens.csv"'}
+    return Response(table(("name", "token"), created), media_type="text/csv; charset=utf-8", headers=headers)
+
+
+@router.get("/person", response_class=HTMLResponse)
+async def show_person(
+    request: Request, person: Staff, database: Db, name: Annotated[str, Query(max_length=people.LONGEST_NAME)] = ""
+) -> Response:
+    """Show a person's assignments, submissions, extensions and overrides."""
+    if not name:
+        return RedirectResponse("/people", 303)
+    about = None if "\x00" in name else await people.find(database, name)
+    if about is None:
+        raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
+    sent = await recent(database, MOST_SUBMISSIONS, name)
+    context = {
+        "about": about,
+        "beside": await people.neighbours(database, name),
+        "assignments": assignments(),
+        "rows": [(row, _counted([one for one in sent if one.assignment == row.slug])) for row in await _own(database, name)],
+        "submissions": sent,
+        "most": MOST_SUBMISSIONS,
+        "overrides": await overrides.of_person(database, name),
+        "labels": {a.slug: check_labels(a) for a in assignments().values()},
+    }
+    return templates.TemplateResponse(request, "person.html", context)
+
+
+async def _own(database: Db, name: str) -> Sequence[Row]:
+    return [row for row in await deadlines.of_person(database, name) if row.slug in assignments()]
+
+
+def _counted(sent: Sequence[Row]) -> Row | None:
+    """Return the submission that counts: of the graded ones the newest with the most points, else the newest."""
+    graded = [one for one in sent if one.points is not None]
+    return max(graded, key=lambda one: one.points) if graded else next(iter(sent), None)
+
+
+@router.get("/search", response_class=HTMLResponse)
+async def search(request: Request, person: Staff, database: Db, q: Annotated[str, Query(max_length=200)] = "") -> Response:
+    """Show the people, assignments and submissions that match a text."""
+    text = q.replace("\x00", "").strip()
+    folded = text.casefold()
+    context = {
+        "text": text,
+        "most": MOST_FOUND,
+        "people": await people.search(database, text, MOST_FOUND) if text else [],
+        "submissions": await recent(database, MOST_FOUND, text=folded) if text else [],
+        "found": [a for a in assignments().values() if text and folded in f"{a.slug}\n{a.title}".casefold()],
+        "assignments": assignments(),
+    }
+    return templates.TemplateResponse(request, "search.html", context)

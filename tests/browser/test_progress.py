@@ -1,0 +1,38 @@
+"""The page of a submission follows its grading, without a reload by hand, after an upload."""
+
+import pytest
+
+from service.store import runs
+from tests.support.app import App
+from tests.support.database import entered, run, sql
+from tests.support.submissions import claim, grade
+
+pytestmark = pytest.mark.slow  # tests/service/http/test_live.py has the events
+
+
+@pytest.fixture(scope="module")
+def server(url):
+    started = App(database_url=url)
+    yield started
+    started.stop()
+
+
+def test_an_upload_is_followed_to_its_report(page, server, url, tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text("def euler_eqs(t, w, I):\n    return w\n")
+    page = page()
+    page.goto(f"{server.url}/assignments/rigid-body")
+    page.get_by_label("Token from your course").fill(entered(url, "ann"))
+    page.get_by_role("button", name="Log in").click()
+    page.get_by_label("Completed notebook").set_input_files(file)
+    page.get_by_role("button", name="Submit").click()
+    page.get_by_text("Queued, position 1.").wait_for()
+    ((submission, grading),) = sql(url, "SELECT submission_id, id FROM grading")
+    claimed = claim(url, grading)
+    run(url, lambda database: runs.heartbeat(database, claimed, "playing", 2, 5))
+    page.get_by_text("Running scene 2 of 5.").wait_for()
+    assert page.get_by_role("progressbar").get_attribute("max") == "5"
+    sql(url, "UPDATE run SET ended_at = now(), end_reason = 'lost'")
+    run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
+    page.get_by_text("rotational energy conserved").wait_for()
+    assert not page.locator("[data-progress]").count()

@@ -128,7 +128,8 @@ def test_an_instructor_enters_a_roster_and_gives_points_that_the_student_sees(se
     file.write_text("name,role,full_name\nzoe,student,Zoë Ågård\n")
     page.locator("summary", has_text="Import roster").click()
     page.get_by_label("Roster file").set_input_files(file)
-    page.get_by_role("button", name="Import").click()
+    page.get_by_role("button", name="Preview import").click()
+    page.get_by_role("button", name="Import 1 person").click()
     page.get_by_text("Imported 1 person.").wait_for()
     page.get_by_label("Filter").fill("agard")
     assert page.locator("#people > tbody > tr:visible").count() == 1

@@ -42,8 +42,8 @@ env: .venv/runtime  ## install polhode into .venv from the hashed lock file
 		|| echo "polhode: no chromium found: browser tests will be skipped"
 	@touch $@
 
-demo: env  ## start a server, grade samples over HTTP and print their reports (ONCE=1: then stop)
-	@$(CLEAN_ENV) $(BIN)/python -m service.cli.demo $(if $(ONCE),--once)
+demo: env  ## start a server, grade samples over HTTP and print their reports (ONCE=1: then stop; PORT=N)
+	@$(CLEAN_ENV) $(BIN)/python -m service.cli.demo $(if $(ONCE),--once) $(if $(PORT),--port $(PORT))
 
 serve: env  ## start the server on port 8000 with its data in .data
 	@$(CLEAN_ENV) POLHODE_DATA=$${POLHODE_DATA:-.data} $(BIN)/polhode serve
@@ -78,6 +78,7 @@ bench: .venv/tests  ## measure exact motion, sandbox, checks, false ✗, queue, 
 	@NUMBA_CACHE_DIR=$$(mktemp -d) $(CLEAN_ENV) $(BIN)/python -m bench.exact_speed  # numba's cache misses changes of called functions
 	@$(CLEAN_ENV) $(BIN)/python -m bench.sandbox
 	@$(CLEAN_ENV) MPLBACKEND=Agg $(BIN)/python -m bench.checks
+	@$(CLEAN_ENV) $(BIN)/python -m bench.notebook
 	@$(CLEAN_ENV) $(BIN)/python -m bench.queue
 	@$(CLEAN_ENV) $(BIN)/python -m bench.surge
 	@$(CLEAN_ENV) $(BIN)/python -m bench.connections

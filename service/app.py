@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
 from fastapi.staticfiles import StaticFiles
 
@@ -26,6 +26,7 @@ from service.pages import (
     class_tabs,
     comments,
     course,
+    course_settings,
     gradebook,
     login,
     overrides,
@@ -55,8 +56,9 @@ ROUTERS = (
 )
 PAGES = (
     course.router,
-    class_tabs.router,
     people.router,
+    course_settings.router,
+    class_tabs.router,
     gradebook.router,
     exports.router,
     queue.router,
@@ -98,7 +100,7 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
     for router in ROUTERS:
         app.include_router(router)
     for router in PAGES:
-        app.include_router(router, include_in_schema=False)
+        app.include_router(router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)])
     app.mount("/static/swagger", StaticFiles(packages=[("fastapi_swagger", "resources")]))
     app.mount("/static", StaticFiles(directory=Path(__file__).parent / "pages" / "static"))
     app.include_router(course.others, include_in_schema=False)

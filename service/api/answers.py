@@ -82,7 +82,7 @@ class Override(BaseModel):
     """An instructor's override of a check's points, or of the whole submission (check null)."""
 
     check: str | None
-    points: int
+    points: int | float
     reason: str
     by: str
     at: Moment
@@ -134,7 +134,10 @@ class Submission(BaseModel):
     system_fault: str = ""
     cancelled_by: str = ""
     repeated: bool = False
-    points: int = 0
+    points: int | float = 0
+    penalty: int | float = Field(0, description="Points lost for being late.")
+    final: int | float = Field(0, description="Points after the penalty.")
+    scores_released: bool = Field(True, description="False if the report is withheld until the scores are released.")
     overrides: list[Override] = []
     regrade_requests: list[RegradeRequest] = []
     comments: list[Comment] = []
@@ -159,7 +162,10 @@ class Past(BaseModel):
     score: int | None
     max_score: int | None
     total: int | None
-    points: int | None
+    points: int | float | None
+    penalty: int | float
+    final: int | float | None
+    scores_released: bool
     sha256: str
     verdicts: dict[str, str]
     changed: Changed | None

@@ -22,26 +22,32 @@ AUDIT = ("at", "who", "action", "subject", "detail")
 OVERRIDES = ("student", "submission_id", "check_id", "points", "reason", "given_by", "given_at", "withdrawn_by", "withdrawn_at")
 INDEX = (
     "student", "submission", "submitted_at", "late", "status", "attempt", "points", "score", "counted", "overridden", "fault",
-    "sha256", "folder",
+    "sha256", "folder", "penalty",
 )  # fmt: skip
 RESERVED_NAMES = ("report.json", "report.txt")
 
 
-async def course_archive(database: Database, slug: str, files: Mapping[str, str], people: Sequence[Row]) -> AsyncIterator[bytes]:
-    """Yield the zip's bytes: ``files``, roster, overrides, audit log, every submission with its report,
-    and their index.
+async def course_archive(
+    database: Database, slug: str, files: Mapping[str, str], people: Sequence[Row], *, everything: bool = True
+) -> AsyncIterator[bytes]:
+    """Yield the zip's bytes: ``files``, every submission with its report, and their index.
+
+    With ``everything`` it also holds roster, overrides and audit log.
     """
     top, now = safe_filename(slug), datetime.now(UTC)
     with closing(ZipStream()) as archive:
-        overridden = await overrides(database, slug)
-        tables = {**files, "roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(OVERRIDES, overridden)}
+        tables = dict(files)
+        if everything:
+            overridden = await overrides(database, slug)
+            tables |= {"roster.csv": _lines(ROSTER, people), "overrides.csv": _lines(OVERRIDES, overridden)}
         for name, content in tables.items():
             archive.add(f"{top}/{name}", content, now)
-        number = 0
-        async for entries in trail(database):
-            number += 1
-            archive.add(f"{top}/audit/{number:04}.csv", _lines(AUDIT, entries), now)
-            yield archive.take()
+        if everything:
+            number = 0
+            async for entries in trail(database):
+                number += 1
+                archive.add(f"{top}/audit/{number:04}.csv", _lines(AUDIT, entries), now)
+                yield archive.take()
         folders = Folders(top, [person.name for person in people])
         async for batch in submissions(database, slug):
             await asyncio.to_thread(folders.add, archive, batch)
@@ -84,7 +90,7 @@ def _reports(row: Row) -> dict[str, str]:
 
 def _line(row: Row, folder: str) -> list[Value]:
     result = [row.number, row.points, row.score, row.max_score, row.overridden, row.fault]
-    return [row.person, str(row.id), moment(row.submitted_at), row.late, row.status, *result, row.sha256, folder]
+    return [row.person, str(row.id), moment(row.submitted_at), row.late, row.status, *result, row.sha256, folder, row.penalty]
 
 
 def _lines(columns: Sequence[str], rows: Sequence[Row]) -> str:
@@ -94,4 +100,4 @@ def _lines(columns: Sequence[str], rows: Sequence[Row]) -> str:
 def _value(value: object) -> Value:
     if isinstance(value, datetime):
         return moment(value)
-    return value if value is None or isinstance(value, int | str) else str(value)
+    return value if value is None or isinstance(value, int | float | str) else str(value)

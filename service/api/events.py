@@ -54,6 +54,8 @@ async def _progress(database: Db, stored: SubmissionRecord, listener: Listener) 
     assert row is not None
     progress = {"status": row.status, "attempt": row.number}
     if row.finished:
+        if stored.withheld:
+            return progress
         return progress | {"score": row.score, "max_score": row.max_score, "total": row.total}
     if row.status == "queued":
         return progress | {"position": await listener.position(str(row.grading))}

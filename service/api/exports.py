@@ -26,13 +26,14 @@ CSV = "text/csv; charset=utf-8"
 GRADEBOOKS: dict[str, Callable[[Sequence[GradeRow], Assignment], str]] = {
     "nbgrader": lambda rows, _: gradebooks.nbgrader_csv(rows),
     "canvas": lambda rows, assignment: gradebooks.canvas_csv(rows, assignment.title, assignment.max_points()),
+    "gradescope": lambda rows, _: gradebooks.gradescope_csv(rows),
     "moodle": lambda rows, assignment: gradebooks.moodle_csv(rows, assignment.title),
 }
 
 
 @router.get("/grades.csv")
 async def course_csv(person: Staff, database: Db) -> Response:
-    """Export the course: one row per student with points and maximum points of every assignment."""
+    """Export the course: one row per student with points of every assignment and the weighted total."""
     rows = await grades(database)
     return _file("course-grades.csv", CSV, await asyncio.to_thread(grade_files.course_csv, rows))
 
@@ -53,7 +54,7 @@ async def assignment_json(person: Staff, assignment: Assigned, database: Db) -> 
 
 @router.get("/assignments/{slug}/grades/{form}.csv")
 async def gradebook_csv(
-    person: Staff, assignment: Assigned, form: Literal["nbgrader", "canvas", "moodle"], database: Db
+    person: Staff, assignment: Assigned, form: Literal["nbgrader", "canvas", "moodle", "gradescope"], database: Db
 ) -> Response:
     """Export an assignment as CSV for another gradebook."""
     rows = await grades(database, assignment.slug)
@@ -68,6 +69,13 @@ async def all_zip(person: Staff, assignment: Assigned, database: Db) -> Response
     files = {"grades.csv": own_csv, "grades.json": own_json}
     parts = course_archive(database, assignment.slug, files, people)
     return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-all.zip"))
+
+
+@router.get("/assignments/{slug}/submissions.zip")
+async def submissions_zip(person: Staff, assignment: Assigned, database: Db) -> Response:
+    """Stream a zip of every submission's file and report, and their index."""
+    parts = course_archive(database, assignment.slug, {}, await roster(database), everything=False)
+    return StreamingResponse(parts, media_type="application/zip", headers=_headers(f"{assignment.slug}-submissions.zip"))
 
 
 def _csv(assignment: Assignment, rows: Sequence[GradeRow]) -> str:

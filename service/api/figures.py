@@ -8,7 +8,7 @@ from typing import Literal
 from fastapi import APIRouter, Request, Response
 
 from service.api.figure_renderer import Renderer, RenderFailed
-from service.api.submissions import Submission, find_assignment
+from service.api.submissions import Submission, find_assignment, report_of
 from service.grading.rendering import FORMATS
 from service.grading.rendering import find as find_figure
 from service.http.errors import Problem
@@ -81,8 +81,7 @@ async def speed_against_accuracy(
     """Return the speed vs accuracy sweep of the submission's function; a worker runs it on the first
     request.
     """
-    if stored.report is None:
-        raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
+    report_of(stored)
     async for _ in listener.wait_for_changes(str(stored.id), SWEEP_WAIT_S):
         if found := await find_artefact(database, stored.grading, f"sweep.{form}"):
             return _cached(request, found, FORMATS.get(form, "application/json"))

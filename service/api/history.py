@@ -3,7 +3,7 @@
 import asyncio
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import zip_longest
 
 from fastapi import APIRouter
@@ -11,7 +11,7 @@ from fastapi import APIRouter
 from ecp.judge import MARKS, Verdict
 from service.api import answers
 from service.api.submissions import Assigned
-from service.auth.identity import Reader
+from service.auth.identity import STAFF, Person, Reader
 from service.http.openapi import PERSON, problems
 from service.http.state import Db
 from service.store.course import deadlines
@@ -27,9 +27,9 @@ async def list_own(assignment: Assigned, person: Reader, database: Db) -> answer
     """Return the person's submissions, newest first, with verdicts and changes since the previous one,
     the best and last ids, and the person's own deadline and number of submissions.
     """
-    found = await past_submissions(database, person.name, assignment.slug)
+    found = [_released(person, one) for one in await past_submissions(database, person.name, assignment.slug)]
     graded = [one for one in found if one.points is not None]
-    best = max(graded, key=lambda one: one.points or 0, default=None)  # the newest of equals
+    best = max(graded, key=lambda one: one.final or 0, default=None)  # the newest of equals
     return answers.History(
         assignment=assignment.slug,
         submissions=await asyncio.to_thread(_answers, found),
@@ -39,9 +39,16 @@ async def list_own(assignment: Assigned, person: Reader, database: Db) -> answer
     )
 
 
+def _released(person: Person, one: PastSubmission) -> PastSubmission:
+    """Return the submission without scores and verdicts if the person may not see them yet."""
+    if one.scores_released or person.role in STAFF:
+        return one
+    return replace(one, score=None, max_score=None, total=None, points=None, penalty=0, verdicts={})
+
+
 def _answers(found: Sequence[PastSubmission]) -> list[answers.Past]:
     return [
-        answers.Past(**asdict(one), changed=None if earlier is None else _changed(earlier, one))
+        answers.Past(**asdict(one), final=one.final, changed=None if earlier is None else _changed(earlier, one))
         for one, earlier in zip_longest(found, found[1:])
     ]
 

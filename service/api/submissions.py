@@ -5,7 +5,7 @@ import re
 import secrets
 import time
 import uuid
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,9 +20,10 @@ from exercises.catalogue import assignments, find
 from exercises.validation_cells import is_self_reported
 from service.api import answers, parse_submission
 from service.api.health import WorkerStatus
+from service.api.release import NOT_RELEASED, visible
 from service.auth.identity import STAFF, Person, Reader, Submitter
 from service.formats import junit
-from service.grading.author_errors import FAULT
+from service.formats.grade_row import whole
 from service.grading.result import GradedFile
 from service.http.errors import Problem
 from service.http.live import Listener
@@ -65,7 +66,7 @@ async def _submission(id: str, person: Reader, database: Db) -> SubmissionRecord
         raise Problem(404, "not-found", f"no submission {id[:80]}: check the address")
     if stored.person != person.name and person.role not in STAFF:
         raise Problem(403, "not-allowed", "you don't have permission: another student sent this submission")
-    return _visible(person, stored)
+    return visible(person, stored)
 
 
 Assigned = Annotated[Assignment, Depends(find_assignment)]
@@ -219,7 +220,7 @@ async def submit(
     if accepted.fresh and wait_s == 0:  # grading has only just been queued
         return _response(queued, 202, {"Location": location, "Retry-After": "1"})
     try:
-        found = _visible(person, await _wait(database, listener, accepted, wait_s))
+        found = visible(person, await _wait(database, listener, accepted, wait_s))
     except Exception as error:
         if not is_outage(error) or is_loss(error):
             raise
@@ -250,7 +251,8 @@ async def _accept(database: Db, most: int, person: Person, new: NewSubmission, k
 @router.get("/v1/submissions/{id}", response_model_exclude_unset=True, responses=problems(PERSON | {404: "not-found"}))
 async def show_submission(stored: Submission, database: Db) -> answers.Submission:
     """Return the status of a submission, its report if graded, and the staff's overrides, answers and comments."""
-    in_force = [one for one in await overrides.of_submission(database, stored.id) if one.in_force]
+    given = [] if stored.withheld else await overrides.of_submission(database, stored.id)
+    in_force = [one for one in given if one.in_force]
     listed = [answers.Override(check=o.check, points=o.points, reason=o.reason, by=o.by, at=o.at) for o in in_force]
     feedback = {
         "regrade_requests": [asdict(one) for one in await regrade_requests.of_submission(database, stored.id)],
@@ -258,13 +260,6 @@ async def show_submission(stored: Submission, database: Db) -> answers.Submissio
     }
     more: dict[str, Any] = {"points": stored.points, "overrides": listed} if listed else {}
     return _document(stored, **more, **{name: rows for name, rows in feedback.items() if rows})
-
-
-def _visible(person: Person, stored: SubmissionRecord) -> SubmissionRecord:
-    """Return the submission as the person may see it: only the staff see where an assignment's own code failed."""
-    if FAULT.format(slug=stored.assignment, error="") not in (stored.fault or "") or person.role in STAFF:
-        return stored
-    return replace(stored, fault=FAULT.format(slug=stored.assignment, error="the course staff can see where"))
 
 
 def _uuid(text: str) -> uuid.UUID | None:
@@ -278,6 +273,9 @@ def _document(stored: SubmissionRecord, **more: Any) -> answers.Submission:
     more |= {"fault": stored.fault, "system_fault": stored.fault} if stored.fault else {}
     more |= {"cancelled_by": stored.cancelled_by} if stored.cancelled_by else {}
     more |= {name: getattr(stored, name) for name in ("id", "status", "submitted_at", "late")}
+    more |= {"scores_released": False} if stored.withheld else {}
+    if stored.points is not None and stored.penalty:
+        more |= {"penalty": stored.penalty, "final": whole(round(stored.points - stored.penalty, 2))}
     report = document(stored.report) if stored.report else None
     return answers.Submission(**more, sha256=stored.submission.sha256, report=report)
 
@@ -308,7 +306,7 @@ def _seconds(prefer: str | None) -> float:
 )
 async def report_text(stored: Submission) -> PlainTextResponse:
     """Return the report as text, as the notebook prints it."""
-    return PlainTextResponse(_report(stored).text())
+    return PlainTextResponse(report_of(stored).text())
 
 
 @router.get(
@@ -319,15 +317,17 @@ async def report_text(stored: Submission) -> PlainTextResponse:
 )
 async def report_junit(stored: Submission) -> Response:
     """Return the report as JUnit XML for CI systems."""
-    report = _report(stored)
+    report = report_of(stored)
     seconds = sum(report.provenance.phases_ms.values()) / 1e3
     file = GradedFile(file=Path(stored.submission.filename), source=stored.submission.source, report=report, seconds=seconds)
     assignment = await find_assignment(stored.assignment)
     return Response(await asyncio.to_thread(junit.text, [file], assignment), media_type="application/xml")
 
 
-def _report(stored: SubmissionRecord) -> Report:
-    """Return the submission's report. Raises Problem 409 if it has none."""
+def report_of(stored: SubmissionRecord) -> Report:
+    """Return the submission's report. Raises Problem 409 if it has none, or its scores are not released."""
+    if stored.withheld:
+        raise Problem(409, "not-ready", NOT_RELEASED)
     if stored.report is None:
         raise Problem(409, "not-ready", stored.fault or "the submission has not been graded yet: try again later")
     return stored.report

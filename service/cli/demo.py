@@ -1,4 +1,4 @@
-"""Start a server on a free port, submit samples over HTTP, and print their reports."""
+"""Start a server, submit samples over HTTP, and print their reports."""
 
 import argparse
 import json
@@ -28,10 +28,12 @@ def main() -> int:
     """Run the demonstration. Return 0 if every report is as expected, 1 if not, 2 if the server did not start."""
     parser = argparse.ArgumentParser(prog="polhode demo", description=__doc__)
     parser.add_argument("--once", action="store_true", help="stop the server after the last sample")
-    once = parser.parse_args().once
+    parser.add_argument("--port", type=int, help="port to listen on; default: a free one")
+    arguments = parser.parse_args()
+    once, port = arguments.once, arguments.port or free_port()
     for stop in (signal.SIGINT, signal.SIGTERM):  # a shell may start background jobs with SIGINT ignored
         signal.signal(stop, signal.default_int_handler)
-    began, address = time.monotonic(), f"http://127.0.0.1:{(port := free_port())}"
+    began, address = time.monotonic(), f"http://127.0.0.1:{port}"
     os.environ.setdefault("POLHODE_DATA", ".demo")
     server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)])
     try:

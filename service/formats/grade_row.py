@@ -1,9 +1,9 @@
 """One student's grade for one assignment: the common input of all grade files."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 from exercises.assignment import Assignment
 from service.grading.result import GradedFile, state
@@ -13,8 +13,10 @@ from service.grading.result import GradedFile, state
 class GradeRow:
     """One student's counted submission for one assignment: the one with the most points, the newest among equals.
 
-    ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded. ``max_points``
-    is the assignment's maximum, the same for every student. ``counted`` are the points of the counted checks in the
+    ``points`` equals ``score`` unless a grader overrode it, and is None while nothing is graded; the late ``penalty`` is not
+    subtracted. ``lateness`` is the time after the student's own deadline. ``weight`` is the assignment's in the course.
+    ``released`` says whether the student may see the scores.
+    ``max_points`` is the assignment's maximum, the same for every student. ``counted`` are the points of the counted checks in the
     report; they are fewer if the submission left out exercises. ``attempts`` is the number of the student's
     submissions. ``status`` is the submission's, or "none" without one. ``checks`` holds each check's measured
     state, ``worth`` its points, ``earned`` the points it earned before overrides, ``given`` its overridden points.
@@ -35,14 +37,18 @@ class GradeRow:
     late: bool | None = None
     graded_at: datetime | None = None
     score: int | None = None
-    points: int | None = None
+    points: float | None = None
+    penalty: float = 0
+    weight: float = 1.0
+    released: bool = True
+    lateness: timedelta | None = None
     counted: int | None = None
     overridden: bool = False
     grader: str = ""
     checks: Mapping[str, str] = field(default_factory=dict)
     worth: Mapping[str, int] = field(default_factory=dict)
     earned: Mapping[str, int] = field(default_factory=dict)
-    given: Mapping[str, int] = field(default_factory=dict)
+    given: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -50,9 +56,14 @@ class GradeRow:
         return self.full_name or self.student
 
     @property
+    def final(self) -> float | None:
+        """Return the points after the late penalty, rounded to hundredths; whole numbers are an int."""
+        return None if self.points is None else whole(round(self.points - self.penalty, 2))
+
+    @property
     def percent(self) -> float | None:
-        """Return the percentage of the assignment's points; optional functions can raise it above 100."""
-        return None if self.points is None or not self.max_points else round(100 * self.points / self.max_points, 2)
+        """Return the percentage of the assignment's points after the late penalty; optional functions can raise it above 100."""
+        return None if self.final is None or not self.max_points else round(100 * self.final / self.max_points, 2)
 
     def state(self, check: str) -> str | None:
         """Return a check's state with its override applied, or None if the report lacks the check.
@@ -62,6 +73,20 @@ class GradeRow:
         if check not in self.checks or check not in self.given:
             return self.checks.get(check)
         return "pass" if self.given[check] >= self.worth[check] else "fail"
+
+
+def whole(number: float) -> float:
+    """Return the number as an int if it is whole."""
+    return int(number) if number == int(number) else number
+
+
+def total_percent(rows: Iterable[GradeRow], *, graded: bool = False) -> float | None:
+    """Return one student's weighted percentage of the course from the rows of the assignments; ungraded ones count 0, or are left
+    out if ``graded``. None if no weight is left.
+    """
+    counted = [row for row in rows if row.max_points and not (graded and row.final is None)]
+    weights = sum(row.weight for row in counted)
+    return round(sum(row.weight * (row.percent or 0.0) for row in counted) / weights, 2) if weights else None
 
 
 def moment(at: datetime | None) -> str | None:

@@ -1,4 +1,4 @@
-"""Grades as CSV files for other gradebooks: Canvas and Moodle import them, scripts read nbgrader's columns.
+"""Grades as CSV files for other gradebooks: Canvas and Moodle import them, scripts read nbgrader's and Gradescope's columns.
 
 Each function takes one row per student. Canvas and Moodle clear an existing grade where the cell is empty, so their files
 leave out students without points.
@@ -6,7 +6,7 @@ leave out students without points.
 
 import re
 from collections.abc import Sequence
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 from service.formats.grade_row import GradeRow
 from service.formats.spreadsheet_csv import Value, cell, table
@@ -23,6 +23,11 @@ NBGRADER_COLUMNS = (
     "score", "max_score",
 )  # fmt: skip
 
+GRADESCOPE_COLUMNS = (
+    "First Name", "Last Name", "SID", "Email", "Sections", "Total Score", "Max Points", "Status", "Submission ID",
+    "Submission Time", "Lateness (H:M:S)", "View Count", "Submission Count",
+)  # fmt: skip
+
 
 def canvas_csv(rows: Sequence[GradeRow], title: str, max_points: int) -> str:
     """Return the CSV of one assignment for Canvas (Grades, Import).
@@ -33,7 +38,7 @@ def canvas_csv(rows: Sequence[GradeRow], title: str, max_points: int) -> str:
     possible = [f"    {POSSIBLE}", None, None, None, None, max_points]
     graded = [row for row in rows if row.points is not None]
     names = [row.name.replace(POSSIBLE, "Points-Possible") for row in graded]  # else Canvas reads the row as the one above
-    students = [[name, None, row.student_id, row.student, None, row.points] for name, row in zip(names, graded, strict=True)]
+    students = [[name, None, row.student_id, row.student, None, row.final] for name, row in zip(names, graded, strict=True)]
     return table([*CANVAS_HEADER, _canvas_title(title)], [possible, *students])
 
 
@@ -51,7 +56,7 @@ def moodle_csv(rows: Sequence[GradeRow], title: str) -> str:
     row whose user cell is empty or 0 to the previous row's user, so such a cell becomes "(none)".
     """
     graded = [row for row in rows if row.points is not None]
-    lines = [[*map(_moodle_user, (row.student, row.student_id, row.email)), row.points] for row in graded]
+    lines = [[*map(_moodle_user, (row.student, row.student_id, row.email)), row.final] for row in graded]
     return table([*MOODLE_HEADER, title], lines)
 
 
@@ -65,11 +70,29 @@ def nbgrader_csv(rows: Sequence[GradeRow]) -> str:
     """Return a CSV with the columns of ``nbgrader export`` (0.9), with line feeds and without a byte order mark.
 
     Students are sorted by last and first name, and each has a line: 0.0 points and no timestamp without a submission, empty
-    scores while a submission is not graded. Times are UTC without a zone. polhode has no late penalty: ``raw_score`` and
-    ``score`` are both the points, including overrides.
+    scores while a submission is not graded. Times are UTC without a zone. ``raw_score`` are the points, including
+    overrides, and ``score`` is what the late penalty leaves of them.
     """
     by_name = sorted(rows, key=lambda row: (*split_name(row.full_name), row.student))
     return table(NBGRADER_COLUMNS, [_nbgrader_line(row) for row in by_name], end="\n")
+
+
+def gradescope_csv(rows: Sequence[GradeRow]) -> str:
+    """Return a CSV with the columns of Gradescope's grades of one assignment, for scripts that read them.
+
+    Students without a submission are Missing; lateness is counted from the student's own deadline.
+    """
+    return table(GRADESCOPE_COLUMNS, [_gradescope_line(row) for row in rows])
+
+
+def _gradescope_line(row: GradeRow) -> list[Value]:
+    last, first = split_name(row.full_name)
+    status = "Missing" if row.submission is None else "Ungraded" if row.points is None else "Graded"
+    seconds = int((row.lateness or timedelta()).total_seconds())
+    late = f"{seconds // 3600:02}:{seconds // 60 % 60:02}:{seconds % 60:02}" if row.submission else None
+    at = f"{row.submitted_at.astimezone(UTC):%Y-%m-%d %H:%M:%S} +0000" if row.submitted_at else None
+    score: list[Value] = [row.final, float(row.max_points), status, row.submission, at, late, None, row.attempts]
+    return [first, last, row.student_id, row.email or row.student, None, *score]
 
 
 def split_name(full: str) -> tuple[str, str]:
@@ -83,9 +106,9 @@ def split_name(full: str) -> tuple[str, str]:
 
 def _nbgrader_line(row: GradeRow) -> list[Value]:
     known = row.points is not None or row.submission is None
-    score = float(row.points or 0) if known else None
-    student: list[Value] = [row.student, *split_name(row.full_name), row.email]
-    return [row.assignment, _naive(row.due_at), _naive(row.submitted_at), *student, score, 0.0, score, float(row.max_points)]
+    raw, score = (float(points or 0) if known else None for points in (row.points, row.final))
+    about: list[Value] = [row.assignment, _naive(row.due_at), _naive(row.submitted_at), row.student, *split_name(row.full_name)]
+    return [*about, row.email, raw, float(row.penalty), score, float(row.max_points)]
 
 
 def _naive(at: datetime | None) -> str | None:

@@ -4,15 +4,15 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from service.formats.grade_row import GradeRow, moment
+from service.formats.grade_row import GradeRow, moment, total_percent
 from service.formats.spreadsheet_csv import BYTE_ORDER_MARK, Value, table
 
 PERSON = ("student", "full_name", "email", "student_id")
 GRADE = ("points", "max_points", "percent", "late", "submitted_at", "graded_at", "attempts", "overridden", "grader", "submission")
-MORE = ("status", "score", "counted")
+MORE = ("status", "score", "counted", "penalty", "final")
 JSON_FIELDS = (
     "student", "full_name", "email", "student_id", "status", "attempts", "submission", "late", "score", "points", "counted",
-    "percent", "overridden",
+    "percent", "overridden", "penalty", "final",
 )  # fmt: skip
 
 
@@ -30,19 +30,22 @@ def assignment_csv(rows: Sequence[GradeRow], checks: Sequence[str]) -> str:
 
 
 def course_csv(rows: Sequence[GradeRow]) -> str:
-    """Return the course's grades as CSV: one line per student, with points and maximum points of every assignment.
+    """Return the course's grades as CSV: one line per student, with points, maximum points and final points (after the late
+    penalty) of every assignment, and the weighted total in percent, in which ungraded assignments count 0.
 
     ``rows`` holds the rows of all assignments.
     """
     slugs = list(dict.fromkeys(row.assignment for row in rows))
-    header = [*PERSON, *(f"{slug} {what}" for slug in slugs for what in ("points", "max_points"))]
+    header = [*PERSON, *(f"{slug} {what}" for slug in slugs for what in ("points", "max_points", "final")), "total_percent"]
     by_student: dict[str, dict[str, GradeRow]] = {}
     for row in rows:
         by_student.setdefault(row.student, {})[row.assignment] = row
     lines = []
     for of in by_student.values():
-        pairs = [(of[slug].points, of[slug].max_points) if slug in of else (None, None) for slug in slugs]
-        lines.append([*_person(next(iter(of.values()))), *(value for pair in pairs for value in pair)])
+        found = [(of[slug].points, of[slug].max_points, of[slug].final) if slug in of else (None, None, None) for slug in slugs]
+        lines.append(
+            [*_person(next(iter(of.values()))), *(value for three in found for value in three), total_percent(of.values())]
+        )
     return BYTE_ORDER_MARK + table(header, lines)
 
 
@@ -61,7 +64,8 @@ def _person(row: GradeRow) -> list[Value]:
 def _grade(row: GradeRow) -> list[Value]:
     points: list[Value] = [row.points, row.max_points, row.percent, row.late, moment(row.submitted_at), moment(row.graded_at)]
     overridden = row.overridden if row.submission else None
-    return [*_person(row), *points, row.attempts, overridden, row.grader, row.submission, row.status, row.score, row.counted]
+    more = [row.status, row.score, row.counted, row.penalty if row.points is not None else None, row.final]
+    return [*_person(row), *points, row.attempts, overridden, row.grader, row.submission, *more]
 
 
 def _states(row: GradeRow, checks: Sequence[str]) -> list[Value]:

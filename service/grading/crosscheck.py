@@ -16,7 +16,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
 
 DRIVE_S = 20.0
-TRIES = 2
+TRIES = (True, False, False)  # whether only the needed cells run; a child that did not finish is no evidence against the answers
 NOT_FINISHED = "not run: it needs the scene {}, which did not finish"
 
 
@@ -129,8 +129,18 @@ def _ask_again(
     Among them are the points ``along`` motions, by scene. Return the answers to these, too.
     """
     job, result = played.job, played.result
+
+    def parts(name: str, second: Arrays) -> list[Arrays]:
+        added, order = asked[name]
+        inverse = np.argsort(order)
+        lengths = [_length(result.arrays[name]), *(_length(along[one]) for one in added)]
+        return _parts({key: array[inverse] for key, array in second.items()}, lengths)
+
+    def agrees(name: str, second: Arrays) -> bool:
+        return _agree(played.inputs[name], result.arrays[name], parts(name, second)[0])
+
     twice = [s for s in assignment.scenes if s.twice and s.name in result.arrays]
-    asked, again = {}, []
+    asked, again = dict[str, tuple[list[str], np.ndarray]](), []
     for request in (p for p in job.scenes if p.name in {s.name for s in twice}):
         added = [name for name in along if _proof(assignment, name) == request.name]
         inputs = _joined([request.inputs, *(along[name] for name in added)])
@@ -139,22 +149,21 @@ def _ask_again(
         returns = {name: replace(spec, shape=(len(order), *spec.shape[1:])) for name, spec in request.returns.items()}
         again.append(replace(request, inputs={key: value[order] for key, value in inputs.items()}, returns=returns, after=None))
     other = PlayResult()
-    for _ in range(TRIES):  # a child that did not finish is no evidence against the first one's answers
-        if left := [p for p in again if p.name not in other.arrays]:
-            other.add(play(replace(job, scenes=tuple(left)), assignment, sandbox, budget=played.budget))
+    for needed_cells in TRIES:
+        if left := tuple(p for p in again if p.name not in other.arrays):
+            other.add(play(replace(job, scenes=left, needed_cells=needed_cells), assignment, sandbox, budget=played.budget))
+        if needed_cells:  # a difference may come from a cell that was left out
+            other.arrays = {name: found for name, found in other.arrays.items() if agrees(name, found)}
     unsteady, answers = set[str](), dict[str, Arrays]()
-    for name, (added, order) in asked.items():
+    for name, (added, _) in asked.items():
         if name not in other.arrays:
             scene_end = other.scene_ends.get(name)
             sentence = scene_end.sentence if scene_end else "the process ended"
             _discard(result, name, scene_end.ended if scene_end else Ended.EXITED, f"when repeated: {sentence}")
             continue
-        second = {key: array[np.argsort(order)] for key, array in other.arrays[name].items()}
-        lengths = [_length(result.arrays[name]), *(_length(along[one]) for one in added)]
-        first, *others = _parts(second, lengths)
-        if not _agree(played.inputs[name], result.arrays[name], first):
+        if not agrees(name, other.arrays[name]):
             unsteady.add(name)
-        answers |= dict(zip(added, others, strict=True))
+        answers |= dict(zip(added, parts(name, other.arrays[name])[1:], strict=True))
     return unsteady, answers
 
 

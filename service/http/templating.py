@@ -4,9 +4,11 @@ Every template gets the logged-in person ``me`` and their ``role``.
 """
 
 import re
-from datetime import UTC, datetime, timedelta
+from contextvars import ContextVar
+from datetime import UTC, datetime, timedelta, tzinfo
 from pathlib import Path
 from typing import Any
+from zoneinfo import ZoneInfo
 
 from fastapi import Request
 from fastapi.templating import Jinja2Templates
@@ -16,6 +18,18 @@ from markupsafe import Markup
 from service.sandbox.untrusted_text import BIDI_CONTROLS
 
 _BIDI, _REPLACED = re.compile(f"[{BIDI_CONTROLS}]"), dict.fromkeys(map(ord, BIDI_CONTROLS), "\ufffd")
+
+
+def find_zone(name: str) -> tzinfo:
+    """Return the time zone of that name, UTC if this machine does not know it."""
+    try:
+        return UTC if name == "UTC" else ZoneInfo(name)
+    except (ValueError, OSError, LookupError):
+        return UTC
+
+
+ZONE: ContextVar[tzinfo] = ContextVar("ZONE", default=UTC)
+"""The time zone in which the pages of a request show times and read those of forms."""
 
 
 def neutralize_bidi(value: object) -> str:
@@ -37,12 +51,16 @@ ENVIRONMENT = Environment(
 
 
 def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
-    """Return the time in UTC as a ``<time>`` element, or a dash for None."""
+    """Return the time in the time zone of the request as a ``<time>`` element, or a dash for None."""
     if at is None:
         return "–"
-    at = at.astimezone(UTC)
-    shown = at.strftime("%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M")
-    return Markup('<time datetime="{}">{}</time>').format(at.isoformat(), shown)
+    shown = at.astimezone(ZONE.get()).strftime("%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M")
+    return Markup('<time datetime="{}">{}</time>').format(at.astimezone(UTC).isoformat(), shown)
+
+
+def format_input(at: datetime | None) -> str:
+    """Return the time in the time zone of the request as the value of a datetime-local field, "" for None."""
+    return at.astimezone(ZONE.get()).strftime("%Y-%m-%dT%H:%M") if at else ""
 
 
 def format_duration(took: timedelta) -> str:
@@ -58,5 +76,6 @@ def _common_context(request: Request) -> dict[str, Any]:
     return {"me": person, "role": person and person.role}
 
 
-ENVIRONMENT.filters |= {"moment": format_time, "duration": format_duration}
+ENVIRONMENT.filters |= {"moment": format_time, "input": format_input, "duration": format_duration}
+ENVIRONMENT.globals["zone"] = lambda: str(ZONE.get())
 templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_common_context])

@@ -124,8 +124,10 @@ async def show_submissions(
 
 
 @router.get("/assignments/{slug}/class/settings", response_class=HTMLResponse)
-async def show_settings(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
-    """Show deadline, limits and extensions; instructors can change them."""
+async def show_settings(
+    request: Request, person: Staff, assignment: Assigned, database: Db, removed: Annotated[str, Query(max_length=200)] = ""
+) -> Response:
+    """Show deadline, limits and extensions, which instructors can change. The extension of ``removed`` can be restored."""
     slug = assignment.slug
     return _page(
         request,
@@ -134,6 +136,7 @@ async def show_settings(request: Request, person: Staff, assignment: Assigned, d
         rules=await gradebook.rules(database, slug),
         students=await gradebook.students(database, slug),
         extensions=await deadlines.extensions(database, slug),
+        removed=await deadlines.removed_extension(database, slug, removed.replace("\x00", "")),
     )
 
 

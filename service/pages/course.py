@@ -11,15 +11,18 @@ from exercises.catalogue import assignments
 from exercises.validation_cells import is_self_reported
 from service.api.health import WorkerStatus
 from service.api.history import list_own
+from service.api.release import visible_row
 from service.api.submissions import Assigned, Stored
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
 from service.auth.roles import CurrentUser, OptionalUser, Staff
+from service.formats.grade_row import total_percent
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
 from service.store.course import gradebook, progress
 from service.store.course.audit import MOST, entries
+from service.store.course.grades import grades
 from service.store.records import recent
 
 router, others = APIRouter(), APIRouter()
@@ -34,15 +37,18 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
     order = list(assignments())
     overview = [row for row in await gradebook.overview(database) if row.slug in order]
     overview.sort(key=lambda row: (row.due_at is None, row.due_at.timestamp() if row.due_at else order.index(row.slug)))
+    own = [] if staff else [one for one in await grades(database, person=person.name) if one.assignment in order and one.released]
     context = {
         "staff": staff,
-        "rows": await recent(database, LATEST, None if staff else person.name),
+        "own": {one.assignment: one for one in own},
+        "total": total_percent(own, graded=True),
+        "rows": [visible_row(person, row) for row in await recent(database, LATEST, None if staff else person.name)],
         "assignments": assignments(),
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
         "weights": sum(row.weight for row in overview),
         "medians": await progress.medians(database) if staff else {},
-        "own": {} if staff else await progress.own(database, person.name),
+        "standings": {} if staff else await progress.own(database, person.name),
         "most": {slug: one.max_points() for slug, one in assignments().items()},
         "isolation": isolation or reason or "no worker is running",
     }

@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 from datetime import UTC, datetime
+from urllib.parse import quote
 
 from fastapi import APIRouter, Response
 from fastapi.responses import RedirectResponse
@@ -13,6 +14,7 @@ from service.auth import forms
 from service.auth.roles import Instructor, Staff
 from service.http.errors import Problem
 from service.http.state import Db, Held
+from service.http.templating import ZONE
 from service.store import queue_overview, sweeps
 from service.store.course import deadlines, gradebook
 
@@ -58,31 +60,33 @@ async def extend(person: Instructor, form: forms.Form, assignment: Assigned, dat
     if due is None:
         if not await deadlines.remove_extension(database, slug, name, person.name):
             raise Problem(422, "invalid-request", f"{name or 'this person'} has no extension to remove: check the name", "/name")
-    elif not reason:
+        return RedirectResponse(f"/assignments/{slug}/class/settings?removed={quote(name, safe='')}#extensions", 303)
+    if not reason:
         raise Problem(422, "invalid-request", "an extension needs a reason: enter one", "/reason")
-    elif due <= datetime.now(UTC):
+    if due <= datetime.now(UTC):
         raise Problem(422, "invalid-request", "this deadline is past: enter a later one", "/due")
-    elif not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
+    if not await deadlines.extend(database, slug, name, due, reason=reason, by=person.name):
         raise Problem(422, "invalid-request", f"no person named {name!r} in the course: check the name", "/name")
     return RedirectResponse(f"/assignments/{slug}/class/settings#extensions", 303)
 
 
 async def _login_name(database: Db, slug: str, name: str) -> str:
-    """Return the login name of the only student with that full name, else ``name``."""
-    found = [s.name for s in await gradebook.students(database, slug) if name and s.full_name == name]
+    """Return the login name of the only student with that full name, in any case, else ``name``."""
+    wanted = " ".join(name.split()).casefold()
+    found = [s.name for s in await gradebook.students(database, slug) if wanted and s.full_name.casefold() == wanted]
     if len(found) > 1:
         raise Problem(422, "invalid-request", f"several students are named {name}: enter one of {', '.join(found)}", "/name")
     return found[0] if found else name
 
 
 def _datetime(form: FormData, name: str) -> datetime | None:
-    """Return a datetime-local field in UTC, None if it is empty. Raises Problem 422 if it is invalid."""
+    """Return a datetime-local field, read in the course's time zone, in UTC; None if empty. Raises Problem 422 if it is invalid."""
     if not (text := forms.field(form, name, 40)):
         return None
     with suppress(ValueError):
         at = datetime.fromisoformat(text)
         if at.year in YEARS:
-            return at.replace(tzinfo=UTC) if at.tzinfo is None else at
+            return at.replace(tzinfo=ZONE.get()).astimezone(UTC) if at.tzinfo is None else at
     raise Problem(422, "invalid-request", f"expected a date and time such as 2026-12-01T12:00, got {text[:40]!r}", f"/{name}")
 
 

@@ -1,5 +1,6 @@
 """Score overrides: forms and list on the submission page."""
 
+import re
 from typing import Any
 
 from fastapi import APIRouter
@@ -8,6 +9,7 @@ from fastapi.responses import RedirectResponse, Response
 from service.api.submissions import Submission
 from service.auth.forms import Form, field
 from service.auth.roles import Instructor
+from service.formats.grade_row import whole
 from service.http.errors import Problem
 from service.http.requests import identifier
 from service.http.state import Db
@@ -25,11 +27,19 @@ async def create(person: Instructor, form: Form, stored: Submission, database: D
     """
     check, points, revision = field(form, "check"), field(form, "points"), field(form, "seen")
     reason = field(form, "reason", overrides.LONGEST_REASON)
-    if not (points.isascii() and points.isdigit() and len(points) < 5):
-        raise Problem(422, "invalid-request", "points must be a whole number, 0 or more", "/points")
+    if not re.fullmatch(r"[0-9]{1,4}([.,][0-9]{1,2})?", points):
+        raise Problem(422, "invalid-request", "points must be a number from 0 with at most two decimals", "/points")
     seen = int(revision) if revision.isascii() and revision.isdigit() and len(revision) < 9 else None
     try:
-        await overrides.give(database, stored.id, person.name, check=check or None, points=int(points), reason=reason, seen=seen)
+        await overrides.give(
+            database,
+            stored.id,
+            person.name,
+            check=check or None,
+            points=whole(float(points.replace(",", "."))),
+            reason=reason,
+            seen=seen,
+        )
     except overrides.OverrideRejected as error:
         raise _problem(error) from error
     return RedirectResponse(f"/submissions/{stored.id}#points", 303)
@@ -50,11 +60,13 @@ async def withdraw(person: Instructor, form: Form, stored: Submission, override:
 async def context(database: Db, stored: SubmissionRecord) -> dict[str, Any]:
     """Return the context of ``overrides.html`` for a submission."""
     found = await overrides.of_submission(database, stored.id)
-    outcomes = stored.report.outcomes() if stored.report else []
-    labels = {outcome.id: outcome.label for outcome in outcomes}
-    counted = [(outcome.id, outcome.label, outcome.points) for outcome in outcomes if outcome.counted]
+    labels = {o.id: f"{e.number}: {o.label}" for e in (stored.report.exercises if stored.report else []) for o in e.outcomes}
+    counted = [
+        (e.number, e.title, [(o.id, o.label, o.points) for o in e.outcomes if o.counted])
+        for e in (stored.report.exercises if stored.report else [])
+    ]
     return {"overrides": found, "overrides_revision": overrides.revision(found), "check_labels": labels, "checks_counted": counted}
 
 
 def _problem(error: overrides.OverrideRejected) -> Problem:
-    return Problem(STATUS[error.kind], error.kind, str(error))
+    return Problem(STATUS[error.kind], error.kind, str(error), error.pointer)

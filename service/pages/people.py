@@ -1,8 +1,8 @@
 """People: the list, the roster import with its preview, a person's page, and the search."""
 
 import asyncio
-from collections.abc import Sequence
 from typing import Annotated, Any
+from urllib.parse import quote
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -12,12 +12,15 @@ from exercises.catalogue import assignments
 from service.auth import forms
 from service.auth.identity import Person
 from service.auth.roles import Instructor, Staff
+from service.formats.grade_row import total_percent
 from service.formats.spreadsheet_csv import table
 from service.http.errors import Problem, wants_page
+from service.http.requests import identifier
 from service.http.state import Db
 from service.http.templating import templates
 from service.pages.regrades import check_labels
-from service.store.course import audit, deadlines, overrides, people, roster, tokens
+from service.store.course import audit, deadlines, notes, overrides, people, roster, tokens
+from service.store.course.grades import grades
 from service.store.database import Row
 from service.store.records import recent
 
@@ -124,12 +127,15 @@ async def show_person(
     about = None if "\x00" in name else await people.find(database, name)
     if about is None:
         raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
+    counted = {row.assignment: row for row in await grades(database, person=name) if row.assignment in assignments()}
     sent = await recent(database, MOST_SUBMISSIONS, name)
     context = {
         "about": about,
         "beside": await people.neighbours(database, name),
         "assignments": assignments(),
-        "rows": [(row, _counted([one for one in sent if one.assignment == row.slug])) for row in await _own(database, name)],
+        "rows": [(row, counted[row.slug]) for row in await deadlines.of_person(database, name) if row.slug in counted],
+        "total": total_percent(counted.values(), graded=True),
+        "notes": await notes.of_person(database, name),
         "submissions": sent,
         "most": MOST_SUBMISSIONS,
         "overrides": await overrides.of_person(database, name),
@@ -138,14 +144,18 @@ async def show_person(
     return templates.TemplateResponse(request, "person.html", context)
 
 
-async def _own(database: Db, name: str) -> Sequence[Row]:
-    return [row for row in await deadlines.of_person(database, name) if row.slug in assignments()]
-
-
-def _counted(sent: Sequence[Row]) -> Row | None:
-    """Return the submission that counts: of the graded ones the newest with the most points, else the newest."""
-    graded = [one for one in sent if one.points is not None]
-    return max(graded, key=lambda one: one.points) if graded else next(iter(sent), None)
+@router.post("/person/notes")
+async def write_note(person: Staff, form: forms.Form, database: Db) -> Response:
+    """Add a note on a person, or remove the one whose id is in ``remove``."""
+    name = forms.field(form, "name")
+    if await people.find(database, name) is None:
+        raise Problem(404, "not-found", f"no person named {name[:80]} in the course: see People")
+    if removed := forms.field(form, "remove"):
+        if not await notes.remove(database, name, identifier(removed), person.name):
+            raise Problem(404, "not-found", "no note with this id: reload the page")
+    else:
+        await notes.write(database, name, forms.required(form, "note", notes.LONGEST), person.name)
+    return RedirectResponse(f"/person?name={quote(name, safe='')}#notes", 303)
 
 
 @router.get("/search", response_class=HTMLResponse)

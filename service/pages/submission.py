@@ -16,6 +16,7 @@ from ecp.report import Report
 from exercises.assignment import Assignment
 from exercises.catalogue import assignments
 from service.api.figures import cached_artefact
+from service.api.release import visible_row
 from service.api.submissions import Submission
 from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser
@@ -45,11 +46,12 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
         "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
-        "timeline": await timeline(database, stored.person, stored.assignment),
+        "timeline": [visible_row(person, row) for row in await timeline(database, stored.person, stored.assignment)],
     }
     refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
     context["sweep_refused"] = refused[0].decode() if refused else ""
-    return templates.TemplateResponse(request, "report.html", context | await overrides.context(database, stored))
+    given = {} if stored.withheld else await overrides.context(database, stored)
+    return templates.TemplateResponse(request, "report.html", context | given)
 
 
 @router.get("/submissions/{id}/diff", response_class=HTMLResponse)

@@ -71,6 +71,7 @@ class Job:
     ``functions`` are the names asked for; those among them that are ``variables`` need not be callable.
     ``data`` are the files that the code can read, by their names relative to its working folder.
     ``load_budget_s`` is the CPU time in seconds for all cells together, or for each of them if there is a published one.
+    With ``needed_cells`` only the cells run on which the functions of the scenes depend, as far as their names show.
     """
 
     setup: str
@@ -82,6 +83,7 @@ class Job:
     variables: tuple[str, ...] = ()
     data: Mapping[str, Path] = field(default_factory=dict)
     reference: ReferenceFunctions | None = None
+    needed_cells: bool = False
 
     def without(self, done: set[str]) -> "Job":
         """Return this job without the scenes in ``done``."""
@@ -105,6 +107,7 @@ class Job:
             "setup": setup,
             "setup_code": _compiled(setup, FILES["setup"]),
             "plays": self.plays,
+            "needed_cells": self.needed_cells,
             "plays_code": _compiled(self.plays, FILES["plays"]),
             "cells": [[c.name, c.source, c.published] for c in self.cells],
             "functions": self.functions,

@@ -18,6 +18,7 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from procrastinate.exceptions import ConnectorException
+from psycopg.adapt import Buffer, Loader
 from psycopg.pq import TransactionStatus
 from psycopg.rows import namedtuple_row
 from sqlalchemy import Connection as SyncConnection
@@ -31,7 +32,7 @@ Row: TypeAlias = Any
 """A named tuple of a query's columns."""
 TABLES = (
     "artefact", "assignment", "assignment_version", "audit", "course", "device_login", "extension", "grading", "grading_artefact",
-    "member", "oidc_account", "outcome", "override", "person", "regrade", "regrade_request", "result", "run", "secret",
+    "member", "note", "oidc_account", "outcome", "override", "person", "regrade", "regrade_request", "result", "run", "secret",
     "source_comment", "submission", "token", "worker",
 )  # fmt: skip
 CONNECT_S = 3
@@ -117,6 +118,14 @@ def _translated(query: str) -> bytes:
     return re.sub(r"(?<![:\w]):(\w+)(?!:)", r"%(\1)s", query.replace("%", "%%")).encode()
 
 
+class _Number(Loader):
+    """Read a numeric value as an int if it is whole, else as a float: points may be fractions."""
+
+    def load(self, data: Buffer) -> int | float:
+        value = float(bytes(data))
+        return int(value) if value.is_integer() else value
+
+
 class Database(Queries):
     """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
 
@@ -161,6 +170,7 @@ class Database(Queries):
             reused = self._idle.pop() if self._idle else None
             connection = reused or await connect(self.url, autocommit=True, row_factory=namedtuple_row, **self._options)
             try:
+                connection.adapters.register_loader("numeric", _Number)
                 yield connection
             except (psycopg.Error, ConnectorException) as error:
                 if connection.closed:

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
+from service.formats.grade_row import whole
 from service.store.database import Database, Row
-from service.store.records import LATE, SHOWN, STATUS
+from service.store.records import LATE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
 
 MOST = 100
 
@@ -25,8 +26,15 @@ class PastSubmission:
     score: int | None
     max_score: int | None
     total: int | None
-    points: int | None
+    points: float | None
+    penalty: float
+    scores_released: bool
     verdicts: dict[str, str]
+
+    @property
+    def final(self) -> float | None:
+        """The points after the late penalty."""
+        return None if self.points is None else whole(round(self.points - self.penalty, 2))
 
 
 async def timeline(database: Database, person: str, slug: str) -> Sequence[Row]:
@@ -60,11 +68,12 @@ async def past_submissions(database: Database, person: str, slug: str) -> Sequen
 
 _PAST = f"""
 SELECT s.id, s.filename, s.submitted_at, {LATE}, s.source, s.sha256, shown.score, shown.max_score, shown.total,
-    given.points, {STATUS}, (
+    given.points, coalesce(cut.penalty, 0) AS penalty, {SCORES_RELEASED}, {STATUS}, (
     SELECT jsonb_object_agg(o->>'id', o->>'verdict')
     FROM jsonb_array_elements(shown.report->'exercises') e, jsonb_array_elements(e->'outcomes') o
 ) AS verdicts
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+    LEFT JOIN {PENALTY}
 WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC LIMIT :most
 """
 
@@ -74,7 +83,7 @@ WITH s AS (
     FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id
     WHERE p.name = :person AND x.slug = :slug ORDER BY s.submitted_at DESC, s.id DESC LIMIT :most
 )
-SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, shown.total, {STATUS}, s.before
+SELECT s.id, s.filename, s.submitted_at, {LATE}, given.points, shown.max_score, shown.total, {SCORES_RELEASED}, {STATUS}, s.before
 FROM s JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN} ORDER BY s.submitted_at DESC, s.id DESC
 """
 

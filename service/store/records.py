@@ -39,7 +39,9 @@ class SubmissionRecord:
 
     ``grading`` is the grading shown: the last one with a report, else the last one. ``status`` is "queued",
     "running", "graded" or "faulted". ``cancelled_by`` names the staff member who cancelled it. ``points``
-    is the score after overrides.
+    is the score after overrides, from which the late ``penalty`` is taken. ``scores_released`` and ``details_released`` say whether
+    the student may see the scores and the details of hidden checks; ``withheld``, that report and points were left out because
+    they may not.
     """
 
     id: UUID
@@ -56,8 +58,12 @@ class SubmissionRecord:
     fault: str | None
     status: str
     cancelled_by: str | None = None
-    points: int | None = None
+    points: float | None = None
     full_name: str = ""
+    penalty: float = 0
+    scores_released: bool = True
+    details_released: bool = True
+    withheld: bool = False
 
     @property
     def finished(self) -> bool:
@@ -108,6 +114,30 @@ LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
     SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
 )), false)) AS late"""
 
+# The points ``cut.penalty`` that submission ``s`` to assignment ``x`` loses for being late: of its points after overrides a share
+# for each day or part of a day after the person's deadline, up to the limit. None if it is not late or not graded.
+PENALTY = f"""LATERAL (
+    SELECT round(given.points * CAST(least(k.late_penalty_limit, k.late_penalty * ceil(extract(epoch FROM s.submitted_at - greatest(
+        x.due_at, (SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id))) / 86400)
+    ) AS numeric), 2) AS penalty
+    FROM course k, (SELECT {LATE}) it WHERE k.id = x.course_id AND it.late
+) cut ON true"""
+
+# Points after the late penalty.
+FINAL = "given.points - coalesce(cut.penalty, 0)"
+
+
+def _released(what: str) -> str:
+    return f"""CASE x.{what}_release WHEN 'immediately' THEN true WHEN 'manually' THEN x.{what}_released_at IS NOT NULL
+    ELSE coalesce(now() > greatest(x.due_at, (
+        SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id
+    )) + make_interval(secs => x.grace_s), false) END AS {what}_released"""
+
+
+# Whether the student who sent submission ``s`` may see its scores, and the details of its hidden checks: at the deadline means once
+# their own deadline and the grace period are over.
+SCORES_RELEASED, DETAILS_RELEASED = _released("scores"), _released("details")
+
 # The deadline ``until.due_at`` of assignment ``x`` with a person's extension ``e``. Without a deadline an extension means nothing.
 OWN_DEADLINE = "(SELECT CASE WHEN x.due_at IS NOT NULL THEN greatest(x.due_at, e.due_at) END AS due_at) until ON true"
 
@@ -117,16 +147,17 @@ FAULTED = """(SELECT bool_and(r.fault IS NOT NULL) FROM grading a LEFT JOIN resu
 
 _ONE = f"""
 SELECT s.id, x.slug AS assignment, p.name AS person, p.full_name, s.source, s.filename, s.exercises, s.submitted_at,
-    {LATE}, shown.*,
-    given.points, {STATUS}
+    {LATE}, shown.*, given.points, coalesce(cut.penalty, 0) AS penalty, {SCORES_RELEASED}, {DETAILS_RELEASED}, {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+    LEFT JOIN {PENALTY}
 WHERE s.id = :id
 """
 
 _LIST = f"""
 SELECT s.id, s.filename, p.name AS person, p.full_name, s.submitted_at, {LATE}, shown.score, shown.max_score, shown.total,
-    given.points, given.overridden, {STATUS}, x.slug AS assignment
+    given.points, given.overridden, coalesce(cut.penalty, 0) AS penalty, {SCORES_RELEASED}, {STATUS}, x.slug AS assignment
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {SHOWN}
+    LEFT JOIN {PENALTY}
 WHERE coalesce(p.name = CAST(:person AS text), true)
     AND coalesce(starts_with(CAST(s.id AS text), CAST(:text AS text)) OR strpos(lower(s.filename), CAST(:text AS text)) > 0, true)
 ORDER BY s.submitted_at DESC LIMIT :most
@@ -217,4 +248,7 @@ def _stored(row: Row) -> SubmissionRecord:
         cancelled_by=row.cancelled_by,
         points=row.points,
         full_name=row.full_name,
+        penalty=row.penalty,
+        scores_released=row.scores_released,
+        details_released=row.details_released,
     )

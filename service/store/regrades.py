@@ -62,7 +62,7 @@ async def create(
     if isinstance(which, UUID):
         query, values = _ONE, {"slug": slug, "one": which}
     else:
-        query, values = _SELECTED[which], {"slug": slug, "check": check}
+        query, values = _SELECTED[which], {"slug": slug, "person": None, "check": check}
     async with database.begin() as connection:
         id = (await connection.one(_BEGIN, {"slug": slug, "description": description, "actor": actor})).id
         selected = [row.id for row in await connection.rows(query, values)]

@@ -127,6 +127,8 @@ def _wait(url: str, headers: Mapping[str, str], line: Line, page: str) -> dict[s
     if document["report"] is None:
         if canceller := document.get("cancelled_by"):
             raise NotGraded(f"Grading was cancelled by {canceller} (course staff). It does not count against you; see {page}")
+        if not document.get("scores_released", True):
+            raise NotGraded(f"Graded. The scores of this assignment have not been released yet; they will be at {page}")
         fault = document.get("fault", "no reason given")
         raise NotGraded(f"Grading failed on the server: {fault}. It is not your mistake and does not count against you; see {page}")
     return document

@@ -27,6 +27,7 @@ from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, pieces, runnable, statements
+from .needed_sources import needed_sources
 from .seal import Seal, private_modules
 from .wire import CLOCK_FACTOR, FILES, Questions, Writer
 
@@ -225,12 +226,15 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     animations = () if unused_matplotlib.installed() else sys.modules["matplotlib.animation"].Animation
     student |= kept
     several = any(published for _, _, published in job["cells"])
+    needed = _needed_pieces(job) if job["needed_cells"] else None
     for name, source, published in job["cells"]:
         budget = Budget(job["load_budget_s"]) if several else budget
         recorder.cell, recorder.places = name, published
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
 
         for piece in pieces(source):
+            if needed is not None and piece not in needed:
+                continue
             if budget.left():
                 before = animate.shown[:]
                 with recorder.in_place(student) if published else nullcontext():
@@ -246,6 +250,11 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                 left = Budget(DEFINITIONS_S)
             _run_limited(partial(_execute, piece, name, student, kept, DEFINITIONS), left)
     return shows
+
+
+def _needed_pieces(job: dict[str, Any]) -> set[str]:
+    names = {name for scene in job["scenes"] for name in (scene["function"], *scene["needs"])}
+    return needed_sources([piece for _, source, _ in job["cells"] for piece in pieces(source)], names)
 
 
 def _execute(source: str, name: str, student: Names, kept: Names, kinds: tuple[type, ...] = (ast.stmt,)) -> None:

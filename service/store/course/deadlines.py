@@ -23,10 +23,18 @@ async def extend(database: Database, slug: str, name: str, due_at: datetime, *, 
 async def remove_extension(database: Database, slug: str, name: str, by: str) -> bool:
     """Remove a person's extension. Return False if there is none."""
     async with database.begin() as connection:
-        removed = await connection.first(_REMOVE, {"slug": slug, "name": name, "course": COURSE}) is not None
-        if removed:
-            await audit.record(connection, by, "extension taken back", name, {"assignment": slug})
-    return removed
+        removed = await connection.first(_REMOVE, {"slug": slug, "name": name, "course": COURSE})
+        if removed is not None:
+            detail = {"assignment": slug, "due": removed.due_at.isoformat(), "reason": removed.reason}
+            await audit.record(connection, by, "extension taken back", name, detail)
+    return removed is not None
+
+
+async def removed_extension(database: Database, slug: str, name: str) -> Row | None:
+    """Return ``name``, ``full_name``, ``due_at`` and ``reason`` of a person's extension that was removed last, unless it is past or
+    they have another one; None without one.
+    """
+    return await database.first(_REMOVED, {"slug": slug, "name": name, "course": COURSE})
 
 
 async def extensions(database: Database, slug: str) -> Sequence[Row]:
@@ -58,7 +66,17 @@ RETURNING person_id
 """
 
 _REMOVE = f"""
-DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name) RETURNING person_id
+DELETE FROM extension WHERE (assignment_id, person_id) IN (SELECT x.id, p.id {_OF} AND p.name = :name) RETURNING due_at, reason
+"""
+
+_REMOVED = f"""
+SELECT * FROM (
+    SELECT p.name, p.full_name, CAST(a.detail->>'due' AS timestamptz) AS due_at, a.detail->>'reason' AS reason
+    FROM audit a JOIN person p ON p.name = a.subject
+    WHERE a.action = 'extension taken back' AND a.subject = :name AND a.detail->>'assignment' = :slug AND NOT EXISTS (
+        SELECT FROM extension e WHERE e.person_id = p.id AND e.assignment_id IN (SELECT x.id {_OF}))
+    ORDER BY a.id DESC LIMIT 1
+) last WHERE due_at > now()
 """
 
 _LIST = f"""

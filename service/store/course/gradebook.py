@@ -1,6 +1,6 @@
 """The gradebook of an assignment: each student's counted submission with its outcomes.
 
-The submission with the most points counts; of equal ones, the newest.
+The submission with the most points after the late penalty counts; of equal ones, the newest.
 """
 
 import itertools
@@ -25,7 +25,7 @@ class Cell(NamedTuple):
     counted: bool
     margin: float | None
     points: int = 1
-    given: int | None = None
+    given: float | None = None
     causes: tuple[tuple[str, str], ...] = ()
 
     @property
@@ -51,7 +51,9 @@ class StudentRow:
     late: bool
     status: str
     score: int | None
-    points: int | None
+    points: float | None
+    penalty: float
+    final: float | None
     max_score: int | None
     overridden: bool
     version: str | None
@@ -92,7 +94,7 @@ def _cells(row: Row) -> dict[str, Cell]:
 
 async def students(database: Database, slug: str) -> list[StudentRow]:
     """Return all students of the course, by name, with their counted submissions but without cells."""
-    rows = await database.rows(_STANDINGS, {"slug": slug, "course": COURSE})
+    rows = await database.rows(_STANDINGS, {"slug": slug, "person": None, "course": COURSE})
     return [StudentRow(**row._asdict()) for row in rows]
 
 
@@ -114,7 +116,9 @@ WITH best AS MATERIALIZED ({BEST})
 SELECT p.name, p.full_name, p.email, p.student_id, coalesce(best.submissions, 0) AS submissions, best.id AS submission,
     best.filename, best.submitted_at,
     best.finished_at, coalesce(best.late, false) AS late, coalesce(best.status, 'no submission') AS status,
-    best.score, best.points, best.max_score, coalesce(best.overridden, false) AS overridden, best.version, best.grading
+    best.score, best.points,
+    coalesce(best.penalty, 0) AS penalty, best.final, best.max_score, coalesce(best.overridden, false) AS overridden,
+    best.version, best.grading
 FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id LEFT JOIN best ON best.person_id = p.id
 WHERE c.slug = :course AND m.role = 'student' AND {IS_PERSON}
 ORDER BY lower(coalesce(nullif(p.full_name, ''), p.name)), p.name
@@ -135,7 +139,8 @@ WHERE v.grading_id = ANY(CAST(:gradings AS uuid[])) AND (v.state <> 'pass' AND v
 """
 
 _OVERVIEW = f"""
-SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, coalesce(class.students, 0) AS students,
+SELECT x.slug, x.due_at, x.grace_s, x.submission_limit, x.weight, x.scores_release, x.scores_released_at, x.details_release,
+    x.details_released_at, coalesce(class.students, 0) AS students,
     coalesce(sent.people, 0) AS submitted, coalesce(sent.submissions, 0) AS submissions, coalesce(sent.open, 0) AS open,
     coalesce(sent.faults, 0) AS faults, (
         SELECT count(*) FROM regrade r WHERE r.assignment_id = x.id AND r.decided IS NULL) AS regrades, (

@@ -7,41 +7,47 @@ from exercises.catalogue import assignments
 from service.formats.grade_row import GradeRow
 from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
-from service.store.records import LATE, SHOWN, STATUS
+from service.store.records import FINAL, LATE, OWN_DEADLINE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
 
 BATCH = 25  # submissions with reports: some megabytes at most
 AUDIT_BATCH = 2000  # short rows
 
-# Each person's counted submission: the one with the most points; of equal ones, or if none is graded, the
+# Each person's counted submission: the one with the most points after the late penalty; of equal ones, or if none is graded, the
 # newest.
 BEST = f"""
 SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE},
     shown.grading, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
+    coalesce(cut.penalty, 0) AS penalty, {FINAL} AS final, {SCORES_RELEASED},
     count(*) OVER (PARTITION BY s.assignment_id, s.person_id) AS submissions
 FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slug = CAST(:slug AS text), true) JOIN {SHOWN}
-ORDER BY s.assignment_id, s.person_id, given.points DESC NULLS LAST, s.submitted_at DESC, s.id
+    LEFT JOIN {PENALTY}
+WHERE CAST(:person AS text) IS NULL OR s.person_id = (SELECT p.id FROM person p WHERE p.name = :person)
+ORDER BY s.assignment_id, s.person_id, {FINAL} DESC NULLS LAST, s.submitted_at DESC, s.id
 """
 
 _GRADES = f"""
 WITH best AS MATERIALIZED ({BEST})
-SELECT x.slug, x.due_at, p.name, p.full_name, p.email, p.student_id, b.*, measured.*, overridden.given,
+SELECT x.slug, x.due_at, x.weight, b.submitted_at - until.due_at AS after_due, p.name, p.full_name, p.email, p.student_id,
+    b.*, measured.*, overridden.given,
     CASE WHEN :detailed THEN r.report->'provenance'->'versions'->>'polhode' END AS polhode
 FROM course c JOIN member m ON m.course_id = c.id JOIN person p ON p.id = m.person_id JOIN assignment x ON x.course_id = c.id
     LEFT JOIN best b ON b.assignment_id = x.id AND b.person_id = p.id
-    LEFT JOIN result r ON r.grading_id = b.grading
+    LEFT JOIN result r ON r.grading_id = b.grading LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
+    JOIN LATERAL {OWN_DEADLINE}
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(v.check_id, v.state) AS checks,
         jsonb_object_agg(v.check_id, v.points) AS worth, jsonb_object_agg(v.check_id, v.earned) AS earned FROM outcome v
         WHERE :detailed AND v.grading_id = b.grading) measured ON true
     LEFT JOIN LATERAL (SELECT jsonb_object_agg(o.check_id, o.points) AS given FROM override o
         WHERE :detailed AND o.submission_id = b.id AND o.check_id IS NOT NULL AND o.withdrawn_at IS NULL) overridden ON true
-WHERE c.slug = :course AND m.role = 'student' AND coalesce(x.slug = CAST(:slug AS text), true)
-    AND {IS_PERSON} ORDER BY x.slug, p.name
+WHERE c.slug = :course AND (m.role = 'student' AND CAST(:person AS text) IS NULL OR p.name = :person)
+    AND coalesce(x.slug = CAST(:slug AS text), true) AND {IS_PERSON} ORDER BY x.slug, p.name
 """
 
 _SUBMISSIONS = f"""
 SELECT s.id, p.name AS person, s.source, s.sha256, s.filename, s.submitted_at, {LATE}, shown.report, shown.number, shown.score,
-    shown.max_score, shown.fault, given.points, given.overridden, {STATUS}
+    shown.max_score, shown.fault, given.points, given.overridden, coalesce(cut.penalty, 0) AS penalty, {STATUS}
 FROM submission s JOIN assignment x ON x.id = s.assignment_id JOIN person p ON p.id = s.person_id JOIN {SHOWN}
+    LEFT JOIN {PENALTY}
 WHERE x.slug = :slug AND s.id > :after ORDER BY s.id LIMIT :most
 """
 
@@ -64,9 +70,9 @@ WHERE c.slug = :course AND {IS_PERSON} ORDER BY p.name
 """
 
 
-async def grades(database: Database, slug: str | None = None) -> list[GradeRow]:
-    """Return a row per student: of one assignment with check states, or of all assignments without."""
-    values = {"slug": slug, "course": COURSE, "detailed": slug is not None}
+async def grades(database: Database, slug: str | None = None, person: str | None = None) -> list[GradeRow]:
+    """Return a row per student, or of one person: of one assignment with check states, or of all assignments without."""
+    values = {"slug": slug, "person": person, "course": COURSE, "detailed": slug is not None}
     return [_row(found) for found in await database.rows(_GRADES, values)]
 
 
@@ -115,6 +121,10 @@ def _row(found: Row) -> GradeRow:
         overridden=bool(found.overridden),
         grader=grader,
         checks=found.checks or {},
+        penalty=found.penalty or 0,
+        released=found.scores_released is not False,
+        weight=found.weight,
+        lateness=found.after_due if found.late else None,
         worth=found.worth or {},
         earned=found.earned or {},
         given=given,

@@ -23,7 +23,7 @@ class Override:
 
     id: UUID
     check: str | None
-    points: int
+    points: float
     reason: str
     by: str
     at: datetime
@@ -39,9 +39,9 @@ class Override:
 class OverrideRejected(Exception):
     """The override cannot be changed; ``kind`` is "invalid-request", "not-ready" or "changed-meanwhile"."""
 
-    def __init__(self, kind: str, sentence: str) -> None:
+    def __init__(self, kind: str, sentence: str, pointer: str | None = None) -> None:
         super().__init__(sentence)
-        self.kind = kind
+        self.kind, self.pointer = kind, pointer
 
 
 async def of_submission(database: Queries, submission: UUID) -> Sequence[Override]:
@@ -60,7 +60,7 @@ def revision(overrides: Sequence[Override]) -> int:
 
 
 async def give(
-    database: Database, submission: UUID, actor: str, *, check: str | None, points: int, reason: str, seen: int | None = None
+    database: Database, submission: UUID, actor: str, *, check: str | None, points: float, reason: str, seen: int | None = None
 ) -> None:
     """Override the points of a check or of the submission, replacing an override in force.
 
@@ -112,16 +112,18 @@ async def withdraw(database: Database, submission: UUID, id: UUID, actor: str) -
     return True
 
 
-def _validate(before: Row, outcome: Row | None, check: str | None, points: int, reason: str) -> None:
+def _validate(before: Row, outcome: Row | None, check: str | None, points: float, reason: str) -> None:
     if before.max_score is None:
         raise OverrideRejected("not-ready", "the submission has no report yet: override its points once it is graded")
     if check is not None and outcome is None:
-        raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}")
-    most = before.max_score if outcome is None else outcome.points
+        raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}", "/check")
+    most = max(before.max_score, before.total) if outcome is None else outcome.points
     if not 0 <= points <= most:
-        raise OverrideRejected("invalid-request", f"points must be from 0 to {most}")
+        raise OverrideRejected("invalid-request", f"points must be from 0 to {most}", "/points")
     if not 0 < len(reason) <= LONGEST_REASON:
-        raise OverrideRejected("invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it")
+        raise OverrideRejected(
+            "invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it", "/reason"
+        )
 
 
 async def _locked(connection: Connection, submission: UUID) -> Row:
@@ -154,7 +156,7 @@ WHERE p.name = :name AND o.withdrawn_at IS NULL ORDER BY o.given_at DESC, o.id
 _LOCK = "SELECT 1 FROM submission WHERE id = :id FOR NO KEY UPDATE"
 
 _SHOWN = f"""
-SELECT p.name AS person, shown.grading, shown.score, shown.max_score, given.points
+SELECT p.name AS person, shown.grading, shown.score, shown.max_score, shown.total, given.points
 FROM submission s JOIN person p ON p.id = s.person_id JOIN {SHOWN} WHERE s.id = :id
 """
 

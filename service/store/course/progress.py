@@ -33,16 +33,15 @@ WHERE m.role = 'student' GROUP BY x.slug
 
 _OWN = f"""
 SELECT x.slug, x.weight, x.grace_s, x.submission_limit, until.due_at, coalesce(until.due_at > x.due_at, false) AS extended,
-    coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over, best.points, best.max_score, best.total,
-    best.status,
+    coalesce(now() > until.due_at + make_interval(secs => x.grace_s), false) AS over, last.status,
     (SELECT count(*) FROM submission s WHERE s.person_id = p.id AND s.assignment_id = x.id AND NOT {FAULTED}) AS used
 FROM assignment x JOIN course c ON c.id = x.course_id LEFT JOIN person p ON p.name = :name
     LEFT JOIN extension e ON e.assignment_id = x.id AND e.person_id = p.id
     JOIN LATERAL {OWN_DEADLINE}
     LEFT JOIN LATERAL (
-        SELECT given.points, shown.max_score, shown.total, {STATUS} FROM submission s JOIN {SHOWN}
-        WHERE s.assignment_id = x.id AND s.person_id = p.id ORDER BY given.points DESC NULLS LAST, s.submitted_at DESC LIMIT 1
-    ) best ON true
+        SELECT {STATUS} FROM submission s JOIN {SHOWN}
+        WHERE s.assignment_id = x.id AND s.person_id = p.id ORDER BY s.submitted_at DESC LIMIT 1
+    ) last ON true
 WHERE c.slug = :course
 """
 
@@ -58,5 +57,5 @@ async def medians(database: Database) -> Mapping[str, float | None]:
 
 
 async def own(database: Database, name: str) -> Mapping[str, Row]:
-    """Return by assignment a person's own rules, as ``deadlines.own`` does, and points and status of their best submission."""
+    """Return by assignment a person's own rules, as ``deadlines.own`` does, and the status of their last submission."""
     return {row.slug: row for row in await database.rows(_OWN, {"name": name, "course": COURSE})}

@@ -22,10 +22,13 @@ from service.store.submissions import accept
 from tests.support.database import new, run, sql
 
 SLUG = "/assignments/rigid-body"
-FORMS = ("nbgrader", "canvas", "moodle")
+FORMS = ("nbgrader", "canvas", "moodle", "gradescope")
 PATHS = (
     "/grades.csv",
-    *(f"{SLUG}/{name}" for name in ("grades.csv", "grades.json", "all.zip", *(f"grades/{f}.csv" for f in FORMS))),
+    *(
+        f"{SLUG}/{name}"
+        for name in ("grades.csv", "grades.json", "all.zip", "submissions.zip", *(f"grades/{f}.csv" for f in FORMS))
+    ),
 )
 STATES = {"pass": Verdict.PASS, "fail": Verdict.FAIL, "timeout": Verdict.UNMEASURED, "error": Verdict.UNMEASURED}
 ENDINGS = {"timeout": Ended.TIMED_OUT, "error": Ended.RAISED}
@@ -203,10 +206,13 @@ def test_the_whole_course(asked, rigid_body):
     assert {line["rigid-body max_points"] for line in found.values()} == {str(rigid_body.max_points())}
 
 
-def test_what_other_gradebooks_import(asked, rigid_body):
+def test_what_other_gradebooks_import(asked, sent, rigid_body):
     forms = {form: asked(f"{SLUG}/grades/{form}.csv")[2] for form in FORMS}
     assert not any(body.startswith(b"\xef\xbb\xbf") for body in forms.values())
-    nbgrader, canvas, moodle = (lines(forms[form]) for form in FORMS)
+    nbgrader, canvas, moodle, gradescope = (lines(forms[form]) for form in FORMS)
+    graded = {line["Submission ID"] for line in gradescope if line["Status"] == "Graded"}
+    assert len(graded) == 5 and graded < {*map(str, sent.values())}
+    assert [line["Status"] for line in gradescope].count("Missing") == 1 and len(gradescope) == 7
     assert len(nbgrader) == 7 and {line["student_id"]: line["score"] for line in nbgrader}["dora"] == "0.0"
     title = "2.6 Rigid-Body Rotation and the Spinning Top"
     assert (canvas[0]["Student"], canvas[0][title]) == ("Points Possible", str(rigid_body.max_points()))

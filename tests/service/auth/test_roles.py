@@ -94,7 +94,7 @@ def test_what_students_may_open_and_what_only_instructors_may_do():
     account = {"/account", "/account/logout-everywhere", "/account/password", "/account/revoke"}
     assert students == {"/", "/assignments/{slug}", UPLOAD, "/submissions/{id}/regrade-requests", *own, *account}
     points = {"/submissions/{id}/overrides", "/submissions/{id}/overrides/{override}/withdraw", "/regrades/{id}/apply"}
-    terms = {"/assignments/{slug}/rules", "/assignments/{slug}/extensions"}
+    terms = {"/assignments/{slug}/rules", "/assignments/{slug}/extensions", "/assignments/{slug}/release", "/settings"}
     changes = {path for method, path, least in GUARDED if least == "instructor" and method == "POST"}
     assert changes == {*points, *terms, "/people", "/people/preview"}
 

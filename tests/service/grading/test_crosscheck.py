@@ -14,6 +14,7 @@ from service.grading.grade import grade
 from service.grading.submission import Submission
 from service.sandbox.guest.wire import pack
 from service.sandbox.job import Cell, Job, SceneRequest
+from tests.support.course_notebook import as_ipynb
 from tests.support.isolation import BY_THE_HOST
 
 RIGHT = "def euler_eqs(t, w, I):\n    return -np.cross(w, I * w) / I\n"
@@ -41,6 +42,36 @@ def test_answers_that_differ_in_the_last_bits_are_found(source, rigid_body, sand
     report = grade(Submission(source), rigid_body, sandbox, 5, ["2"]).report
     points = next(o for o in report.outcomes() if o.id == "2-pointwise")
     assert points.verdict is Verdict.FAIL and [d.code for d in points.diagnosis] == ["not-deterministic"]
+
+
+CHANGED = {
+    "a list that another cell changes": [
+        "signs = [1]",
+        "signs[0] = -1",
+        f"{RIGHT[: RIGHT.index('-np')]}signs[0] * np.cross(w, I * w) / I",
+    ],
+    "a name that a function assigns": [
+        "def choose():\n    global sign\n    sign = -1",
+        "choose()",
+        RIGHT.replace("-np", "sign * np"),
+    ],
+    "an attribute": [RIGHT.replace("-np", "euler_eqs.sign * np"), "euler_eqs.sign = -1"],
+    "exec": ["exec('sign = -1')", RIGHT.replace("-np", "sign * np")],
+}
+
+
+@pytest.mark.parametrize("cells", CHANGED.values(), ids=CHANGED)
+def test_a_right_function_may_depend_on_cells_that_do_not_name_what_they_change(cells, rigid_body, sandbox):
+    submission = Submission.from_bytes(as_ipynb(cells), "notebook.ipynb")
+    assert grade(submission, rigid_body, sandbox, 5, ["2"]).report.passed
+
+
+def test_cells_that_no_question_needs_run_once(rigid_body, sandbox, monkeypatch):
+    jobs, play = [], sandbox.play
+    monkeypatch.setattr(sandbox, "play", lambda job, *options: jobs.append(play(job, *options)) or jobs[-1])
+    submission = Submission.from_bytes(as_ipynb([RIGHT, "print('a long computation')"]), "notebook.ipynb")
+    assert grade(submission, rigid_body, sandbox, 5, ["2"]).report.passed
+    assert [result.stdout for result in jobs] == ["a long computation\n", ""]
 
 
 def test_right_equations_are_certified_and_their_motion_is_the_childs(rigid_body, sandbox):

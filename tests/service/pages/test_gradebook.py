@@ -51,7 +51,7 @@ class Sent(NamedTuple):
     points: float | None
 
 
-NOBODY = StudentRow("", "", "", "", 0, None, None, None, None, None, False, "", None, None, None, False, None)
+NOBODY = StudentRow("", "", "", "", 0, None, None, None, None, None, False, "", None, None, 0.0, None, None, False, None)
 
 
 def test_the_course_tells_who_has_submitted_and_what_waits(looks):
@@ -111,7 +111,9 @@ def test_activity_is_the_last_submission_and_no_gain_needs_two_graded_ones():
 def test_equal_names_are_told_apart_by_their_logins(looks, url):
     sql(url, "UPDATE person SET full_name = 'Ann Lee' WHERE name IN ('ann', 'ben')")
     for page in (STUDENTS, f"{CLASS}/submissions"):
-        shown = re.findall(r'<th scope="row"><a[^>]*>([^<]+)</a>(?: <span class="quiet">(\w+)</span>)?</th>', looks("helper", page)[1])
+        shown = re.findall(
+            r'<th scope="row"><a[^>]*>([^<]+)</a>(?: <span class="quiet">(\w+)</span>)?</th>', looks("helper", page)[1]
+        )
         assert shown[:2] == [("Ann Lee", "ann"), ("Ann Lee", "ben")] and ("cleo", "") in shown, page
     sql(url, "UPDATE person SET full_name = '' WHERE name IN ('ann', 'ben')")
 
@@ -179,7 +181,13 @@ def test_rules_and_extensions(looks, url):
     assert "2099-02-01 12:00" in tile(looks("zoe", "/")[1], "Rigid-Body") and "with your extension" in looks("zoe", "/")[1]
     assert "2099-02-01 12:00" in looks("zoe", OWN)[1] and "with your extension" in looks("zoe", OWN)[1]
     assert "with your extension" not in looks("ann", OWN)[1]
-    assert looks("prof", extend, at=SETTINGS, name="Zoe <b>Adams</b>", due="")[0] == 200
+    page = looks("prof", extend, at=SETTINGS, name="zoe  <B>Adams</b>", due="")[1]
+    undo = dict(re.findall(r'name="(name|due|reason)" value="([^"]*)"', page[page.index('class="notice"') :])[:3])
+    assert undo == {"name": "zoe", "due": "2099-02-01T12:00:00+00:00", "reason": "ill &lt;b&gt;"} and ">Undo<" in page
+    assert sql(url, "SELECT count(*) FROM extension") == [(0,)]
+    assert looks("prof", extend, at=SETTINGS, **undo)[0] == 200 and sql(url, "SELECT count(*) FROM extension") == [(1,)]
+    assert ">Undo<" not in looks("prof", f"{SETTINGS}?removed=zoe")[1]
+    assert looks("prof", extend, at=SETTINGS, name="zoe", due="")[0] == 200
     assert sql(url, "SELECT count(*) FROM extension") == [(0,)]
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, due="", grace="0", most="")[0] == 200
 

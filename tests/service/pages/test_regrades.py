@@ -113,6 +113,16 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
     assert "override withdrawn" in trail and "points: 1 → 2" in trail and "points: 2 → 1" in trail and "&lt;b&gt;" in trail
 
 
+def test_an_override_may_be_a_fraction_and_the_whole_of_exercises_left_out(server, url, people):
+    id = graded(url, "ann", "+--", total=36)
+    own, prof = f"/submissions/{id}", people["prof"]
+    for check, points, stored in (("c2", "0.25", 1.25), ("c3", "0,5", 1.75), ("c2", "1", 2.5), ("", "36", 36)):
+        assert prof.send(f"{own}/overrides", own, check=check, points=points, reason="by mouth")[0] == 303
+        assert run(url, lambda d: records.read(d, id)).points == stored
+        assert f"{stored} of 36" in people["ann"].open(own)[1]
+    assert prof.send(f"{own}/overrides", own, check="", points="37", reason="by mouth")[0] == 422
+
+
 def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, url, people):
     partly = outcome("c1", "fail", points=4, partial=RowsRight(12, 16))
     id = graded(url, "ann", exercises=report([partly, outcome("c2")]).exercises, total=5)
@@ -120,7 +130,10 @@ def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, u
     page = prof.open(own)[1]
     assert "12 of 16 inputs are right: 3 of 4 points" in page and '<span class="badge">3 of 4 points</span>' in page
     assert "4 of 5 points (public checks: 1 of 2)" in page and "<td>4 of 5 points, version 1</td>" in page
-    assert '<option value="c1">c1 (4 points)</option><option value="c2">c2</option>' in page
+    assert (
+        '<optgroup label="1 Title 1"><option value="c1">c1 (c1, 4 points)</option><option value="c2">c2 (c2, 1 point)</option>'
+        in page
+    )
     assert prof.send(f"{own}/overrides", own, check="c1", points="4", reason="the rest is right too") == (303, f"{own}#points")
     assert "5 of 5 (graded 4)" in people["ann"].open(own)[1]
     told = people["ann"].json(f"/v1/submissions/{id}")
@@ -144,8 +157,10 @@ def test_a_regrade_that_changes_partial_credit_only_names_the_check(server, url,
     [
         ({"points": "2", "check": "c1"}, 422, "points must be from 0 to 1"),
         ({"points": "4", "check": ""}, 422, "points must be from 0 to 3"),
-        ({"points": "-1"}, 422, "whole number"),
-        ({"points": "½"}, 422, "whole number"),
+        ({"points": "-1"}, 422, "at most two decimals"),
+        ({"points": "½"}, 422, "at most two decimals"),
+        ({"points": "0.125"}, 422, "at most two decimals"),
+        ({"points": "1.01", "check": "c1"}, 422, "points must be from 0 to 1"),
         ({"points": "1", "reason": " "}, 422, "give a reason"),
         ({"points": "1", "reason": "x" * 1001}, 422, "at most 1000"),
         ({"points": "1", "check": "c9"}, 422, "no counted check c9"),

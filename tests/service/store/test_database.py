@@ -23,10 +23,12 @@ from service.store import history, queue_overview, records, regrades, runs, swee
 from service.store.course import (
     audit,
     comments,
+    course_settings,
     credentials,
     deadlines,
     gradebook,
     grades,
+    notes,
     overrides,
     people,
     regrade_requests,
@@ -157,7 +159,7 @@ def _counts(url, tables):
 def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     before = _counts(full_url, TABLES_0005)
     assert all(before.values()), "rows in every table"
-    assert migrate(full_url) == "0009"
+    assert migrate(full_url) == "0010"
     assert _counts(full_url, {RENAMED.get(t, t) for t in TABLES_0005}) == {RENAMED.get(t, t): n for t, n in before.items()}
     assert not any(check(full_url).values())
 
@@ -213,6 +215,26 @@ def test_feedback_on_a_submission_of_an_older_database(full_url):
             sql(full_url, query, ONE)
 
 
+def test_settings_of_an_older_database_change_nothing(full_url):
+    """Scores are released and nobody loses points; overrides keep theirs, and may be fractions."""
+    given = sql(full_url, "SELECT id, points FROM override ORDER BY id")
+    migrate(full_url)
+    stored = run(full_url, lambda d: records.read(d, ONE))
+    assert (stored.scores_released, stored.details_released, stored.penalty) == (True, True, 0)
+    assert run(full_url, course_settings.read) == course_settings.CourseSettings("UTC", 0.0, 1.0)
+    assert sql(full_url, "SELECT id, points FROM override ORDER BY id") == given
+    sql(full_url, "UPDATE override SET points = 0.25")
+    run(full_url, lambda d: notes.write(d, "ann", "was ill", "prof"))
+    assert [n.note for n in run(full_url, lambda d: notes.of_person(d, "ann"))] == ["was ill"]
+    for query in (
+        "UPDATE course SET late_penalty = 2",
+        "UPDATE assignment SET scores_release = 'never'",
+        "UPDATE assignment SET details_release = 'never'",
+    ):
+        with pytest.raises(psycopg.IntegrityError):
+            sql(full_url, query)
+
+
 def test_a_job_queued_before_the_renaming_is_graded_after_it(full_url):
     migrate(full_url)
     ((arguments,),) = sql(full_url, "SELECT args FROM procrastinate_jobs")
@@ -264,7 +286,7 @@ def test_many_that_start_at_once_migrate_once(old_url):
         thread.start()
     for thread in threads:
         thread.join()
-    assert not failures and migrate(old_url) == "0009"
+    assert not failures and migrate(old_url) == "0010"
 
 
 def test_tables_of_a_later_version_are_refused_in_a_sentence(database_url):
@@ -322,7 +344,7 @@ def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(old_u
         sql(old_url, "SELECT pg_terminate_backend(%s)", pid)
         thread.join()
     assert failures and _schema(old_url) == before
-    assert migrate(old_url) == "0009" and not any(check(old_url).values())
+    assert migrate(old_url) == "0010" and not any(check(old_url).values())
 
 
 def _schema(url):

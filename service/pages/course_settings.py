@@ -1,0 +1,98 @@
+"""Settings of the course: time zone, late penalty, weights, and when the students see scores."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from zoneinfo import available_timezones
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from starlette.datastructures import FormData
+
+from exercises.catalogue import assignments
+from service.api.submissions import Assigned
+from service.auth import forms
+from service.auth.roles import Instructor, Staff
+from service.http.errors import Problem
+from service.http.state import Db
+from service.http.templating import ZONE, find_zone, templates
+from service.store.course import course_settings, gradebook
+from service.store.course.course_settings import RELEASES, CourseSettings
+from service.store.database import Row, is_outage
+
+router = APIRouter()
+MOST_WEIGHT = 1000
+
+
+async def use_course_zone(database: Db) -> None:
+    """Show and read times in the course's time zone while this request is answered; in UTC during an outage of the database."""
+    try:
+        ZONE.set(find_zone((await course_settings.read(database)).time_zone))
+    except Exception as error:
+        if not is_outage(error):
+            raise
+
+
+@router.get("/settings", response_class=HTMLResponse)
+async def show(request: Request, person: Staff, database: Db) -> Response:
+    """Show the settings of the course; instructors can change them."""
+    context = {
+        "settings": await course_settings.read(database),
+        "rows": await _overview(database),
+        "assignments": assignments(),
+        "zones": sorted({"UTC", *available_timezones()}),
+    }
+    return templates.TemplateResponse(request, "course_settings.html", context)
+
+
+@router.post("/settings")
+async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
+    """Save time zone, late penalty and the weights of the assignments."""
+    zone = forms.field(form, "time_zone") or "UTC"
+    if str(find_zone(zone)) != zone:
+        raise Problem(422, "invalid-request", f"no time zone {zone[:80]}: enter a name such as Europe/Berlin", "/time_zone")
+    settings = CourseSettings(zone, _percent(form, "late_penalty", 0.0), _percent(form, "late_penalty_limit", 100.0))
+    weights = {
+        row.slug: number(form, name, 0, MOST_WEIGHT, row.weight)
+        for row in await _overview(database)
+        if (name := f"weight-{row.slug}") in form
+    }
+    await course_settings.change(database, settings, weights, person.name)
+    return RedirectResponse("/settings", 303)
+
+
+@router.post("/assignments/{slug}/release")
+async def set_release(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
+    """Set when the students see scores and the details of hidden checks, or release them or withdraw the release now."""
+    slug, action = assignment.slug, forms.field(form, "action")
+    if what := {"scores": "scores", "details": "details"}.get(action.partition(" ")[2]):
+        released = action.startswith("release ")
+        chosen = {"scores": released if what == "scores" else None, "details": released if what == "details" else None}
+        await course_settings.release(database, slug, **chosen, actor=person.name)
+    else:
+        scores, details = (_release(form, name) for name in ("scores", "details"))
+        await course_settings.set_releases(database, slug, scores, details, person.name)
+    return RedirectResponse(f"/assignments/{slug}/class/settings#release", 303)
+
+
+async def _overview(database: Db) -> Sequence[Row]:
+    return [row for row in await gradebook.overview(database) if row.slug in assignments()]
+
+
+def _release(form: FormData, name: str) -> str:
+    if (chosen := forms.field(form, name)) not in RELEASES:
+        raise Problem(422, "invalid-request", f"choose one of {', '.join(RELEASES)}", f"/{name}")
+    return chosen
+
+
+def _percent(form: FormData, name: str, default: float) -> float:
+    return number(form, name, 0, 100, default) / 100
+
+
+def number(form: FormData, name: str, least: int, most: int, default: float) -> float:
+    """Return a field's number, ``default`` if it is empty. Raises Problem 422 if it is not one from ``least`` to ``most``."""
+    if not (text := forms.field(form, name, 40)):
+        return default
+    with suppress(ValueError):
+        if least <= (value := float(text)) <= most:
+            return value
+    raise Problem(422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}")

@@ -103,6 +103,7 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
         app.include_router(router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)])
     app.mount("/static/swagger", StaticFiles(packages=[("fastapi_swagger", "resources")]))
     app.mount("/static", StaticFiles(directory=Path(__file__).parent / "pages" / "static"))
+    app.include_router(course.others, include_in_schema=False)
     return app
 
 

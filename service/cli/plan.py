@@ -237,7 +237,7 @@ def draw_costs(found: Sequence[list[tuple[int, int, float]]], deadlines: Sequenc
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator
 
-    from service.grading.charts import svg
+    from service.grading.chart_drawing import svg
 
     canvas = Figure(figsize=(9, 5))
     FigureCanvasAgg(canvas)

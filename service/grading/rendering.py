@@ -15,7 +15,7 @@ from ecp.document import read
 from ecp.exercise import Figure
 from ecp.outcome import SweepResult
 from exercises.assignment import Assignment
-from service.grading import charts
+from service.grading import chart_drawing, charts
 from service.grading.author_errors import author_errors, find_assignment
 from service.grading.grade import Graded, draw_inputs, truth
 
@@ -80,14 +80,14 @@ def draw_stored(slug: str, figure: str, packed: bytes, seed: int, form: str) -> 
 def draw_chart(kind: str, number: int) -> bytes:
     """Draw chart ``number`` of the kind "work-precision" or "stability" from the measurement of this version, as SVG."""
     if kind == "stability":
-        return charts.draw_stability(charts.load_stability(), number)
+        return chart_drawing.draw_stability(charts.load_stability(), number)
     document = charts.load_work_precision()
-    return charts.draw_work_precision(document, charts.scenes(document)[number])
+    return chart_drawing.draw_work_precision(document, charts.scenes(document)[number])
 
 
 def draw_sweep(swept: SweepResult) -> bytes:
     """Draw the sweep of a submission with the reference methods, as SVG."""
-    return charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
+    return chart_drawing.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points)
 
 
 def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
@@ -95,7 +95,7 @@ def draw_class(documents: Sequence[dict[str, Any]]) -> bytes:
     found = [swept for swept in (read(SweepResult, one) for one in documents) if plausible(swept)]
     measured = charts.load_work_precision()
     scene = Counter([swept.scene for swept in found] or charts.scenes(measured)).most_common(1)[0][0]
-    return charts.draw_class(measured, scene, [s.points for s in found if s.scene == scene])
+    return chart_drawing.draw_class(measured, scene, [s.points for s in found if s.scene == scene])
 
 
 def plausible(swept: SweepResult) -> bool:

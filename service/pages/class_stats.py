@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from statistics import median
 
 from markupsafe import Markup
@@ -15,12 +16,13 @@ from ecp.checks import Check
 from exercises.assignment import Assignment
 from service.grading import result
 from service.store.course.gradebook import Cell, StudentRow
+from service.store.database import Row
 
 SMALL_MARGIN = 3.0  # a passed check with a smaller margin suggests that the tolerance is too tight
 DECADES = range(-4, 13)  # bins of log10(margin); the first and last bins include everything beyond
-EMPTY = Markup("<td></td>")
+EMPTY = "<td></td>"
 CELLS = {
-    (state, overridden): Markup('<td class="{}">{}{}</td>').format(state, mark, "*" if overridden else "")
+    (state, overridden): f'<td class="{state}">{mark}{"*" if overridden else ""}</td>'
     for state, mark in result.MARKS.items()
     for overridden in (False, True)
 }
@@ -99,16 +101,46 @@ def submission_counts(students: Iterable[StudentRow]) -> list[tuple[int, int]]:
     return sorted(Counter(s.submissions for s in students).items())
 
 
+@dataclass(frozen=True)
+class Activity:
+    """When a student last submitted, and whether two or more graded submissions brought no points beyond the first."""
+
+    last_at: datetime
+    no_gain: bool
+
+
+def activity(sent: Iterable[Row], most: int) -> dict[str, Activity]:
+    """Return by login name the activity of all who submitted: ``sent`` has their submissions, oldest first, of ``most`` points."""
+    points: dict[str, list[float]] = {}
+    last: dict[str, datetime] = {}
+    for one in sent:
+        last[one.name] = one.submitted_at
+        if one.points is not None:
+            points.setdefault(one.name, []).append(one.points)
+    return {name: Activity(at, len(got := points.get(name, [])) > 1 and max(got) <= got[0] < most) for name, at in last.items()}
+
+
+def equal_names(students: Iterable[StudentRow]) -> set[str]:
+    """Return the names that several students are shown by."""
+    return {name for name, count in Counter(s.display_name for s in students).items() if count > 1}
+
+
 def row(student: StudentRow, ids: Iterable[str]) -> Markup:
     """Return a student's table cells as HTML.
 
     A template would be too slow for tens of thousands of cells.
     """
-    return Markup("").join(_cell(student.cells.get(id)) for id in ids)
+    return Markup("".join([_cell(student.cells.get(id)) for id in ids]))  # noqa: S704 - all cells are of CELLS
 
 
-def _cell(cell: Cell | None) -> Markup:
+def _cell(cell: Cell | None) -> str:
     return EMPTY if cell is None or not cell.counted else CELLS[cell.shown, cell.given is not None]
+
+
+def passed(students: Sequence[StudentRow], ids: Iterable[str]) -> list[tuple[int, int]]:
+    """Return for each check the numbers of students who passed, and of those it was made for."""
+    found = [[c.shown == "pass" for s in students if (c := s.cells.get(id)) is not None and c.counted] for id in ids]
+    return [(sum(one), len(one)) for one in found]
 
 
 def _cells(students: Iterable[StudentRow], id: str) -> list[Cell]:

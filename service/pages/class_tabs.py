@@ -1,5 +1,7 @@
 """The class pages of an assignment, for staff: overview, students, checks, submissions and settings, each a tab."""
 
+import gzip
+from statistics import median
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response
@@ -12,9 +14,9 @@ from service.auth.roles import Staff
 from service.grading import result
 from service.http.state import Db
 from service.http.templating import templates
-from service.pages import class_stats
+from service.pages import class_charts, class_stats
 from service.store import sweeps
-from service.store.course import deadlines, gradebook
+from service.store.course import deadlines, gradebook, progress
 from service.store.course.gradebook import StudentRow
 
 router = APIRouter()
@@ -30,14 +32,18 @@ class SubmissionFilter(BaseModel):
 
 @router.get("/assignments/{slug}/class", response_class=HTMLResponse)
 async def overview(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
-    """Show what the class has submitted, the most common causes of failures, and exports."""
-    slug = assignment.slug
-    students = await gradebook.student_rows(database, slug)
+    """Show what the class has submitted: points, progress, the most common causes of failures, and exports."""
+    slug, most = assignment.slug, assignment.max_points()
+    students, rules = await gradebook.student_rows(database, slug), await gradebook.rules(database, slug)
+    points = [s.points for s in students if s.points is not None]
     return _page(
         request,
         "class_overview.html",
         assignment,
-        rules=await gradebook.rules(database, slug),
+        rules=rules,
+        median=median(points) if points else None,
+        distribution=class_charts.distribution(students, most),
+        progress=class_charts.progress(await progress.of_class(database, slug), rules.students, most, rules.due_at),
         causes=class_stats.by_cause(students),
         submission_counts=class_stats.submission_counts(students),
         extensions=await deadlines.extensions(database, slug),
@@ -47,21 +53,36 @@ async def overview(request: Request, person: Staff, assignment: Assigned, databa
 
 @router.get("/assignments/{slug}/class/students", response_class=HTMLResponse)
 async def show_students(
-    request: Request, person: Staff, assignment: Assigned, database: Db, sort: Literal["name", "points"] = "name"
+    request: Request,
+    person: Staff,
+    assignment: Assigned,
+    database: Db,
+    sort: Literal["name", "points", "worst", "activity"] = "name",
+    show: Literal["all", "no-gain"] = "all",
 ) -> Response:
-    """Show the results of all students by check."""
-    students = await gradebook.student_rows(database, assignment.slug)
-    if sort == "points":
-        students.sort(key=lambda s: -1 if s.points is None else s.points, reverse=True)
+    """Show the results of all students by check, or of those whose later submissions brought no points."""
+    everyone = await gradebook.student_rows(database, assignment.slug)
+    activity = class_stats.activity(await progress.of_class(database, assignment.slug), assignment.max_points())
+    no_gain = [s for s in everyone if s.name in activity and activity[s.name].no_gain]
+    students = no_gain if show == "no-gain" else list(everyone)
+    if sort in ("points", "worst"):
+        students.sort(key=lambda s: -1 if s.points is None else s.points, reverse=sort == "points")
+    elif sort == "activity":
+        students.sort(key=lambda s: activity[s.name].last_at.timestamp() if s.name in activity else 0.0, reverse=True)
     ids = [c.id for c in assignment.checks()]
-    return _page(
+    page = _page(
         request,
         "class_students.html",
         assignment,
-        students=[(s, class_stats.row(s, ids)) for s in students],
-        checks=class_stats.by_check(assignment, students),
+        students=[(s, activity.get(s.name), class_stats.row(s, ids)) for s in students],
+        equal_names=class_stats.equal_names(everyone),
+        total=len(everyone),
+        no_gain=len(no_gain),
+        passed=class_stats.passed(students, ids),
         sort=sort,
+        show=show,
     )
+    return _compressed(request, page)
 
 
 @router.get("/assignments/{slug}/class/checks", response_class=HTMLResponse)
@@ -94,6 +115,7 @@ async def show_submissions(
         assignment,
         students=found,
         total=len(students),
+        equal_names=class_stats.equal_names(students),
         check=check,
         label=label,
         state=state,
@@ -121,6 +143,14 @@ async def show_settings(
 def _page(request: Request, template: str, assignment: Assignment, **context: Any) -> Response:
     common = {"assignment": assignment, "marks": result.MARKS, "state_labels": result.WORDS}
     return templates.TemplateResponse(request, template, common | context)
+
+
+def _compressed(request: Request, page: Response) -> Response:
+    """Return the page compressed if the browser can read that. The page must have no form: compression can leak a form's token."""
+    if "gzip" not in request.headers.get("accept-encoding", ""):
+        return page
+    headers = {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
+    return HTMLResponse(gzip.compress(bytes(page.body), 3), page.status_code, headers)
 
 
 def _matches(student: StudentRow, check: str | None, state: str | None, cause: str | None) -> bool:

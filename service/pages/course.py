@@ -15,17 +15,18 @@ from service.api.release import visible_row
 from service.api.submissions import Assigned, Stored
 from service.auth import forms
 from service.auth.identity import COOKIE, STAFF
-from service.auth.roles import CurrentUser, Staff
+from service.auth.roles import CurrentUser, OptionalUser, Staff
 from service.formats.grade_row import total_percent
+from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.store.course import gradebook
+from service.store.course import gradebook, progress
 from service.store.course.audit import MOST, entries
 from service.store.course.grades import grades
 from service.store.records import recent
 
-router = APIRouter()
-LATEST = 100
+router, others = APIRouter(), APIRouter()
+LATEST = 20
 
 
 @router.get("/", response_class=HTMLResponse)
@@ -46,6 +47,9 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "self_reported": {slug: _self_reported(one.checks()) for slug, one in assignments().items()},
         "overview": overview,
         "weights": sum(row.weight for row in overview),
+        "medians": await progress.medians(database) if staff else {},
+        "standings": {} if staff else await progress.own(database, person.name),
+        "most": {slug: one.max_points() for slug, one in assignments().items()},
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)
@@ -86,3 +90,9 @@ async def audit_log(
     rows = await entries(database, subject or None, before)
     context = {"rows": rows, "subject": subject, "older": rows[-1].id if len(rows) == MOST else None}
     return templates.TemplateResponse(request, "audit.html", context)
+
+
+@others.get("/{path:path}")
+async def not_found(path: str, person: OptionalUser) -> Response:
+    """Answer every address that nothing else answers with a page on which those who are logged in find their way back."""
+    raise Problem(404, "not-found", "nothing has this address: check it")

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
 from service.api.figure_renderer import Renderer
+from service.auth.roles import OptionalUser
 from service.grading import charts
 from service.http.errors import Problem
 from service.http.state import Held
@@ -15,7 +16,7 @@ router = APIRouter()
 
 
 @router.get("/reference", response_class=HTMLResponse)
-async def reference(request: Request) -> HTMLResponse:
+async def reference(request: Request, person: OptionalUser) -> HTMLResponse:
     """Show speed and accuracy of the reference methods and where they fail, with date and versions of
     the measurement.
     """

@@ -30,7 +30,7 @@ from service.pages.source_view import SIGNS, Changed, TooLong, cells, difference
 from service.store import records, sweeps
 from service.store.course import comments, regrade_requests
 from service.store.history import gradings, previous, timeline
-from service.store.records import SubmissionRecord
+from service.store.records import SubmissionRecord, find_artefact
 
 router = APIRouter()
 
@@ -43,12 +43,13 @@ async def report(request: Request, person: CurrentUser, stored: Submission, data
     context = await asyncio.to_thread(_report_context, stored, commented) | {
         "stored": stored,
         "comments": commented,
-        "sweep_failed": await records.find_artefact(database, stored.grading, sweeps.REFUSED),
         "requests": await regrade_requests.of_submission(database, stored.id),
         "staff": person.role in STAFF,
         "gradings": await gradings(database, stored.id),
         "timeline": [visible_row(person, row) for row in await timeline(database, stored.person, stored.assignment)],
     }
+    refused = await find_artefact(database, stored.grading, sweeps.REFUSED) if context["sweeps"] else None
+    context["sweep_refused"] = refused[0].decode() if refused else ""
     given = {} if stored.withheld else await overrides.context(database, stored)
     return templates.TemplateResponse(request, "report.html", context | given)
 
@@ -81,7 +82,7 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
             if scene_end.traceback
         ],
         "motions": playable_motions(assignment, stored.report) if assignment and stored.report else {},
-        "sweeps": assignment is not None and stored.report is not None and _may_be_swept(assignment, stored.report),
+        "sweeps": assignment is not None and stored.report is not None and _is_measurable(assignment, stored.report),
         "cause_numbers": grouped.numbers,
         "causes_header": grouped.header,
         "cause_list": _markup(report_html.cause_list),
@@ -91,13 +92,10 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
     }
 
 
-def _may_be_swept(assignment: Assignment, report: Report) -> bool:
-    """Return whether the assignment measures speed vs accuracy of a function, one of whose checks was measured in the report."""
-    if assignment.sweep is None:
-        return False
-    numbers = {e.number for e in assignment.exercises if assignment.sweep.scene.function in e.function_names()}
-    outcomes = [o for e in report.exercises if e.number in numbers for o in e.outcomes]
-    return any(o.verdict is not Verdict.UNMEASURED for o in outcomes)
+def _is_measurable(assignment: Assignment, report: Report) -> bool:
+    """Return whether the function whose speed and accuracy the assignment measures gave a check something to measure."""
+    ran = {e.number for e in report.exercises if any(o.verdict is not Verdict.UNMEASURED for o in e.outcomes)}
+    return assignment.sweep is not None and assignment.sweep_of(ran) is not None
 
 
 def _markup(render: Callable[..., str]) -> Callable[..., Markup]:

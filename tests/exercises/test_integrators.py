@@ -12,7 +12,7 @@ from ecp.kinds import stepper as kit
 from ecp.kinds.asking import expression
 from exercises.catalogue import find
 from exercises.integrators import assignment as author
-from service.grading import charts
+from service.grading import chart_drawing, charts
 from service.grading.grader import Grader
 from service.grading.submission import Submission
 from tests.support.toolbox import failed, judged
@@ -309,7 +309,7 @@ def test_the_chart_shows_seconds_and_errors_of_the_student_s_steppers(monkeypatc
     assert {point.calls for point in swept.points if point.method == "rk4_step"} == {200, 800, 1600}
     assert "rk4_step 800 calls and" in swept.line and "euler_step more than 400 calls" in swept.line
     assert all(point.rtol is None and point.seconds > 0 for point in swept.points)
-    chart = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()
+    chart = chart_drawing.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()
     assert (
         "yours, rk4_step" in chart and "CPU time / s" in chart and "error at the end of the run" in chart and "DOP853" not in chart
     )

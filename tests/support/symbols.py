@@ -7,7 +7,8 @@ from fontTools.fontBuilder import FontBuilder
 from fontTools.pens.ttGlyphPen import TTGlyphPen
 
 FILE = Path(__file__).parents[2] / "service" / "pages" / "static" / "symbols.woff"
-EM, WIDE = 1000, 620  # font units; every glyph is as wide as a letter of a monospaced font
+EM, WIDE = 1000, 730  # font units
+SCALE = WIDE / 620
 
 
 def _ring(x, y, radius, *, inside=False):
@@ -31,6 +32,12 @@ SHAPES = {
 }  # fmt: skip
 
 
+def _placed(point):
+    """The point where the shapes, drawn 620 wide, are as large as the letters beside them."""
+    x, y = point
+    return round(SCALE * x), round(SCALE * (y - 400) + 370)
+
+
 def font():
     """Return the font; the same for the same shapes."""
     names = {".notdef": []} | {f"uni{ord(mark):04X}": contours for mark, contours in SHAPES.items()}
@@ -38,9 +45,9 @@ def font():
     for name, contours in names.items():
         pen = TTGlyphPen(None)
         for first, *others in contours:
-            pen.moveTo(tuple(map(round, first)))
+            pen.moveTo(_placed(first))
             for point in others:
-                pen.lineTo(tuple(map(round, point)))
+                pen.lineTo(_placed(point))
             pen.closePath()
         glyphs[name] = pen.glyph()
     builder = FontBuilder(EM, isTTF=True)

@@ -21,9 +21,8 @@ def draw(figure: Figure, seen: list[Arrays], truth: list[Arrays], form: str = "p
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Canvas
 
-    canvas = Canvas(figsize=(9, 4.5), dpi=100)
+    canvas = Canvas(figsize=(7, 3.6), dpi=130, layout="constrained")
     FigureCanvasAgg(canvas)
-    canvas.subplots_adjust(left=0.08, right=0.98, bottom=0.11, top=0.94)
     with np.errstate(all="ignore"):  # values that overflow are not drawn
         try:
             figure.draw(canvas, seen, truth)

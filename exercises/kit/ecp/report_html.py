@@ -17,7 +17,7 @@ from ecp.report import OWN_CHECKS, Report, no_picture
 
 # Light by default; dark if the front end says so, or if it says nothing and the system is dark.
 # ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
-_DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8}"
+_DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8;--chart:invert(.9) hue-rotate(180deg)}"
 _STYLE = (
     """
 .polhode:not(#_){--p:#00674c;--f:#a33c00;--q:#5a5a5a;font:14px/1.5 var(--jp-ui-font-family,system-ui,sans-serif);
@@ -36,6 +36,7 @@ code{font:.93em/1.5 var(--jp-code-font-family,ui-monospace,monospace);white-spac
 p{margin:0 0 0 2em}
 figure{margin:.6em 0}
 img{max-width:100%;background:#fff}
+img[src^="data:image/svg"]{filter:var(--chart,none)}
 pre{overflow-x:auto;color:inherit}
 td,th{text-align:left;vertical-align:top}}
 """
@@ -117,19 +118,21 @@ def outcome_item(outcome: Outcome, numbers: Mapping[str, int], *, links: bool = 
     """Return the outcome as a list item: line, badges, notes, likely causes and hints.
 
     ``numbers`` maps sentences of causes at the top of the report to their numbers, which then stand for them. With
-    ``links`` it is an anchor and has links to those causes. ``staff`` is a remark for the staff, who also see whether
-    the check is hidden.
+    ``links`` it is an anchor, has links to those causes, and its notes are folded. ``staff`` is a remark for the
+    staff, who also see whether the check is hidden.
     """
     badges = [f"{outcome.earned} of {outcome.points} points"] if outcome.counted and outcome.points > 1 else []
     badges += ["hidden"] if staff and outcome.hidden else []
     badges += ["self-reported, no points"] if outcome.self_reported else [] if outcome.counted else ["not counted"]
-    below = [escape(note) for note in outcome.notes()]
+    notes = [escape(note) for note in [*outcome.notes(), *([staff] if staff else [])]]
+    below = [] if links else notes
     for d in outcome.causes():
         number = numbers.get(d.sentence)
         above = _link(f"#cause-{number}", f"cause {number}", links)
         below.append(f"likely {_diagnosis(d)}" if number is None else f"{above}: <b>{escape(d.code)}</b>")
     below += [f"hint: {escape(hint)}" for hint in outcome.hints]
-    text = "".join(f"<p>{one}</p>" for one in below) + (f'<p class="tolerance">{escape(staff)}</p>' if staff else "")
+    text = _folded(notes) if links else ""
+    text += "".join(f"<p>{one}</p>" for one in below)
     return item(outcome.verdict, outcome.line, badges, text, f"check-{outcome.id}" if links else "")
 
 
@@ -138,6 +141,11 @@ def item(verdict: Verdict, line: str, badges: Iterable[str], below: str = "", an
     id = f' id="{escape(anchor)}"' if anchor else ""
     shown = "".join(f' <span class="badge">{escape(badge)}</span>' for badge in badges)
     return f'<li class="{verdict.value}"{id}><span class="line">{escape(line)}</span>{shown}{below}</li>'
+
+
+def _folded(notes: Iterable[str]) -> str:
+    shown = "".join(f"<p>{note}</p>" for note in notes)
+    return f' <details class="more"><summary>details</summary>{shown}</details>' if shown else ""
 
 
 def _diagnosis(diagnosis: Diagnosis) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecp.checks import Arrays
-from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes
+from ecp.draw import FACE_COLORS, arrow, box_polys, cube_axes, legend_above
 from ecp.exercise import Figure
 
 from .quantities import (
@@ -51,7 +51,7 @@ def _box(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     bars.bar(place + 0.2, exact, 0.4, color="0.75", label="exact")
     bars.set_xticks(place, ["I₁", "I₂", "I₃"])
     bars.set_ylabel("kg m²")
-    bars.legend()
+    legend_above(bars)
 
 
 def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -61,10 +61,10 @@ def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     for (name, observable), color in zip((("T / J", kinetic_energy), ("|L| / (kg m²/s)", momentum_norm)), COLORS, strict=False):
         values, true = observable(run["w"], BODY), observable(exact["w"], BODY)
         drift = np.abs(values / true[0] - 1).max()
-        right.plot(run["t"], values, color=color, label=f"{name}, largest relative drift {drift:.2g}")
+        right.plot(run["t"], values, color=color, label=f"{name}, drift {drift:.2g}")
         right.plot(exact["t"], true, **EXACT)
     right.set(xlabel="t / s", ylim=(0, None))
-    right.legend(fontsize=8, loc="lower right")
+    legend_above(right, 1)
 
 
 def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
@@ -72,7 +72,7 @@ def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
         axes.plot(run["t"], run["w"][i], color=COLORS[i], label=f"ω{'₁₂₃'[i]}")
         axes.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
     axes.set(xlabel="t / s", ylabel="rad/s")
-    axes.legend(ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1, 0.99), frameon=False)
+    legend_above(axes)
 
 
 def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -83,7 +83,7 @@ def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None
     limit = float(as_closely(truth[0]).limit or 0.0) * float(np.linalg.norm(truth[0]["w"][:, 0]))
     axes.axhline(limit, color="k", lw=1, ls="--", label=f"tolerance {limit:.3g}")
     axes.set(xlabel="t / s", ylabel="rad/s")
-    axes.legend(fontsize=8, loc="lower right")
+    legend_above(axes)
 
 
 def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -94,11 +94,11 @@ def _polhode(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     ellipsoid = sphere * np.sqrt(2 * energy / np.array(BODY))[:, None, None]
     axes.plot_surface(*ellipsoid, color="0.6", alpha=0.15, linewidth=0, rstride=1, cstride=1)
     for number, (run, exact) in enumerate(zip(seen, truth, strict=True)):
-        axes.plot(*run["w"], color=COLORS[number], lw=1.8, label=f"yours, from ω(0) = {np.round(run['w'][:, 0], 2).tolist()}")
+        axes.plot(*run["w"], color=COLORS[number], lw=1.8, label=f"yours, ω(0) = {np.round(run['w'][:, 0], 2).tolist()}")
         axes.plot(*exact["w"], **EXACT)
     cube_axes(axes, float(np.abs(ellipsoid).max()))
     axes.set(xlabel="ω₁", ylabel="ω₂", zlabel="ω₃")
-    axes.legend(fontsize=7, loc="upper left")
+    axes.legend(fontsize=8, loc="center right", bbox_to_anchor=(-0.08, 0.5), frameon=False)
 
 
 def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -110,8 +110,8 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
     circle.set(xlabel="ω₁ / (rad/s)", ylabel="ω₂ / (rad/s)", aspect="equal")
     if np.isfinite(run["w"]).all():
         rate = turning_rate(run["t"], run["w"], exact["w"], SYMMETRIC_RATE)
-        circle.set_title(f"phase slope {rate:.6g} rad/s, (I₃−I₁)/I₁·ω₃ = {SYMMETRIC_RATE:g} rad/s", fontsize=9)
-    circle.legend(fontsize=8)
+        circle.set_title(f"phase slope {rate:.6g} rad/s\n(I₃−I₁)/I₁·ω₃ = {SYMMETRIC_RATE:g} rad/s")
+    legend_above(circle)
 
 
 def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -121,7 +121,7 @@ def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
         axes.semilogy(SPIN * exact["t"], transverse(exact["w"], k, SPIN), **EXACT)
     axes.axhline(NUDGE * np.sqrt(2), color="0.7", lw=0.8)
     axes.set(xlabel="turn angle nt / rad", ylabel="transverse |ω| / n")
-    axes.legend(fontsize=8)
+    legend_above(axes)
 
 
 def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -131,7 +131,7 @@ def _tumble(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
         for column, share in enumerate(shares):
             at = int(share * (len(run["t"]) - 1))
             _draw_box(grid[row, column], run["R"][at])
-            grid[row, column].set_title(f"about ê{'₁₂₃'[row]}, t = {run['t'][at]:.2f} s", fontsize=7, pad=-2)
+            grid[row, column].set_title(f"ê{'₁₂₃'[row]}, {run['t'][at]:.2f} s", fontsize=8, pad=-2)
 
 
 def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -149,7 +149,7 @@ def _cone(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
         arrow(axes, R[0, :, k], color=COLORS[k], lw=2, label=f"ê{'₁₂₃'[k]} at t = 0")
     arrow(axes, (0, 0, 1.3), color=AMBER, lw=2.5, label="direction of L, fixed in space")
     cube_axes(axes, 0.8).set_zlim(-0.3, 1.3)
-    axes.legend(fontsize=8, loc="upper right", bbox_to_anchor=(-0.05, 1))
+    axes.legend(fontsize=8, loc="center right", bbox_to_anchor=(-0.08, 0.5), frameon=False)
 
 
 def _upright(n: np.ndarray) -> np.ndarray:

@@ -231,6 +231,15 @@ function pickLine(line) {
   form.elements.comment.focus({ preventScroll: true });
 }
 
+// ---- links into closed details
+
+function reveal() {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  let closed = false;
+  for (let at = target?.closest("details:not([open])"); at; at = at.parentElement.closest("details:not([open])")) closed = at.open = true;
+  if (closed) target.scrollIntoView();
+}
+
 // ---- initialization
 
 function prepare(root) {
@@ -263,4 +272,6 @@ if (bar) {
 }
 try { announce(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
 prepare(document);
+addEventListener("hashchange", reveal);
+reveal();
 for (const element of all("[data-live][id]")) live(element);

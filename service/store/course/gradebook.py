@@ -103,12 +103,12 @@ async def overview(database: Database) -> Sequence[Row]:
 
     The earliest deadline is first; assignments without one follow.
     """
-    return await database.rows(_OVERVIEW, {"course": COURSE})
+    return await database.rows(_OVERVIEW, {"course": COURSE, "slug": None})
 
 
 async def rules(database: Database, slug: str) -> Row:
     """Return one assignment's overview row."""
-    return next(row for row in await overview(database) if row.slug == slug)
+    return await database.one(_OVERVIEW, {"course": COURSE, "slug": slug})
 
 
 _STANDINGS = f"""
@@ -157,7 +157,8 @@ FROM assignment x JOIN course c ON c.id = x.course_id
             JOIN LATERAL (SELECT coalesce(bool_or(r.grading_id IS NULL), false) AS open, bool_and(r.fault IS NOT NULL) AS fault
                 FROM grading a LEFT JOIN result r ON r.grading_id = a.id
                 WHERE a.submission_id = s.id AND NOT a.preview) state ON true
+        WHERE CAST(:slug AS text) IS NULL OR s.assignment_id IN (SELECT id FROM assignment WHERE slug = :slug)
         GROUP BY s.assignment_id
     ) sent ON sent.assignment_id = x.id
-WHERE c.slug = :course ORDER BY x.due_at, x.slug
+WHERE c.slug = :course AND coalesce(x.slug = CAST(:slug AS text), true) ORDER BY x.due_at, x.slug
 """

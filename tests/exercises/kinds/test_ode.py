@@ -7,7 +7,7 @@ from ecp.author_errors import AuthorError
 from exercises.author import Tolerance, uniform
 from exercises.kinds.ode import ode
 from exercises.question_errors import question_errors
-from service.grading import charts
+from service.grading import chart_drawing, charts
 from service.grading.grade import grade
 from service.grading.grader import Grader
 from service.grading.submission import Submission
@@ -111,7 +111,7 @@ def test_speed_against_accuracy_follows_from_a_closed_form(toolbox, sandbox):
     swept = Grader(sandbox).sweep(Submission(right(toolbox)), toolbox.assignment)
     errors = {(p.method, p.rtol): p.error for p in swept.points}
     assert errors["DOP853", 1e-11] < 1e-9 < errors["DOP853", 1e-3] and "fewest calls" in swept.line
-    chart = charts.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()
+    chart = chart_drawing.draw_work_precision(charts.load_work_precision(), swept.scene, swept.points).decode()
     assert "yours, DOP853" in chart and "largest error over the run, relative" in chart and "Moser" not in chart
 
 

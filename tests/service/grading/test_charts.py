@@ -1,13 +1,15 @@
 """The charts: measured by the command, shown on the page with date and versions."""
 
 import csv
+import itertools
 import json
+import re
 
 import pytest
 
 from exercises.catalogue import find
 from service.cli.__main__ import main
-from service.grading import charts
+from service.grading import chart_drawing, charts
 from tests.support.asgi import visit
 
 
@@ -94,6 +96,65 @@ def test_exceptions_are_told_and_not_hidden():
         ]
     }
     assert [p["method"] for p in charts.exceptions(document)] == ["cheap"]
+
+
+def made(cost, error, method="m", line="explicit"):
+    return {"scene": "s", "method": method, "line": line, "calls": cost, "ratio": cost, "error_w": error, "error_R": 0.0}
+
+
+def test_the_pareto_front_has_what_nothing_beats():
+    best = [made(1, 1e-1), made(3, 1e-4), made(9, 1e-9)]
+    beaten = [made(2, 1e-1), made(3, 1e-3), made(10, 1e-9), made(4, None), made(1, 1e-16, "exact", "closed form")]
+    assert chart_drawing.front([*beaten, *reversed(best)], "calls") == best
+    assert chart_drawing.front([], "calls") == []
+
+
+def words(svg):
+    return re.findall(r"<text[^>]*>([^<]+)</text>", svg.decode())
+
+
+@pytest.mark.parametrize("number", range(9))
+def test_a_chart_of_speed_names_every_method_beside_its_curve(number):
+    document = charts.load_work_precision()
+    scene = charts.scenes(document)[number]
+    shown = words(chart_drawing.draw_work_precision(document, scene))
+    methods = {
+        p["method"]
+        for p in document["points"]
+        if p["scene"] == scene and p["line"] != "closed form" and charts.error(p) is not None
+    }
+    assert {chart_drawing.SHORT.get(one, one) for one in methods} | {"exact"} <= set(shown)
+
+
+@pytest.mark.parametrize("number", range(10))
+def test_each_entry_of_the_atlas_shows_its_own_quantity_with_labelled_axes(number):
+    document = charts.load_stability()
+    drawn = [words(chart_drawing.draw_stability(document, n)) for n in range(len(document["entries"]))]
+    assert drawn[number] not in [*drawn[:number], *drawn[number + 1 :]]
+    entry = document["entries"][number]
+    columns = chart_drawing.ATLAS.get(entry["name"])
+    if columns:
+        assert {chart_drawing.XLABELS[columns[0]], columns[2]} <= set(drawn[number])
+        names = set(columns[1].values()) - {""} or {r["method"] for r in entry["rows"]}
+        assert all(any(name in word for word in drawn[number]) for name in names)
+
+
+def test_a_method_that_diverges_at_every_step_says_so():
+    document = charts.load_stability()
+    (number,) = [n for n, entry in enumerate(document["entries"]) if entry["name"] == "large steps blow up"]
+    assert "Euler: diverges" in words(chart_drawing.draw_stability(document, number))
+
+
+@pytest.mark.parametrize("heights", [(1.0,) * 5, (1e-9, 1e-9, 1e5), (1e-30,) * 3, (1e-3, 1e-9)])
+def test_names_beside_curves_do_not_overlap_and_stay_at_the_axes(heights):
+    canvas = chart_drawing._canvas(3.0)
+    axes = canvas.subplots()
+    axes.set(yscale="log", ylim=(1e-16, 1e2))
+    chart_drawing._label_ends(axes, [(1.0, y, str(k), "k") for k, y in enumerate(heights)])
+    places = sorted(one.xy[1] for one in axes.texts)
+    assert len(places) == len(heights) and places[0] >= 0 and places[-1] <= 1
+    gap = chart_drawing.GAP / (axes.get_position().height * 3.0 * 72)
+    assert all(b - a > 0.999 * gap for a, b in itertools.pairwise(places))
 
 
 @pytest.mark.slow

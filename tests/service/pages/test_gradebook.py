@@ -3,15 +3,18 @@
 import json
 import re
 import urllib.parse
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from typing import NamedTuple
 
 import pytest
 
 from ecp.document import document
 from ecp.outcome import Diagnosis, SweepResult, SweptPoint
 from service.grading import charts
-from service.pages import class_stats
+from service.pages import class_charts, class_stats
 from service.store.course import people
-from service.store.course.gradebook import student_rows
+from service.store.course.gradebook import StudentRow, student_rows
 from service.store.database import Database
 from service.store.records import store_artefacts
 from tests.support.database import new_database, run, sql
@@ -42,12 +45,28 @@ def url(postgres):
     return url
 
 
+class Sent(NamedTuple):
+    name: str
+    submitted_at: datetime
+    points: float | None
+
+
+NOBODY = StudentRow("", "", "", "", 0, None, None, None, None, None, False, "", None, None, 0.0, None, None, False, None)
+
+
 def test_the_course_tells_who_has_submitted_and_what_waits(looks):
     status, page, headers = looks("prof", "/")
     assert status == 200 and "<b>4/5</b> submitted" in page and "1 being graded" in page
+    assert "<b>0</b> median of 36 points" in tile(page, "Rigid-Body") and "nothing to do" in tile(page, "Integrators")
     assert "default-src 'self'" in headers["content-security-policy"] and not re.search(r"\sstyle=|\son[a-z]+=", page)
     own = looks("ann", "/")[1]
+    assert "<b>2</b> of 36 points" in tile(own, "Rigid-Body") and "not submitted" in tile(own, "Integrators")
     assert "being graded" not in own and "4/5" not in own and own.count("/submissions/") == 1
+
+
+def tile(page, title):
+    (found,) = [one for one in re.findall(r'<li class="card tile">.*?</li>\n(?=<li|</ul>)', page, re.DOTALL) if title in one]
+    return found
 
 
 def test_the_class_has_tabs_each_a_page_of_its_own(looks):
@@ -71,6 +90,63 @@ def test_the_class_by_check(looks):
     assert "<img src=x" not in looks("helper", CLASS)[1]
 
 
+def test_students_are_sorted_and_those_who_gain_nothing_are_found(looks, url):
+    def names(query):
+        return re.findall(r'<tr><th scope="row"><a[^>]*>([^<]+)', looks("helper", STUDENTS + query)[1])
+
+    assert names("?sort=points")[0] == "ann" and names("?sort=worst")[-1] == "ann" and "ann" not in names("?sort=worst")[:2]
+    assert names("?sort=activity")[0] == "dan" and names("?sort=activity")[4].startswith("Zoe")
+    assert names("?show=no-gain") == [] and "Nobody." in looks("helper", f"{STUDENTS}?show=no-gain")[1]
+
+
+def test_activity_is_the_last_submission_and_no_gain_needs_two_graded_ones():
+    day = [datetime(2026, 1, k, tzinfo=UTC) for k in range(1, 5)]
+    sent = {"same": [3, 3], "less": [3, 1], "more": [3, None, 4], "once": [3, None], "full": [9, 9], "late gain": [0, 0, 1]}
+    rows = [Sent(name, at, points) for name, all_ in sent.items() for at, points in zip(day, all_, strict=False)]
+    found = class_stats.activity(rows, 9)
+    assert {name for name, one in found.items() if one.no_gain} == {"same", "less"}
+    assert found["more"].last_at == day[2] and found["once"].last_at == day[1]
+
+
+def test_equal_names_are_told_apart_by_their_logins(looks, url):
+    sql(url, "UPDATE person SET full_name = 'Ann Lee' WHERE name IN ('ann', 'ben')")
+    for page in (STUDENTS, f"{CLASS}/submissions"):
+        shown = re.findall(
+            r'<th scope="row"><a[^>]*>([^<]+)</a>(?: <span class="quiet">(\w+)</span>)?</th>', looks("helper", page)[1]
+        )
+        assert shown[:2] == [("Ann Lee", "ann"), ("Ann Lee", "ben")] and ("cleo", "") in shown, page
+    sql(url, "UPDATE person SET full_name = '' WHERE name IN ('ann', 'ben')")
+
+
+def test_the_overview_draws_points_and_progress(looks):
+    page = looks("helper", CLASS)[1]
+    charts_ = re.findall(r'<svg class="chart".*?</svg>', page, re.DOTALL)
+    assert [re.search('aria-label="([^"]+)"', one)[1].split(":")[0].split(" from")[0] for one in charts_] == [
+        "Students by points", "4 of 5 students submitted"]  # fmt: skip
+    bars = re.findall(r'class="middle">(\d+)</text>', charts_[0])
+    assert bars == ["3"] and charts_[0].count("<rect") == 1, "0 to 3 of 36 points are one bin"
+    assert "median 0 of 36, from 0 to 2" in charts_[0] and ">4 submitted<" in charts_[1] and ">0 all points<" in charts_[1]
+
+
+@pytest.mark.parametrize("most", [1, 9, 36, 400])
+def test_every_student_is_in_one_bar_of_the_distribution(most):
+    students = [replace(NOBODY, points=points) for points in (0, 0.5, most / 2, most, most + 1)]
+    drawn = str(class_charts.distribution([*students, NOBODY], most))
+    assert (
+        sum(map(int, re.findall(r'class="middle">(\d+)</text>', drawn))) == 5 and drawn.count("<rect") <= class_charts.MOST_BINS + 1
+    )
+    assert class_charts.distribution([NOBODY], most) is None
+
+
+def test_nothing_runs_out_of_the_progress_chart():
+    first = datetime(2026, 1, 1, tzinfo=UTC)
+    assert class_charts.progress([], 3, 9, None) is None
+    for due in (None, first - timedelta(days=1), first + timedelta(hours=1), datetime(2999, 1, 1, tzinfo=UTC)):
+        drawn = str(class_charts.progress([Sent("ann", first, 9), Sent("ben", first, None)], 3, 9, due))
+        edges = [float(x) for x in re.findall(r'[MH ](?:x\d?=")?(\d+\.?\d*)', " ".join(re.findall(r'd="[^"]+"', drawn)))]
+        assert ">2 submitted<" in drawn and ">1 all points<" in drawn and max(edges) <= class_charts.WIDE
+
+
 def test_causes_by_number_of_students_lead_to_their_submissions(looks):
     page = looks("prof", CLASS)[1]
     link, count = re.search(r'href="(/assignments/[^"]*cause=[^"]*)">(\d+) student', page).groups()
@@ -91,8 +167,9 @@ def test_rules_and_extensions(looks, url):
     page = looks("ann", "/")[1]
     assert 'datetime="2099-01-01T12:00:00+00:00"' in page and "15 min grace" in page
     ((others,),) = sql(url, "SELECT count(*) FROM assignment WHERE weight = 1 AND slug <> 'rigid-body'")
-    first, *_ = re.findall(r"<tr>\n<th scope=\"row\">(.*?)</tr>", page, re.DOTALL)
-    assert "Rigid-Body" in first and f"<td>{300 / (3 + others):.3g} %</td>" in first
+    assert f"{300 / (3 + others):.3g} % of the grade" in tile(page, "Rigid-Body") and page.index("Rigid-Body") < page.index(
+        "Integrators"
+    )
     extend = "/assignments/rigid-body/extensions"
     assert "ill &lt;b&gt;" in looks("prof", extend, at=SETTINGS, name="zoe", due="2099-02-01T12:00", reason="ill <b>")[1]
     for fields in ({"name": "nobody", "due": "2099-02-01T12:00", "reason": "x"}, {"name": "zoe", "due": "soon", "reason": "x"},
@@ -101,6 +178,7 @@ def test_rules_and_extensions(looks, url):
         assert looks("prof", extend, at=SETTINGS, **fields)[0] == 422, fields
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, due="", grace="-1")[0] == 422
     assert sql(url, "SELECT p.name, e.reason FROM extension e JOIN person p ON p.id = person_id") == [("zoe", "ill <b>")]
+    assert "2099-02-01 12:00" in tile(looks("zoe", "/")[1], "Rigid-Body") and "with your extension" in looks("zoe", "/")[1]
     assert "2099-02-01 12:00" in looks("zoe", OWN)[1] and "with your extension" in looks("zoe", OWN)[1]
     assert "with your extension" not in looks("ann", OWN)[1]
     page = looks("prof", extend, at=SETTINGS, name="zoe  <B>Adams</b>", due="")[1]

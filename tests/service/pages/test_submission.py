@@ -18,8 +18,9 @@ from service.grading import motion_data, rendering
 from service.grading.submission import Submission, source_locations
 from service.http.templating import ENVIRONMENT
 from service.pages.source_view import MOST_LINES, MOST_WORK, TooLong, cells, difference
-from service.store import records, sweeps
+from service.store import sweeps
 from service.store.course import people, tokens
+from service.store.records import store_artefacts
 from tests.support.database import run, sql
 from tests.support.reports import outcome
 from tests.support.submissions import grade_really, graded
@@ -381,15 +382,6 @@ def test_staff_see_who_and_how_and_a_student_what_concerns_them(server, ann, pro
     assert re.search(r"<td>\d+(\.\d)? m?s</td>\s*<td>\d+(\.\d)? m?s</td>", mine), "waited and took"
 
 
-def test_speed_against_accuracy_is_offered_for_a_function_that_can_be_measured(server, ann, url, send):
-    right, raises = send(ann, RIGHT), send(ann, "def euler_eqs(t, w, I):\n    raise ValueError\n")
-    without = send(ann, "def box_moments(m, a, b, c):\n    return [1.0, 1.0, 1.0]\n", exercises=("1",))
-    assert [f"{one['id']}/sweep.svg" in page(server, ann, one) for one in (right, raises, without)] == [True, False, False]
-    ((grading,),) = sql(url, "SELECT id FROM grading WHERE submission_id = %s", right["id"])
-    run(url, lambda database: records.store_artefacts(database, grading, {sweeps.REFUSED: b"{}"}))
-    assert "sweep.svg" not in page(server, ann, right)
-
-
 COPIED = """
 WITH s AS (
     INSERT INTO submission (id, assignment_id, person_id, source, sha256, filename, fingerprint)
@@ -435,6 +427,17 @@ def test_the_notebooks_own_checks_are_lines_without_points(server, ann, send):
     assert check["line"] == "✓  <b>mine</b>   [1 < 2]" and check["cell"] == "cell 2" and told["report"]["score"] == 5
     shown = page(server, ann, told)
     assert "Self-reported, no points" in shown and "✓  &lt;b&gt;mine&lt;/b&gt;   [1 &lt; 2]" in shown and "<b>mine" not in shown
+
+
+def test_speed_vs_accuracy_is_offered_where_it_can_be_measured(server, ann, url, send):
+    failing = "def euler_eqs(t, w, I):\n    raise ValueError\n"
+    measured, raises, other = (send(ann, *one) for one in ((RIGHT + "# fast",), (failing,), (RIGHT, "a.py", ("1",))))
+    offered = [f"/v1/submissions/{one['id']}/sweep.svg" in page(server, ann, one) for one in (measured, raises, other)]
+    assert offered == [True, False, False]
+    grading = sql(url, "SELECT id FROM grading WHERE submission_id = %s", measured["id"])[0][0]
+    run(url, lambda database: store_artefacts(database, grading, {sweeps.REFUSED: b"<b> took too long"}))
+    shown = page(server, ann, measured)
+    assert "could not be measured: &lt;b&gt; took too long." in shown and "sweep.svg" not in shown
 
 
 def test_a_strangers_text_stays_text(server, url, send):

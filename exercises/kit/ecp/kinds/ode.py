@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ecp import judge
 from ecp.checks import Arrays, Check
+from ecp.draw import legend_above
 from ecp.exercise import Figure
 from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate, returning, solvers
 from ecp.judge import Judgement
@@ -141,7 +142,7 @@ def figures(question: Mapping[str, Any]) -> list[Figure]:
             axes.plot(t, curve, color=f"C{k}", label=f"{question['state']}[{k}]")
         axes.plot(t, truth[0]["motion"][0].T, "k:", lw=1.2, label=["exact", *[None] * (truth[0]["motion"].shape[1] - 1)])
         axes.set(xlabel=question["time"], ylabel=question["state"], title=_at_start(question, seen[0], 0))
-        axes.legend(loc="upper right")
+        legend_above(axes)
 
     function = question["function"]
     alt = f"The components of the motion that {function} drives against time, with the exact ones dotted."

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ecp import judge
 from ecp.checks import Arrays, Check, close
+from ecp.draw import legend_above
 from ecp.exercise import Figure
 from ecp.judge import Judgement
 from ecp.kinds.asking import Counted, arguments, call, flat, part_figure, restart, returned, split
@@ -172,7 +173,7 @@ def figures(question: Mapping[str, Any]) -> list[Figure]:
         axes.loglog(h, np.maximum(found, 1e-17), "o-", label=question["function"])
         axes.loglog(h, found[0] * h**p, "k:", label=f"order {p:g}")
         axes.set(xlabel=f"{question['step']} / that of the question", ylabel="error / size of the state")
-        axes.legend()
+        legend_above(axes)
 
     function = question["function"]
     alt = f"The error of {function} against the step, both logarithmic, with the slope of its order dotted."

@@ -77,4 +77,4 @@ def test_only_a_web_page_has_anchors_and_only_staff_see_what_is_hidden():
     assert '<li id="cause-1">' in linked and '<a href="#check-a&lt;b&gt;">' in linked
     shown = outcome_item(one, {SIGN.sentence: 1}, links=True, staff="allowed <1>")
     assert '<li class="fail" id="check-a&lt;b&gt;">' in shown and '<a href="#cause-1">cause 1</a>: <b>sign-flipped</b>' in shown
-    assert '<span class="badge">hidden</span>' in shown and '<p class="tolerance">allowed &lt;1&gt;</p>' in shown
+    assert '<span class="badge">hidden</span>' in shown and "<p>allowed &lt;1&gt;</p></details>" in shown

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from starlette.routing import Match
 
 from ecp.checks import Check
 from exercises.catalogue import assignments
@@ -92,7 +93,9 @@ async def audit_log(
     return templates.TemplateResponse(request, "audit.html", context)
 
 
-@others.get("/{path:path}")
-async def not_found(path: str, person: OptionalUser) -> Response:
+@others.api_route("/{path:path}", methods=["GET", "POST", "PUT", "PATCH", "DELETE"])
+async def not_found(request: Request, path: str, person: OptionalUser) -> Response:
     """Answer every address that nothing else answers with a page on which those who are logged in find their way back."""
+    if any(route.matches(request.scope)[0] is Match.PARTIAL for route in request.app.routes):
+        raise HTTPException(405)  # another route has this address, not this method
     raise Problem(404, "not-found", "nothing has this address: check it")

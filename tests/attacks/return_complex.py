@@ -1,6 +1,6 @@
-"""Complex numbers."""
+"""Real numbers as complex ones."""
 
-# ends: fail
+# ends: pass
 import numpy as np
 
 

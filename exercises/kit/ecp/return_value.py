@@ -86,6 +86,8 @@ def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool 
     """Return ``value`` as float64 of exactly ``shape``. Lists and tuples of numbers are converted; nothing is
     broadcast.
 
+    Complex numbers must have the imaginary part 0.
+
     Raises WrongAnswer for None, a ragged list, numbers that are not real, or another shape. Its sentence says that the function
     ``name`` returned it, or unless ``is_returned`` that ``name`` is it.
     """
@@ -98,6 +100,8 @@ def real_array(value: Any, shape: tuple[int, ...], name: str, is_returned: bool 
         array = np.asarray(value)
     except ValueError:
         raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, wanted, "a ragged list")) from None
+    if array.dtype.kind == "c" and not array.imag.any():  # as np.linalg.eigvals returns real eigenvalues from NumPy 2.5 on
+        array = array.real
     if array.dtype.kind not in "fiu":
         had = f"dtype {array.dtype}" if isinstance(value, np.ndarray) else article(type(value).__name__)
         raise WrongAnswer("wrong-shape", wrong_value(name, is_returned, "real numbers" if shape else "a real number", had))

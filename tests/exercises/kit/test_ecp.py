@@ -90,6 +90,7 @@ def test_validate_takes_numbers_of_any_kind():
         ([1.0, [2.0, 3.0]], "wrong-shape"),
         ("abc", "wrong-shape"),
         ([1j, 0, 0], "wrong-shape"),
+        ([1, 2, complex(3, float("nan"))], "wrong-shape"),
         ([True, False, True], "wrong-shape"),
         (np.array([1, 2, None]), "wrong-shape"),
     ],
@@ -100,7 +101,7 @@ def test_strict_refuses(value, code):
     assert caught.value.code == code
 
 
-@pytest.mark.parametrize("value", [[1, 2, 3], (1.0, 2.0, 3.0), np.array([1, 2, 3], dtype=np.float32)])
+@pytest.mark.parametrize("value", [[1, 2, 3], (1.0, 2.0, 3.0), np.array([1, 2, 3], dtype=np.float32), np.array([1, 2 - 0j, 3])])
 def test_strict_takes_any_three_real_numbers(value):
     assert real_array(value, (3,), "f").tolist() == [1.0, 2.0, 3.0]
 

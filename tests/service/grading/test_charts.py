@@ -126,10 +126,16 @@ def test_a_chart_of_speed_names_every_method_beside_its_curve(number):
     assert {chart_drawing.SHORT.get(one, one) for one in methods} | {"exact"} <= set(shown)
 
 
-@pytest.mark.parametrize("number", range(10))
-def test_each_entry_of_the_atlas_shows_its_own_quantity_with_labelled_axes(number):
+@pytest.fixture(scope="module")
+def drawn():
+    """The words of each entry of the atlas."""
     document = charts.load_stability()
-    drawn = [words(chart_drawing.draw_stability(document, n)) for n in range(len(document["entries"]))]
+    return [words(chart_drawing.draw_stability(document, n)) for n in range(len(document["entries"]))]
+
+
+@pytest.mark.parametrize("number", range(10))
+def test_each_entry_of_the_atlas_shows_its_own_quantity_with_labelled_axes(number, drawn):
+    document = charts.load_stability()
     assert drawn[number] not in [*drawn[:number], *drawn[number + 1 :]]
     entry = document["entries"][number]
     columns = chart_drawing.ATLAS.get(entry["name"])

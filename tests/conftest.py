@@ -28,6 +28,7 @@ LONGEST = (
     "test_samples",
     "test_notebooks",
     "test_submissions",
+    "physics",
     "test_workers",
     "test_outage",
     "test_chaos",
@@ -63,7 +64,7 @@ def pytest_configure(config):
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
     rank = {name: k for k, name in enumerate(LONGEST)}
-    items.sort(key=lambda item: rank.get(item.path.stem, len(LONGEST)))
+    items.sort(key=lambda item: rank.get("physics" if "reference" in item.path.parts else item.path.stem, len(LONGEST)))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -36,6 +36,7 @@ def navigation():
     return [page for section in sections for pages in section.values() for page in pages]
 
 
+@pytest.mark.slow
 def test_every_page_is_in_the_navigation_once(pages):
     assert sorted(navigation()) == sorted(pages)
 
@@ -47,6 +48,7 @@ def anchors(text):
     return {re.sub(r"[-\s]+", "-", heading) for heading in plain}
 
 
+@pytest.mark.slow
 def test_every_link_leads_to_a_page_of_the_site(pages):
     for name, text in pages.items():
         for target in re.findall(r"\]\((?!https?:|mailto:)([^)\s]+)\)", text):
@@ -57,6 +59,7 @@ def test_every_link_leads_to_a_page_of_the_site(pages):
             assert not anchor or place not in pages or anchor in anchors(pages[place]), (name, target)
 
 
+@pytest.mark.slow
 def test_the_reference_is_complete(pages):
     assert all(f"## polhode {name}\n" in pages["reference/cli.md"] for name in COMMANDS)
     assert all(f"`POLHODE_{name.upper()}`" in pages["reference/settings.md"] for name in Settings.model_fields)
@@ -71,6 +74,7 @@ def test_the_reference_is_complete(pages):
     assert "(L. Euler, 1758; Landau & Lifshitz, Mechanics, §36)" in pages["reference/physics.md"]
 
 
+@pytest.mark.slow
 def test_a_bar_in_a_tables_code_has_no_backslash(pages):
     assert "| `max|Δ| = … (rtol=…, atol=…)`" in pages["checks.md"] and "max\\|Δ" not in pages["checks.md"]
 

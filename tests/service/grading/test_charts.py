@@ -113,6 +113,7 @@ def words(svg):
     return re.findall(r"<text[^>]*>([^<]+)</text>", svg.decode())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(9))
 def test_a_chart_of_speed_names_every_method_beside_its_curve(number):
     document = charts.load_work_precision()
@@ -133,6 +134,7 @@ def drawn():
     return [words(chart_drawing.draw_stability(document, n)) for n in range(len(document["entries"]))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(10))
 def test_each_entry_of_the_atlas_shows_its_own_quantity_with_labelled_axes(number, drawn):
     document = charts.load_stability()

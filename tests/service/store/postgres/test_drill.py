@@ -42,6 +42,7 @@ def test_a_drill_under_load_finds_every_row(database_url, tmp_path):
     assert before["submission"].rows > 0 and after == before and not any(broken.values())
 
 
+@pytest.mark.slow
 def test_the_command_exits_with_1_if_a_restored_row_differs(database_url, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("POLHODE_DATABASE_URL", database_url)
     run(database_url, lambda d: hand_in(d, "ann", {"2-energy": "✓"}))

@@ -16,6 +16,7 @@ from ecp.style import use_style
 plt.rcParams["animation.html"] = "jshtml"
 use_style()
 """
+QUICK = {"call", "class", "version", "unknown setting", "unknown name", "exit code"}  # one of each way
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"
 IMPORTS = """
 import matplotlib
@@ -92,7 +93,9 @@ def test_a_submission_that_only_imports_matplotlib_runs_without_it(unused, sandb
     assert not unused.start().has_matplotlib
 
 
-@pytest.mark.parametrize("source", USED.values(), ids=USED)
+@pytest.mark.parametrize(
+    "source", [pytest.param(source, id=id, marks=[] if id in QUICK else pytest.mark.slow) for id, source in USED.items()]
+)
 def test_a_submission_that_uses_matplotlib_gets_it(later, sandbox, source):
     result = later.play(job(source))
     assert later.start().has_matplotlib and later.zygotes == 0  # none but the copy

@@ -82,7 +82,7 @@ def test_demo_ends_with_the_address_of_a_running_page_and_stops_when_told(tmp_pa
         assert told.count("rotational energy conserved (torque-free)   [") > 20
         address = re.search(r"open (http://127\.0\.0\.1:\d+/)", told)[1]
         assert re.search(rb"<b>\d\d/40</b> submitted", urllib.request.urlopen(address, timeout=10).read())
-        with urllib.request.urlopen(f"{address}assignments/rigid-body/class", timeout=10) as answer:
+        with urllib.request.urlopen(f"{address}assignments/rigid-body/class/students", timeout=10) as answer:
             assert b'<td class="pass">' in answer.read(), "what was graded so far is shown"
         process.send_signal(signal.SIGINT)
         process.stdout.close()

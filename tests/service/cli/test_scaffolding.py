@@ -90,7 +90,15 @@ def tree(tmp_path_factory):
     tree = tmp_path_factory.mktemp("tree")
     for name in ("exercises", "reference", "service", "tests", "docs"):
         shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "attacks"))
-    for name in ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "Dockerfile", "action.yml", *ROOT.glob("*.lock")):
+    for name in (
+        "pyproject.toml",
+        "Makefile",
+        "Dockerfile",
+        "action.yml",
+        *ROOT.glob("*.md"),
+        *ROOT.glob("*.cff"),
+        *ROOT.glob("*.lock"),
+    ):
         shutil.copy(ROOT / name, tree)
     made = inside(tree, "-m", "service.cli", "new-assignment", "driven-pendulum", "--title", TITLE)
     assert made.returncode == 0, made.stderr

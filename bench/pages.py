@@ -68,9 +68,9 @@ def page(client: httpx2.Client, connection: "psycopg.Connection[Any]", path: str
     if answer.status_code != 200:
         columns.append(f"HTTP {answer.status_code}")
     if statement := PEERS.get(path):
-        for name in ("slug", "course"):
+        for name in ("slug", "course", "person"):
             statement = statement.replace(f":{name}", f"%({name})s")
-        values = {"slug": ASSIGNMENT.slug, "course": COURSE}
+        values = {"slug": ASSIGNMENT.slug, "course": COURSE, "person": None}
         bare = median(lambda: connection.execute(statement, values).fetchall())
         columns.append(f"SQL statement alone {bare:.0f} ms")
     print(f"{path[:76]:76} {', '.join(columns)}", flush=True)

@@ -24,7 +24,6 @@ from service.http.templating import ENVIRONMENT
 from service.pages import (
     account,
     class_tabs,
-    comments,
     course,
     course_settings,
     gradebook,
@@ -32,11 +31,11 @@ from service.pages import (
     overrides,
     people,
     queue,
-    regrade_requests,
     regrades,
     speed_vs_accuracy,
     submission,
 )
+from service.pages import feedback as feedback_pages
 from service.settings import Settings
 from service.store import queue_overview
 from service.store.course.people import secret
@@ -64,8 +63,7 @@ PAGES = (
     queue.router,
     regrades.router,
     overrides.router,
-    regrade_requests.router,
-    comments.router,
+    feedback_pages.router,
     speed_vs_accuracy.router,
     submission.router,
     login.router,

@@ -1,7 +1,8 @@
 """HTML forms: CSRF tokens, size-capped bodies and access to fields."""
 
 import hmac
-from typing import Annotated
+from contextlib import suppress
+from typing import Annotated, TypeVar
 
 from fastapi import Depends, Request
 from markupsafe import Markup
@@ -13,6 +14,7 @@ from service.auth.sessions import BrowserCookies, Cookies
 from service.http.errors import Problem
 from service.http.requests import read_capped
 
+Default = TypeVar("Default", float, None)
 FIELD = "csrf"
 MOST_FORM = 2 * 1024 * 1024
 STALE = "this form has expired: reload the page and submit it again (cookies must be allowed)"
@@ -78,6 +80,16 @@ def required(form: FormData, name: str, most: int = 400) -> str:
     if not (text := field(form, name, most)):
         raise Problem(422, "invalid-request", f"enter the {name}", f"/{name}")
     return text
+
+
+def number(form: FormData, name: str, least: int, most: int, default: Default) -> float | Default:
+    """Return a field's number, ``default`` if it is empty. Raises Problem 422 if it is not one from ``least`` to ``most``."""
+    if not (text := field(form, name, 40)):
+        return default
+    with suppress(ValueError):
+        if least <= (value := float(text)) <= most:
+            return value
+    raise Problem(422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}")
 
 
 def raw_field(form: FormData, name: str, most: int = 1000) -> str:

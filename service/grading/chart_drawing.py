@@ -5,7 +5,8 @@ Charts are as wide as a phone, with 8 to 9 px text there. Curves have their name
 
 import io
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from ecp.outcome import SweptPoint
@@ -68,6 +69,16 @@ def draw_work_precision(document: dict[str, Any], scene: str, yours: Sequence[Sw
     return draw_class(document, scene, [yours], "yours")
 
 
+@contextmanager
+def _style() -> Iterator[None]:
+    """Draw with the style of the charts inside the ``with`` block, or in the decorated function."""
+    import matplotlib as mpl
+
+    with mpl.rc_context({"font.size": 8.5, "axes.titlesize": 9, "axes.grid": True, "grid.alpha": 0.3}):
+        yield
+
+
+@_style()
 def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Sequence[SweptPoint]], whose: str = "class") -> bytes:
     """Draw the same chart with the points of many submissions."""
     points = [p for p in document["points"] if p["scene"] == scene]
@@ -127,6 +138,7 @@ def error(point: dict[str, Any]) -> float | None:
     return None if None in both else float(max(both))
 
 
+@_style()
 def draw_stability(document: dict[str, Any], number: int) -> bytes:
     """Draw one entry of the atlas as SVG: one quantity against what varies, the errors of one run, or the map of growth rates."""
     entry = document["entries"][number]
@@ -154,11 +166,9 @@ def svg(canvas: Any, title: str) -> bytes:
 
 
 def _canvas(high: float) -> Any:
-    import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    mpl.rcParams.update({"font.size": 8.5, "axes.titlesize": 9, "axes.grid": True, "grid.alpha": 0.3})
     canvas = Figure(figsize=(WIDE, high), layout="constrained")
     FigureCanvasAgg(canvas)
     return canvas

@@ -16,7 +16,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
 
 DRIVE_S = 20.0
-TRIES = (True, False, False)  # whether only the needed cells run; a child that did not finish is no evidence against the answers
+TRIES = (True, False, False)  # whether only the needed cells run; later tries ask what the earlier ones left without an answer
 NOT_FINISHED = "not run: it needs the scene {}, which did not finish"
 
 

@@ -1,7 +1,6 @@
 """Settings of the course: time zone, late penalty, weights, and when the students see scores."""
 
 from collections.abc import Sequence
-from contextlib import suppress
 from zoneinfo import available_timezones
 
 from fastapi import APIRouter, Request
@@ -52,7 +51,7 @@ async def save(person: Instructor, form: forms.Form, database: Db) -> Response:
         raise Problem(422, "invalid-request", f"no time zone {zone[:80]}: enter a name such as Europe/Berlin", "/time_zone")
     settings = CourseSettings(zone, _percent(form, "late_penalty", 0.0), _percent(form, "late_penalty_limit", 100.0))
     weights = {
-        row.slug: number(form, name, 0, MOST_WEIGHT, row.weight)
+        row.slug: forms.number(form, name, 0, MOST_WEIGHT, float(row.weight))
         for row in await _overview(database)
         if (name := f"weight-{row.slug}") in form
     }
@@ -85,14 +84,4 @@ def _release(form: FormData, name: str) -> str:
 
 
 def _percent(form: FormData, name: str, default: float) -> float:
-    return number(form, name, 0, 100, default) / 100
-
-
-def number(form: FormData, name: str, least: int, most: int, default: float) -> float:
-    """Return a field's number, ``default`` if it is empty. Raises Problem 422 if it is not one from ``least`` to ``most``."""
-    if not (text := forms.field(form, name, 40)):
-        return default
-    with suppress(ValueError):
-        if least <= (value := float(text)) <= most:
-            return value
-    raise Problem(422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}")
+    return forms.number(form, name, 0, 100, default) / 100

@@ -42,9 +42,9 @@ async def sweep_class(person: Staff, form: forms.Form, assignment: Assigned, dat
 @router.post("/assignments/{slug}/rules")
 async def set_rules(person: Instructor, form: forms.Form, assignment: Assigned, database: Db) -> Response:
     """Set deadline, grace period, submission limit and weight. An empty field means no limit, and the weight 1."""
-    grace = _number(form, "grace", 0, MOST_GRACE_MIN) or 0.0
-    most = _number(form, "most", 1, MOST_ALLOWED)
-    weight = _number(form, "weight", 0, MOST_WEIGHT)
+    grace = forms.number(form, "grace", 0, MOST_GRACE_MIN, 0.0)
+    most = forms.number(form, "most", 1, MOST_ALLOWED, None)
+    weight = forms.number(form, "weight", 0, MOST_WEIGHT, None)
     rules = queue_overview.Rules(
         _datetime(form, "due"), 60.0 * grace, None if most is None else int(most), 1.0 if weight is None else weight
     )
@@ -88,12 +88,3 @@ def _datetime(form: FormData, name: str) -> datetime | None:
         if at.year in YEARS:
             return at.replace(tzinfo=ZONE.get()).astimezone(UTC) if at.tzinfo is None else at
     raise Problem(422, "invalid-request", f"expected a date and time such as 2026-12-01T12:00, got {text[:40]!r}", f"/{name}")
-
-
-def _number(form: FormData, name: str, least: int, most: int) -> float | None:
-    if not (text := forms.field(form, name, 40)):
-        return None
-    with suppress(ValueError):
-        if least <= (number := float(text)) <= most:
-            return number
-    raise Problem(422, "invalid-request", f"expected a number from {least} to {most}, got {text[:40]!r}", f"/{name}")

@@ -102,14 +102,8 @@ class Sandbox:
         """Play the job in one child. If the zygote is lost, try again with a second one."""
         for number in range(TRIES):
             zygote, cpu_s = self.start(), budget.cpu_s
-            played = PlayResult()  # of this try alone: what a lost zygote sent is discarded
             try:
-                try:
-                    reusable = zygote.play(job, budget, played, on_scene)
-                except MatplotlibNeeded:
-                    zygote.import_matplotlib()
-                    played = PlayResult()
-                    reusable = zygote.play(job, budget, played, on_scene)
+                played, reusable = _play_with_libraries(zygote, job, budget, on_scene)
             except ZygoteLost as lost:
                 self.close()
                 if number == TRIES - 1:
@@ -140,6 +134,18 @@ class Sandbox:
             if scene.name not in result.scene_ends and scene.after in result.scene_ends and not result.finished(scene.after):
                 sentence = f"not run: it needs the scene {scene.after}, which did not finish"
                 result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)
+
+
+def _play_with_libraries(zygote: Zygote, job: Job, budget: TimeBudget, on_scene: Callable[[str], None]) -> tuple[PlayResult, bool]:
+    """Play once, or again if the submission needs matplotlib. Return the last play's result, and whether the zygote is reusable.
+
+    What a zygote that was lost or lacked matplotlib has sent is discarded.
+    """
+    try:
+        return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
+    except MatplotlibNeeded:
+        zygote.import_matplotlib()
+        return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
 
 
 def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget, cpu_s: float) -> bool:

@@ -1,13 +1,15 @@
-"""Notebook cells as plain Python: magics and shell commands are removed."""
+"""Notebook cells as plain Python: magics and shell commands are removed. Which cells define a function."""
 
 import ast
 import itertools
 import re
 import types
 import warnings
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from ecp.notebook.cells import DEFINITION, without_magics
+from ecp.notebook.names import names_in
 
 MARK = re.compile(r"^# %%", re.MULTILINE)
 MOST_PIECES = 500
@@ -47,6 +49,22 @@ def pieces(source: str) -> list[str]:
         return [source]
     found = ["\n" * source.count("\n", 0, begin) + source[begin:end] for begin, end in itertools.pairwise(bounds)]
     return [source] if _is_python(source) and not all(map(_is_python, found)) else found
+
+
+def needed_sources(sources: Iterable[str], names: Collection[str]) -> set[str]:
+    """Return the sources that bind one of ``names`` or of the names that such sources use.
+
+    Those that are no valid Python and those that import * are among them, as their names are not known. A source that changes an
+    object without binding its name is left out.
+    """
+    found = {source: names_in(source) for source in sources}
+    needed = {source for source, its in found.items() if "import *" in source or not its.bound | its.now | its.later}
+    wanted, grown = set(names), True
+    while grown:
+        more = {source for source, its in found.items() if its.bound & wanted} - needed
+        wanted |= {name for source in needed | more for name in found[source].now | found[source].later}
+        needed, grown = needed | more, bool(more)
+    return needed
 
 
 def last_name(source: str) -> str:

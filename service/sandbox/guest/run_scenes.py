@@ -26,8 +26,7 @@ from .calls import LOADED, Channel
 from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ipython_stubs import install_stubs
-from .magics import DEFINITIONS, last_name, pieces, runnable, statements
-from .needed_sources import needed_sources
+from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
 from .seal import Seal, private_modules
 from .wire import CLOCK_FACTOR, FILES, Questions, Writer
 

@@ -147,6 +147,13 @@ def test_each_entry_of_the_atlas_shows_its_own_quantity_with_labelled_axes(numbe
         assert all(any(name in word for word in drawn[number]) for name in names)
 
 
+def test_a_drawing_leaves_the_style_of_later_figures_unchanged(drawn):
+    import matplotlib as mpl
+
+    assert drawn and mpl.rcParams["axes.grid"] is mpl.rcParamsDefault["axes.grid"] is False
+    assert mpl.rcParams["font.size"] == mpl.rcParamsDefault["font.size"]
+
+
 def test_a_method_that_diverges_at_every_step_says_so():
     document = charts.load_stability()
     (number,) = [n for n, entry in enumerate(document["entries"]) if entry["name"] == "large steps blow up"]

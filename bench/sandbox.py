@@ -109,7 +109,7 @@ def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: f
 
 def memory(sandbox: Sandbox) -> None:
     """Print the resident size of the zygote, and the private memory of a child that computes and of one that draws."""
-    pid = sandbox._zygote._process.pid
+    pid = sandbox._zygote._started.process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
         pid = int(children[0])
     print(f"{'zygote, resident':44} {_memory(pid, 'Rss') / 1024:8.0f} MB      goal 130")

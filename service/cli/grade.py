@@ -4,6 +4,7 @@ Exit codes: 0 if every check is ✓, 1 if not, 2 if a file was not graded becaus
 """
 
 import argparse
+import gc
 import json
 import secrets
 from collections.abc import Callable, Iterator
@@ -16,9 +17,12 @@ from service.cli import report_options
 from service.cli.arguments import add_exercise, count, seed
 from service.cli.files import find_files, resolve_assignment
 from service.cli.grading_settings import Defaults, read_settings
+from service.cli.lazy_imports import import_lazily
 
 if TYPE_CHECKING:
     from service.grading.result import GradedFile
+    from service.sandbox.guest_process import GuestProcess
+    from service.sandbox.isolation import Isolation
     from service.sandbox.sandbox import Sandbox
     from service.settings import Settings
 
@@ -47,13 +51,15 @@ def _grade(arguments: argparse.Namespace) -> int:
     settings, files = read_settings(), find_files(arguments.files)
     written = report_options.ReportFiles(arguments, files)
     with _starting(settings) as sandbox:  # while the modules below and the assignment are imported
-        from service.cli.output_dir import OutputDir
-        from service.cli.progress import Progress
-        from service.grading.batch import GradeOptions, GradeRequest, grade_files
-        from service.grading.result import summary
-        from service.grading.submission import KIB, MIB, SizeLimits
+        with _no_collection():
+            import_lazily()
+            from service.cli.output_dir import OutputDir
+            from service.cli.progress import Progress
+            from service.grading.batch import GradeOptions, GradeRequest, grade_files
+            from service.grading.result import summary
+            from service.grading.submission import KIB, MIB, SizeLimits
 
-        assignment = resolve_assignment(arguments.assignment, files)
+            assignment = resolve_assignment(arguments.assignment, files)
         seed = secrets.randbits(48) if arguments.seed is None else arguments.seed
         sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
         wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, sizes=sizes)
@@ -77,10 +83,30 @@ def _grade(arguments: argparse.Namespace) -> int:
 
 
 @contextmanager
+def _no_collection() -> Iterator[None]:
+    """Collect no garbage in the ``with`` block, nor later what was made there: that would take a quarter of the time of imports."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+@contextmanager
 def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Sandbox"]]:
-    """Start a sandbox of the strongest isolation that this machine supports. Yield a function that waits for it."""
-    with ThreadPoolExecutor(1) as executor:  # the guest ends with the thread that starts it
-        started = executor.submit(_start, settings)
+    """Start a sandbox of the strongest isolation that this machine supports. Yield a function that waits for its self-test.
+
+    A guest in namespaces starts before anything else and imports its libraries while this process imports its own and tries
+    whether the machine supports namespaces. If not, that guest is killed, and another one starts.
+    """
+    from service.sandbox.guest_process import GuestProcess
+    from service.sandbox.select import prepare_namespaces
+
+    prepared = prepare_namespaces(settings.allow_root_guest)
+    first = GuestProcess(prepared.command, prepared.environment, has_matplotlib=False) if prepared else None
+    with ThreadPoolExecutor(1) as executor:
+        started = executor.submit(_start, settings, prepared, first)
         try:
             yield started.result
         finally:
@@ -88,18 +114,27 @@ def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Sandbox
                 started.result().close()
 
 
-def _start(settings: "Settings | Defaults") -> "Sandbox":
-    from service.sandbox.guest_process import GuestProcess
+def _start(settings: "Settings | Defaults", prepared: "Isolation | None", first: "GuestProcess | None") -> "Sandbox":
     from service.sandbox.select import choose
 
-    isolation = choose(settings.min_isolation, settings.allow_root_guest)
-    # without namespaces, the guest cannot read matplotlib's settings any more when it has changed its user
-    process = GuestProcess(isolation.command, isolation.environment, has_matplotlib=isolation.level == "process")
+    try:
+        isolation = choose(settings.min_isolation, settings.allow_root_guest, prepared)
+    except BaseException:
+        if first:
+            first.kill()
+        raise
+    if first and isolation is not prepared:
+        first.kill()
+        first = None
     from service.sandbox.sandbox import Sandbox
     from service.sandbox.time_budget import TimeLimits
 
-    sandbox = Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall), process)
-    sandbox.start()
+    sandbox = Sandbox(isolation, TimeLimits(settings.grading_cpu, settings.grading_wall), first)
+    try:
+        sandbox.self_test()
+    except BaseException:
+        sandbox.close()
+        raise
     return sandbox
 
 

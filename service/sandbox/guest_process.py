@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import signal
 import socket
 import subprocess
 import tempfile
@@ -37,3 +38,12 @@ class GuestProcess:
         theirs.close()
         with contextlib.suppress(OSError):  # Linux may schedule each session as a group (sched_autogroup) whose niceness counts
             Path(f"/proc/{self.process.pid}/autogroup").write_text(str(os.getpriority(os.PRIO_PROCESS, 0)))
+
+    def kill(self) -> None:
+        """Kill the zygote with its children, and wait until it has exited. Raises TimeoutExpired if it has not after 10 s."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.control.close()
+        self.log.close()
+        self.data.cleanup()
+        self.process.wait(timeout=10)

@@ -44,8 +44,11 @@ class Sandbox:
         return self._zygote
 
     def copy(self) -> "Sandbox":
-        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. It has still to pass its self-test."""
+        """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. What the self-test has shown of this one is true
+        of the copy.
+        """
         other = type(self)(self.isolation, self.limits)
+        other.self_tested, other.identity = self.self_tested, self.identity
         other._zygote = self.start().copy(other.cancelled)
         return other
 

@@ -15,10 +15,11 @@ class IsolationUnavailable(Exception):
     """This machine does not support the required isolation level. The message says what is missing."""
 
 
-def choose(least: Level = "process", allow_root: bool = False) -> Isolation:
+def choose(least: Level = "process", allow_root: bool = False, prepared: Isolation | None = None) -> Isolation:
     """Return the strongest isolation that this machine supports; its guest may stay root only with ``allow_root``.
 
-    Raises IsolationUnavailable if its level is below ``least``.
+    ``prepared`` is what ``prepare_namespaces`` has returned; by default it is called now. Raises IsolationUnavailable if the
+    level is below ``least``.
     """
     if platform.machine() not in MACHINES:
         raise IsolationUnavailable(
@@ -26,7 +27,7 @@ def choose(least: Level = "process", allow_root: bool = False) -> Isolation:
         )
     if landlock.version() < 1:
         raise IsolationUnavailable("this kernel has no Landlock; use Linux 5.13 or later and name landlock in the boot option lsm=")
-    isolation, reason = try_namespaces(allow_root)
+    isolation, reason = try_namespaces(allow_root, prepared)
     if isolation is not None:
         return isolation
     if least == "namespaces":
@@ -43,12 +44,19 @@ def with_packages(isolation: Isolation, more: Collection[str]) -> Isolation:
     return namespace_isolation(isolation.around[0], isolation.layers, more, isolation.allow_root)
 
 
-def try_namespaces(allow_root: bool = False) -> tuple[Isolation | None, str]:
-    """Start a process in namespaces. Return their isolation and "", or None and the reason for the failure."""
+def prepare_namespaces(allow_root: bool = False) -> Isolation | None:
+    """Return the isolation in namespaces, which this machine may not support, or None if bubblewrap is not installed."""
     program = find_bubblewrap()
-    if program is None:
+    return None if program is None else namespace_isolation(program, allow_root=allow_root)
+
+
+def try_namespaces(allow_root: bool = False, prepared: Isolation | None = None) -> tuple[Isolation | None, str]:
+    """Start a process in namespaces, by default those of ``prepare_namespaces``. Return their isolation and "", or None and the
+    reason for the failure.
+    """
+    isolation = prepared or prepare_namespaces(allow_root)
+    if isolation is None:
         return None, "bubblewrap is not installed (apt install bubblewrap)"
-    isolation = namespace_isolation(program, allow_root=allow_root)
     statement = CHANGE_USER if os.geteuid() == 0 and not isolation.stays_root else "pass"
     try:
         tried = subprocess.run(

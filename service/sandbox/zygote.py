@@ -44,7 +44,7 @@ class Zygote:
     """
 
     def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
-        self._data, self._control, self._log, self._process = started.data, started.control, started.log, started.process
+        self._started, self._control = started, started.control
         self._cancelled = cancelled
         self.has_matplotlib, self._is_copy = started.has_matplotlib, False
         self._identity: Identity | None = None  # known once it is ready
@@ -65,8 +65,8 @@ class Zygote:
         """Return the guest's identity when it has imported everything. Raises SystemFault with its output if it cannot start."""
         if self._identity is None:
             if not (message := self._message()).startswith(READY):
-                self._log.seek(0)
-                words = self._log.read(2000).decode(errors="replace").strip()
+                self._started.log.seek(0)
+                words = self._started.log.read(2000).decode(errors="replace").strip()
                 self.kill()
                 raise SystemFault(f"the sandbox did not start: {words or 'no output'}")
             self._identity = Identity(**json.loads(message[len(READY) :]))
@@ -87,7 +87,7 @@ class Zygote:
             try:
                 return self._control.recv(4096)
             except TimeoutError:
-                before, waited = waited, sum(map(processor_wait, _with_children(self._process.pid)))
+                before, waited = waited, sum(map(processor_wait, _with_children(self._started.process.pid)))
                 if waited - before < START_S / 2:
                     break
             except OSError:
@@ -140,7 +140,7 @@ class Zygote:
     @contextlib.contextmanager
     def _data_files(self, job: Job) -> Iterator[None]:
         """Copy the job's data files into the folder in which children start, and remove them afterwards."""
-        folder = Path(self._data.name)
+        folder = Path(self._started.data.name)
         try:
             try:
                 for name, source in job.data.items():
@@ -181,13 +181,8 @@ class Zygote:
                 self._control.shutdown(socket.SHUT_RDWR)
             self._control.close()
             return
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self._process.pid, signal.SIGKILL)
-        self._control.close()
-        self._log.close()
-        self._data.cleanup()
         try:
-            self._process.wait(timeout=10)
+            self._started.kill()
         except subprocess.TimeoutExpired as error:
             raise SystemFault("the sandbox process could not be killed") from error
 

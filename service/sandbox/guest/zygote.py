@@ -58,14 +58,15 @@ def main(
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
     die_with_parent()
-    gc.disable()
+    gc.disable()  # a collection of so many objects takes 20 ms
     for name in WARM:
         importlib.import_module(name)
     if when == LATER:
         importlib.import_module("guest.unused_matplotlib").install()
     else:
         _import_matplotlib()
-    gc.enable()
+    gc.collect()
+    gc.freeze()
     sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
@@ -73,6 +74,7 @@ def main(
     die_with_parent()  # again: the change of user has cleared it
     gc.collect()
     gc.freeze()
+    gc.enable()
     control.send(READY + json.dumps(identity()).encode())
     _obey(control, prepared)
 

@@ -393,7 +393,7 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
 
 def zygote_pid(sandbox):
     """The zygote's own process, behind bubblewrap's if there is one, while it has no child."""
-    pid = sandbox._zygote._process.pid
+    pid = sandbox._zygote._started.process.pid
     while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
         pid = int(children[0])
     return pid
@@ -419,7 +419,7 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.isolation import process_isolation
 sandbox = Sandbox(ISOLATION)
 sandbox.self_test()
-print(sandbox._zygote._process.pid, flush=True)
+print(sandbox._zygote._started.process.pid, flush=True)
 time.sleep(60)
 """
 

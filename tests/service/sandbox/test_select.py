@@ -66,13 +66,19 @@ def no_bubblewrap(tmp_path):
 
 
 @pytest.mark.slow
-def test_grade_refuses_without_the_least_level(no_bubblewrap, tmp_path):
-    file = tmp_path / "x.py"
-    file.write_text("def euler_eqs(t, w, I): return w")
-    environment = os.environ | no_bubblewrap | {"POLHODE_MIN_ISOLATION": "namespaces"}
-    command = [sys.executable, "-m", "service.cli", "grade", str(file)]
-    tried = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert tried.returncode == 2 and "POLHODE_MIN_ISOLATION is namespaces" in tried.stderr and not tried.stdout
+@pytest.mark.parametrize("fails", [False, True])
+def test_grade_without_namespaces_refuses_or_takes_the_next_level(no_bubblewrap, fails, tmp_path, rigid_body):
+    """Whether bubblewrap is not there or fails, and so does the guest that has started with it."""
+    if fails:
+        (tmp_path / "bin" / "bwrap").symlink_to(shutil.which("false"))
+    command = [sys.executable, "-m", "service.cli", "grade", str(rigid_body.folder / "samples/right_terms.py"), "--exercise", "2"]
+    environment = os.environ | no_bubblewrap
+    refused = subprocess.run(
+        command, env=environment | {"POLHODE_MIN_ISOLATION": "namespaces"}, capture_output=True, text=True, check=False
+    )
+    assert refused.returncode == 2 and "POLHODE_MIN_ISOLATION is namespaces" in refused.stderr and not refused.stdout
+    graded = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (graded.returncode, graded.stderr) == (0, "")
 
 
 @pytest.mark.slow  # a worker without a sandbox says why: test_worker.py; then no submission is taken: test_health.py

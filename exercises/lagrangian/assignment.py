@@ -3,18 +3,14 @@
 tests/exercises/test_lagrangian.py compares each truth with 30-digit derivatives, integrals and motions of mpmath.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 from exercises.author import Notebook, Tolerance, family, mistake, uniform
 from exercises.kinds.expression import expression, symbol
 from exercises.kinds.ode import ode
 from exercises.kinds.values import values
-
-if TYPE_CHECKING:  # solutions run in the sandbox only; importing it takes the server 0.35 s
-    import sympy as sp
 
 notebook = Notebook("Lagrangian mechanics", notebook="notebook.ipynb", packages=("sympy",))
 ROUNDING = Tolerance(limit=1e-11, reason="ten thousand rounding errors of the largest number")

@@ -106,3 +106,17 @@ def test_a_folder_that_is_not_there_or_no_package(tmp_path):
         assert "assignment.py is missing" in str(found.invalid["Two-Words"])
     with known(), pytest.raises(NoAssignment, match=r"no assignment knitting; known: rigid-body; .* in POLHODE_ASSIGNMENTS"):
         find("knitting")
+
+
+def test_everything_that_a_host_asks_of_the_bundled_assignments_works_in_a_new_process():
+    """Where no test has imported what an assignment needs."""
+    script = """
+from exercises.catalogue import assignments
+for one in assignments().values():
+    for scene in one.scenes:
+        dict(scene.returns), dict(scene.question or {}), scene.inputs if callable(scene.inputs) else dict(scene.inputs)
+    print(one.slug, len(one.scenes) > 0)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.splitlines()) >= {f"{slug} True" for slug in assignments()}

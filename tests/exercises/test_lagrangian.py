@@ -3,12 +3,9 @@
 import mpmath
 import numpy as np
 import pytest
-import sympy
 
 from exercises.lagrangian import assignment
 from tests.support.toolbox import failed, judged
-
-assignment.sp = sympy  # which only the sandbox imports
 
 NOTEBOOK = assignment.notebook
 

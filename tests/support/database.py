@@ -47,7 +47,8 @@ def connections_left(url, reported=frozenset(), seconds=5.0):
     Without those ``reported`` before. A closed connection is listed until its process has ended.
     """
     columns, until = "pid, application_name, datname, state, query", time.monotonic() + seconds
-    query = f"SELECT {columns} FROM pg_stat_activity WHERE backend_type = 'client backend' AND pid <> pg_backend_pid()"
+    # nor the connection of the query before this one, which may still be closing
+    query = f"SELECT {columns} FROM pg_stat_activity WHERE backend_type = 'client backend' AND query <> current_query()"
     while True:
         left = {
             pid: f"{name or 'no name'} ({database}, {state}: {last:.60})"

@@ -157,6 +157,16 @@ SUBMIT_PROBLEMS: dict[int, Kinds] = {
 }
 
 
+async def _may_repeat(request: Request, prefer: Annotated[str | None, Header()] = None) -> bool:
+    """Return whether a submission that repeats the person's last one is stored too.
+
+    A program says no with ``Prefer: no-repeat``. A page's form says yes with ``again`` in its address.
+    """
+    if not request.url.path.startswith("/v1/"):
+        return "again" in request.query_params
+    return re.search(r"(^|[,;\s])no-repeat([,;\s]|$)", prefer or "", re.IGNORECASE) is None
+
+
 async def store_submission(
     request: Request,
     assignment: Assigned,
@@ -165,10 +175,10 @@ async def store_submission(
     settings: Config,
     workers: Held[WorkerStatus],
     large: Held[parse_submission.LargeBodies],
+    repeat: Annotated[bool, Depends(_may_repeat)],
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
-    prefer: Annotated[str | None, Header()] = None,
 ) -> Accepted:
-    """Store the submission in the body and queue its grading; with ``Prefer: no-repeat``, unless it repeats the last one.
+    """Store the submission in the body and queue its grading; unless ``repeat``, only if it differs from the last one.
 
     Raises Problem if the sandbox is unavailable, or if the submission is invalid or not permitted.
     """
@@ -182,7 +192,6 @@ async def store_submission(
     drawn = secrets.randbits(48)
     new = NewSubmission(uuid.uuid4(), assignment.slug, person.name, parsed.submission, parsed.exercises, drawn, arrived)
     try:
-        repeat = re.search(r"(^|[,;\s])no-repeat([,;\s]|$)", prefer or "", re.IGNORECASE) is None
         return await _accept(database, settings.open_submissions, person, new, idempotency_key or None, repeat)
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None

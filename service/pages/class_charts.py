@@ -7,6 +7,7 @@ from statistics import median
 
 from markupsafe import Markup
 
+from service.http.templating import ZONE
 from service.store.course.gradebook import StudentRow
 from service.store.database import Row
 
@@ -20,11 +21,11 @@ _PATH = Markup('<path d="{}" class="{}"></path>')
 
 
 def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
-    """Return a histogram of the counted points, ``most`` of which can be had without a bonus. None without points.
+    """Return a histogram of the counted points after the late penalty, ``most`` of which can be had without a bonus.
 
-    A bin holds whole points: several if there are many.
+    A bin holds whole points: several if there are many. None without points.
     """
-    points = [float(s.points) for s in students if s.points is not None]
+    points = [float(s.final) for s in students if s.final is not None]
     if not points:
         return None
     highest = max(most, math.ceil(max(points)))
@@ -37,7 +38,8 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
     marks = [_axes("points", "students")]
     for number, count in enumerate(counts):
         x, height = LEFT + across * width * number, _height(count, tallest)
-        text = f"{number * width}–{number * width + width - 1}" if width > 1 else f"{number}"
+        least, last = number * width, min(number * width + width - 1, highest)
+        text = f"{least}–{last}" if last > least else f"{least}"
         if count:
             marks.append(Markup('<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" class="bar"></rect>').format(
                 x + 1, HIGH - BOTTOM - height, across * width - 2, height))  # fmt: skip
@@ -70,8 +72,8 @@ def progress(sent: Sequence[Row], students: int, most: int, due_at: datetime | N
             full.setdefault(row.name, row.submitted_at)
     marks = [_axes("", "students")]
     for place, at in (("start", start), ("middle", start + (until - start) / 2), ("end", until)):
-        marks.append(_TEXT.format(x(at), HIGH - BOTTOM + 13, f"{place} quiet", at.astimezone(UTC).strftime("%d %b %H:%M")))
-    marks.append(_TEXT.format(WIDE - RIGHT, HIGH - 4, "end quiet", "time (UTC)"))
+        marks.append(_TEXT.format(x(at), HIGH - BOTTOM + 13, f"{place} quiet", at.astimezone(ZONE.get()).strftime("%d %b %H:%M")))
+    marks.append(_TEXT.format(WIDE - RIGHT, HIGH - 4, "end quiet", f"time ({ZONE.get()})"))
     if due_at and start <= due_at <= until:
         marks += [
             _LINE.format(x(due_at), TOP, x(due_at), HIGH - BOTTOM, "due"),

@@ -35,7 +35,7 @@ async def overview(request: Request, person: Staff, assignment: Assigned, databa
     """Show what the class has submitted: points, progress, the most common causes of failures, and exports."""
     slug, most = assignment.slug, assignment.max_points()
     students, rules = await gradebook.student_rows(database, slug), await gradebook.rules(database, slug)
-    points = [s.points for s in students if s.points is not None]
+    points = [s.final for s in students if s.final is not None]
     return _page(
         request,
         "class_overview.html",
@@ -66,7 +66,7 @@ async def show_students(
     no_gain = [s for s in everyone if s.name in activity and activity[s.name].no_gain]
     students = no_gain if show == "no-gain" else list(everyone)
     if sort in ("points", "worst"):
-        students.sort(key=lambda s: -1 if s.points is None else s.points, reverse=sort == "points")
+        students.sort(key=lambda s: -1 if s.final is None else s.final, reverse=sort == "points")
     elif sort == "activity":
         students.sort(key=lambda s: activity[s.name].last_at.timestamp() if s.name in activity else 0.0, reverse=True)
     ids = [c.id for c in assignment.checks()]

@@ -63,19 +63,25 @@ def _self_reported(checks: Sequence[Check]) -> str:
 
 
 @router.get("/assignments/{slug}", response_class=HTMLResponse)
-async def own_submissions(request: Request, person: CurrentUser, assignment: Assigned, database: Db) -> Response:
-    """Show the person's submissions to an assignment and the changes between them."""
+async def own_submissions(
+    request: Request, person: CurrentUser, assignment: Assigned, database: Db, same: Annotated[str, Query(max_length=40)] = ""
+) -> Response:
+    """Show the person's submissions to an assignment and the changes between them.
+
+    ``same`` is the id of the submission that an upload repeats: the page asks whether to submit it again.
+    """
     history = await list_own(assignment, person, database)
     best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
     context = {"assignment": assignment, "person": person.name, "history": history}
+    context["same"] = next((s for s in history.submissions if str(s.id) == same), None)
     context |= {"best": best, "last": last, "most": assignment.max_points(), "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "submissions.html", context)
 
 
 @router.post("/assignments/{slug}/submissions")
-async def upload(person: CurrentUser, origin: forms.SameOrigin, stored: Stored) -> Response:
-    """Store an uploaded file as a submission, and show its page."""
-    return RedirectResponse(f"/submissions/{stored.id}", 303)
+async def upload(slug: str, person: CurrentUser, origin: forms.SameOrigin, stored: Stored) -> Response:
+    """Store an uploaded file as a submission, and show its page; ask first if it repeats the person's last submission."""
+    return RedirectResponse(f"/assignments/{slug}?same={stored.id}" if stored.repeated else f"/submissions/{stored.id}", 303)
 
 
 @router.get("/audit", response_class=HTMLResponse)

@@ -1,4 +1,4 @@
-"""The page of a submission follows its grading, without a reload by hand, after an upload."""
+"""The page of a submission follows its grading, without a reload by hand, after an upload; the same file again asks first."""
 
 import pytest
 
@@ -17,7 +17,7 @@ def server(url):
     started.stop()
 
 
-def test_an_upload_is_followed_to_its_report(page, server, url, tmp_path):
+def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page, server, url, tmp_path):
     file = tmp_path / "mine.py"
     file.write_text("def euler_eqs(t, w, I):\n    return w\n")
     page = page()
@@ -36,3 +36,13 @@ def test_an_upload_is_followed_to_its_report(page, server, url, tmp_path):
     run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
     page.get_by_text("rotational energy conserved").wait_for(state="attached")  # folded, as its exercise passes
     assert not page.locator("[data-progress]").count()
+    page.goto(f"{server.url}/assignments/rigid-body")
+    page.get_by_label("Completed notebook").set_input_files(file)
+    page.get_by_role("button", name="Submit").click()
+    question = page.get_by_role("alert")
+    assert "You submitted exactly this" in question.inner_text()
+    assert question.get_by_role("link", name="open its report").get_attribute("href") == f"/submissions/{submission}"
+    assert sql(url, "SELECT count(*) FROM submission") == [(1,)]
+    page.get_by_role("button", name="Submit again").click()
+    page.get_by_text("Queued, position").wait_for()
+    assert sql(url, "SELECT count(*) FROM submission") == [(2,)]

@@ -5,7 +5,7 @@
 //   [data-live=URL][id]    is reloaded at each event of the stream URL; data-events lists the event names, default "message"
 //   [data-confirm=TEXT]    button that asks for confirmation
 //   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced
-//   form[data-drop]        takes a file that is dropped on it
+//   form[data-drop]        takes a file that is dropped on it; a [data-question] in the page that answers is shown in it, with the file kept
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
 // Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
@@ -188,11 +188,18 @@ async function send(form, submitter) {
   document.getElementById("refused")?.remove();
   for (const field of all("[aria-invalid]", form)) for (const name of ["aria-invalid", "aria-describedby"]) field.removeAttribute(name);
   const data = new FormData(form, submitter);
+  form.querySelector("[data-question]")?.remove();
   if (submitter) submitter.disabled = true;
   try {
     const body = form.enctype === "multipart/form-data" ? data : new URLSearchParams(data);
-    const answer = await fetch(form.action, { method: "POST", body, headers: { Accept: "application/problem+json" } });
+    const answer = await fetch(submitter?.getAttribute("formaction") ?? form.action, { method: "POST", body, headers: { Accept: "application/problem+json" } });
     if (answer.ok) {
+      const question = form.matches("[data-drop]") && new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("[data-question]");
+      if (question) {
+        form.prepend(question);
+        if (submitter) submitter.disabled = false;
+        return;
+      }
       try { sessionStorage.setItem("saved", form.dataset.saved); } catch { /* storage is disabled */ }
       const [page] = location.href.split("#"), [shown] = answer.url.split("#");
       location.assign(answer.url);

@@ -130,7 +130,7 @@ def test_the_overview_draws_points_and_progress(looks):
 
 @pytest.mark.parametrize("most", [1, 9, 36, 400])
 def test_every_student_is_in_one_bar_of_the_distribution(most):
-    students = [replace(NOBODY, points=points) for points in (0, 0.5, most / 2, most, most + 1)]
+    students = [replace(NOBODY, points=points, final=points) for points in (0, 0.5, most / 2, most, most + 1)]
     drawn = str(class_charts.distribution([*students, NOBODY], most))
     assert (
         sum(map(int, re.findall(r'class="middle">(\d+)</text>', drawn))) == 5 and drawn.count("<rect") <= class_charts.MOST_BINS + 1

@@ -35,10 +35,11 @@ from service.grading.submission import Submission
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from service.settings import Settings
-from service.store.database import Database, migrate
+from service.store.database import Database
 from service.store.postgres.os_user import as_server, own
 from service.store.postgres.server import find_programs
 from service.store.records import NewSubmission
+from service.store.schema import migrate
 from service.store.submissions import accept, register
 from service.workers.pool import WorkerPool
 from service.workers.worker import Worker

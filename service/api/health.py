@@ -10,7 +10,8 @@ from service.api.answers import Ready
 from service.http.metrics import exposition
 from service.http.openapi import also, media, problems
 from service.http.state import Db, Held
-from service.store.database import MISSING_TABLES, Database, DatabaseLost, is_loss
+from service.store.database import Database, DatabaseLost, is_loss
+from service.store.schema import MISSING_TABLES
 
 router = APIRouter()
 CACHED_S = 1.0

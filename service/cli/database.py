@@ -14,10 +14,11 @@ from sqlalchemy.exc import DBAPIError
 from exercises.catalogue import assignments
 from service.cli.errors import CommandError
 from service.settings import Settings
-from service.store.database import Connection, Database, check_schema, migrate
+from service.store.database import Connection, Database
 from service.store.postgres import backup, drill, retention
 from service.store.postgres.os_user import DatabaseUnavailable
 from service.store.postgres.server import EmbeddedPostgres, find_programs, running_url
+from service.store.schema import check_schema, migrate
 
 T = TypeVar("T")
 

@@ -24,8 +24,9 @@ from service.auth import oidc
 from service.http.connections import ACCEPTED, Connection, Connections, raise_open_file_limit
 from service.http.live import Listener
 from service.settings import Settings
-from service.store.database import WrongSchema, is_outage
+from service.store.database import is_outage
 from service.store.postgres.os_user import DatabaseUnavailable
+from service.store.schema import WrongSchema
 from service.workers.supervisor import Supervisor
 
 BACKLOG = 4096  # connections that wait in the kernel to be accepted

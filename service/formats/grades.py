@@ -21,11 +21,7 @@ def assignment_csv(rows: Sequence[GradeRow], checks: Sequence[str]) -> str:
 
     A check's cell holds its state, followed by "(override)" where a grader overrode it.
     """
-    lines = []
-    for row in rows:
-        states = {check: row.state(check) for check in checks}
-        shown = [f"{state} (override)" if state and check in row.given else state for check, state in states.items()]
-        lines.append([*_grade(row), *shown])
+    lines = [[*_grade(row), *_states(row, checks)] for row in rows]
     return BYTE_ORDER_MARK + table([*PERSON, *GRADE, *MORE, *checks], lines)
 
 

@@ -8,8 +8,8 @@ import threading
 import time
 
 from service.settings import Settings
-from service.store.database import migrate
 from service.store.postgres.server import EmbeddedPostgres
+from service.store.schema import migrate
 
 log = logging.getLogger(__name__)
 POLL_S, LONGEST_PAUSE_S = 0.2, 5.0

@@ -26,9 +26,10 @@ from service.sandbox.time_budget import TimeLimits
 from service.sandbox.untrusted_text import text
 from service.settings import Settings
 from service.store import runs, sweeps, workers
-from service.store.database import Database, WrongSchema, check_schema, is_outage, patiently
+from service.store.database import Database, is_outage, patiently
 from service.store.queue import QUEUE, new_app
 from service.store.records import store_artefacts
+from service.store.schema import WrongSchema, check_schema
 
 log = logging.getLogger(__name__)
 HEARTBEATS, ROUNDS, LONGEST_ROUND_S = 4, 2, 1.0  # heartbeats and housekeeping rounds per lease

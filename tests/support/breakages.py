@@ -1242,10 +1242,10 @@ STORE = [
     ),
     Breakage(
         "a database whose tables were dropped becomes an empty course",
-        "service/store/database.py",
+        "service/store/schema.py",
         "            _mark(connection)\n",
         "",
-        ("tests/service/store/test_database.py::test_a_database_that_lost_tables_does_not_become_an_empty_course",),
+        ("tests/service/store/test_schema.py::test_a_database_that_lost_tables_does_not_become_an_empty_course",),
     ),
     Breakage(
         "a run is lost because the clock jumped",
@@ -1266,7 +1266,7 @@ STORE = [
         "service/store/migrations/versions/0004_dashboard.py",
         "    op.execute(KNOWN)",
         '    op.execute("DELETE FROM result WHERE fault IS NOT NULL")\n    op.execute(KNOWN)',
-        ("tests/service/store/test_database.py",),
+        ("tests/service/store/test_schema.py",),
     ),
 ]
 

@@ -21,7 +21,8 @@ from tests.support.submissions import graded
 load_all_checks()
 SWEEP = b'{"scene": "free", "points": [], "line": "no points"}'
 EXAMPLES = 30  # of each operation, for each role
-REFUSES = {"POST /v1/assignments/{slug}/submissions", "POST /v1/logins/token"}  # bodies of a valid form, by their content
+# Refuse bodies of a valid form by their content: the source, the code of a login, a line that the source does not have.
+REFUSES = {"POST /v1/assignments/{slug}/submissions", "POST /v1/logins/token", "POST /v1/submissions/{id}/comments"}
 ARTEFACTS = ("figures/omega.png", "figures/omega.svg", "sweep.json", "sweep.svg", "animations/spin.png")
 
 

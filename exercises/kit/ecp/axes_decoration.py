@@ -18,7 +18,7 @@ def decorated_once() -> Iterator[None]:
     """
     from mpl_toolkits.mplot3d.axis3d import Axis
 
-    own = {name: getattr(Axis, name) for name in PARTS}
+    own: dict[str, Any] = {name: getattr(Axis, name, None) for name in PARTS}
     begun: dict[Any, Any] = {}  # by axes and whether without text: what the decoration depends on
     last: dict[Any, Any] = {}  # the same, and the pixels with it
     copied: set[Any] = set()  # the axes whose present drawing has a copy
@@ -67,14 +67,16 @@ def undecorated() -> Iterator[None]:
 
 @contextmanager
 def _replaced(owner: Any, functions: Mapping[str, Any]) -> Iterator[None]:
-    own = {name: getattr(owner, name) for name in functions}
+    """Replace methods for the ``with`` block, or none of them if ``owner``, of another version of matplotlib, lacks one."""
+    own = {name: getattr(owner, name, None) for name in functions}
+    replaced = None not in own.values()
     try:
-        for name, function in functions.items():
+        for name, function in functions.items() if replaced else ():
             setattr(owner, name, function)
         yield
     finally:
-        for name, function in own.items():
-            setattr(owner, name, function)
+        for name, former in own.items() if replaced else ():
+            setattr(owner, name, former)
 
 
 def _key(axes: Any, renderer: Any) -> tuple[Any, bool]:

@@ -1,4 +1,4 @@
-"""Alembic's entry point: run the revisions on the connection that ``service.store.database`` passes."""
+"""Alembic's entry point: run the revisions on the connection that ``service.store.schema`` passes."""
 
 from alembic import context
 

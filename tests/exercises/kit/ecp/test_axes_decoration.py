@@ -8,7 +8,7 @@ import pytest
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d.axis3d import Axis
 
-from ecp import animate, animation_recording
+from ecp import animate, animation_recording, axes_decoration
 from ecp.animation_recording import record
 
 CHANGES = {
@@ -66,3 +66,12 @@ def test_decoration_that_stays_is_drawn_once_with_text_and_once_without(monkeypa
     monkeypatch.setattr(Axis, "draw", lambda axis, renderer: drawings.append(axis) or own(axis, renderer))
     record(lambda: animation(CHANGES["nothing"], panels=1), 20.0)
     assert len(drawings) == 2 * 3
+
+
+def test_nothing_is_replaced_in_a_matplotlib_without_one_of_the_methods():
+    class Axis:
+        draw = "its own"
+
+    with axes_decoration._replaced(Axis, {"draw_pane": "another", "draw": "another"}):
+        assert Axis.draw == "its own" and not hasattr(Axis, "draw_pane")
+    assert Axis.draw == "its own" and not hasattr(Axis, "draw_pane")

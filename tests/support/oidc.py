@@ -146,10 +146,9 @@ class Tampering:
 
     def _signed(self, head, claims):
         """Signed by the provider's own key, which lies in the state of its application."""
-        from authlib import jose
+        from joserfc import jwk, jwt
 
-        key = self.app.own_key()
-        return jose.jwt.encode(json.loads(head), claims, key).decode()
+        return jwt.encode(json.loads(head), claims, jwk.RSAKey.import_key(self.app.own_key()))
 
 
 _SIGNED = {
@@ -184,7 +183,7 @@ def main(port):
 
         with app.test_request_context():
             app.preprocess_request()
-            return storage.jwk
+            return storage.jwk.as_pem(True)  # with the private part; the class of the key depends on the package's version
 
     def serve(environ, start_response):
         return app.wsgi_app(environ, start_response)

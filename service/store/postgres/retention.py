@@ -33,24 +33,17 @@ def prune(url: str, versions: Mapping[str, str], *, days: float, arrays: bool, d
     """
     found = {kind: [0, 0] for kind in ("replaced", "arrays" if arrays else "drawn")}
     with psycopg.connect(url, autocommit=True) as connection:
-        if delete:
-            connection.execute("DROP INDEX IF EXISTS prune_artefacts")  # of a run that was killed
-            connection.execute("CREATE INDEX CONCURRENTLY prune_artefacts ON grading_artefact (sha256)")
-        try:
-            for gradings in _batches(connection):
-                values = {"gradings": gradings, "days": days, "arrays": arrays, "versions": Jsonb(dict(versions))}
-                with connection.transaction():
-                    if delete:
-                        connection.execute("LOCK TABLE artefact IN SHARE ROW EXCLUSIVE MODE")  # none may be stored again meanwhile
-                    rows = connection.execute(_PRUNABLE, values).fetchall()
-                    if delete and rows:
-                        _delete(connection, [row[:2] for row in rows])
-                for _, _, kind, size in rows:
-                    found[kind][0] += 1
-                    found[kind][1] += size
-        finally:
-            if delete:
-                connection.execute("DROP INDEX IF EXISTS prune_artefacts")
+        for gradings in _batches(connection):
+            values = {"gradings": gradings, "days": days, "arrays": arrays, "versions": Jsonb(dict(versions))}
+            with connection.transaction():
+                if delete:
+                    connection.execute("LOCK TABLE artefact IN SHARE ROW EXCLUSIVE MODE")  # none may be stored again meanwhile
+                rows = connection.execute(_PRUNABLE, values).fetchall()
+                if delete and rows:
+                    _delete(connection, [row[:2] for row in rows])
+            for _, _, kind, size in rows:
+                found[kind][0] += 1
+                found[kind][1] += size
     return [Prunable(kind, *numbers) for kind, numbers in found.items()]
 
 

@@ -157,7 +157,7 @@ def _counts(url, tables):
 def test_renaming_keeps_every_row_and_the_store_reads_them(full_url):
     before = _counts(full_url, TABLES_0005)
     assert all(before.values()), "rows in every table"
-    assert migrate(full_url) == "0010"
+    assert migrate(full_url) == "0011"
     assert _counts(full_url, {RENAMED.get(t, t) for t in TABLES_0005}) == {RENAMED.get(t, t): n for t, n in before.items()}
     assert not any(check(full_url).values())
 
@@ -258,6 +258,14 @@ async def _cancelled():
     raise Cancelled
 
 
+def test_the_index_of_a_killed_prune_gives_way_to_that_of_the_schema(full_url):
+    upgrade(full_url, "0010")
+    sql(full_url, "CREATE INDEX prune_artefacts ON grading_artefact (sha256)")
+    migrate(full_url)
+    found = sql(full_url, "SELECT indexname FROM pg_indexes WHERE tablename = 'grading_artefact' AND indexdef LIKE '%%(sha256)'")
+    assert found == [("grading_artefact_sha256",)]
+
+
 def test_no_constraint_or_index_keeps_an_old_name(full_url):
     migrate(full_url)
     rows = sql(full_url, "SELECT conname FROM pg_constraint UNION SELECT indexname FROM pg_indexes WHERE schemaname = 'public'")
@@ -267,6 +275,7 @@ def test_no_constraint_or_index_keeps_an_old_name(full_url):
     assert {
         "token_person", "submission_person_assignment", "submission_submitted_at", "grading_regrade", "ix_run_grading_id",
         "run_open", "override_in_force", "regrade_request_open", "regrade_request_submission", "source_comment_submission",
+        "grading_artefact_sha256",
     } <= names  # fmt: skip
 
 
@@ -284,7 +293,7 @@ def test_many_that_start_at_once_migrate_once(old_url):
         thread.start()
     for thread in threads:
         thread.join()
-    assert not failures and migrate(old_url) == "0010"
+    assert not failures and migrate(old_url) == "0011"
 
 
 def test_tables_of_a_later_version_are_refused_in_a_sentence(database_url):
@@ -342,7 +351,7 @@ def test_a_migration_that_is_cut_off_leaves_the_old_tables_and_is_repeated(old_u
         sql(old_url, "SELECT pg_terminate_backend(%s)", pid)
         thread.join()
     assert failures and _schema(old_url) == before
-    assert migrate(old_url) == "0010" and not any(check(old_url).values())
+    assert migrate(old_url) == "0011" and not any(check(old_url).values())
 
 
 def _schema(url):

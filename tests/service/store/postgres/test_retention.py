@@ -74,7 +74,6 @@ def test_drawn_figures_go_and_the_arrays_to_draw_them_from_stay(database_url, su
     assert pruned(database_url) == {"replaced": 0, "drawn": 2}
     assert files(database_url) == {(grading, "arrays.npz")} and rows(database_url) == kept
     assert sql(database_url, "SELECT content FROM artefact") == [(b"none",)]
-    assert sql(database_url, "SELECT count(*) FROM pg_class WHERE relname = 'prune_artefacts'") == [(0,)]
 
 
 def test_a_figure_of_a_former_version_of_the_assignment_stays(database_url, submission):

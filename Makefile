@@ -7,9 +7,13 @@ CLEAN_ENV := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREA
 # Tests wait a lot, so several processes run whole files, in the order of tests/conftest.py.
 TEST = $(CLEAN_ENV) $(BIN)/python -m pytest --numprocesses $(or $(PROCESSES),3) --dist loadfile --no-loadscope-reorder
 
+# Newer Pythons on the PATH or in pyenv; each is run, as a stub of pyenv is also found for a version that is not active.
+NEWER = $(or $(PYTHONS),$(foreach minor,12 13 14,$(firstword $(shell python3.$(minor) -c 'import sys; print(sys.executable)' 2>/dev/null) \
+	$(wildcard $(HOME)/.pyenv/versions/3.$(minor).*/bin/python3.$(minor)))))
+
 IMAGE_TOOLS := podman runc catatonit netavark aardvark-dns iptables mmdebstrap podman-compose
 
-.PHONY: help env demo serve test test-all exhaustive sabotage lint docs bench chaos image-test release-check lock clean
+.PHONY: help env demo serve test test-all exhaustive sabotage test-pythons lint docs bench chaos image-test release-check lock clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -72,8 +76,12 @@ exhaustive: test-all  ## run everything: samples on four seeds, mutants, sabotag
 	@$(MAKE) --no-print-directory sabotage
 	@$(MAKE) --no-print-directory chaos KILLS=1000
 	@$(MAKE) --no-print-directory image-test
-	@for python in python3.12 python3.13 python3.14; do if command -v $$python >/dev/null; then copy=$$(mktemp -d) \
-		&& git clone --quiet . $$copy && $(MAKE) -C $$copy --no-print-directory test PYTHON=$$python && rm -rf $$copy || exit 1; fi; done
+	@$(MAKE) --no-print-directory test-pythons
+
+test-pythons:  ## run `make test` in a clone with each newer Python on the PATH or in pyenv (PYTHONS="python3.13 ...")
+	@test -n "$(NEWER)" || echo "polhode: no newer Python found"
+	@for python in $(NEWER); do copy=$$(mktemp -d) && git clone --quiet . $$copy && $$python --version \
+		&& $(MAKE) -C $$copy --no-print-directory test PYTHON=$$python && rm -rf $$copy || exit 1; done
 
 docs: .venv/docs  ## build the documentation site in .site/html (SERVE=8001: then serve it on that port of this machine)
 	@$(CLEAN_ENV) $(BIN)/python -m docs.site
@@ -101,8 +109,8 @@ image-test: .venv/tests  ## build the container image with podman and run it as 
 		&& apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install --no-install-recommends $(IMAGE_TOOLS) >/dev/null; }
 	@$(CLEAN_ENV) $(BIN)/python -m tests.image
 
-release-check: .venv/release  ## build wheel and sdist in dist, check both, and use the wheel outside the clone (PYTHONS="python3.12 python3.13")
-	@$(CLEAN_ENV) $(BIN)/python -m tests.support.release $(PYTHONS)
+release-check: .venv/release  ## build wheel and sdist in dist, check both, and use the wheel outside the clone with each Python (PYTHONS=...)
+	@$(CLEAN_ENV) $(BIN)/python -m tests.support.release $(or $(PYTHONS),$(BIN)/python $(NEWER))
 
 lock:  ## update the lock files (needs uv; UPGRADE=--upgrade for newer versions)
 	uv lock $(UPGRADE)

@@ -111,7 +111,7 @@ def tumble(rng: Rng) -> Inputs:
     axis = int(np.argsort(moments)[1])
     t_end = 1.5 * np.log(4.0 / nudge) / reference.steady_spin_growth_rate(moments, axis, spin)
     while True:
-        w0 = spin * nudge * rng.choice([-1.0, 1.0], 3)
+        w0 = np.asarray(spin * nudge * rng.choice([-1.0, 1.0], 3), float)
         w0[axis] = spin * rng.choice([-1.0, 1.0])
         path = reference.Exact(w0, moments).omega(np.linspace(0.0, t_end, 100))[axis]
         if path.min() / spin < -0.9 and path.max() / spin > 0.9:  # with other signs it first comes nearer to the axis

@@ -121,7 +121,8 @@ def _submissions(assignment: Assignment, name: str, rng: np.random.Generator) ->
     """Yield the student's up to three submissions of the last days; the last one is usually the best."""
     files = {s.file.name: s for s in samples(assignment)}
     tries, ends = (
-        _draw_names(table, most, rng) for table, most in ((TRIES, rng.choice([0, 1, 1, 2])), (ENDS, rng.random() < 0.85))
+        _draw_names(table, count, rng)
+        for table, count in ((TRIES, int(rng.choice([0, 1, 1, 2]))), (ENDS, int(rng.random() < 0.85)))
     )
     ago = rng.uniform(0.5, 4.0)
     for file in [*tries, *ends]:
@@ -142,4 +143,4 @@ def _made(assignment: Assignment, name: str, rng: np.random.Generator) -> Iterat
 
 def _draw_names(table: dict[str, int], count: int, rng: np.random.Generator) -> list[str]:
     weights = np.array(list(table.values()), float)
-    return [str(name) for name in rng.choice(list(table), int(count), p=weights / weights.sum())]
+    return [str(name) for name in rng.choice(list(table), count, p=weights / weights.sum())]

@@ -7,6 +7,7 @@ does not govern (truncation, TCP, signals), the system call filter denies.
 import ctypes
 import os
 import stat
+import struct
 from collections.abc import Iterable
 
 from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT, syscall
@@ -14,6 +15,7 @@ from .syscalls import LANDLOCK_ADD, LANDLOCK_CREATE, LANDLOCK_RESTRICT, syscall
 WRITE_FILE, READ_FILE, READ_DIR = 1 << 1, 1 << 2, 1 << 3
 SINK = "/dev/null"  # the only file that may be written to
 VERSION_QUERY, PATH_BENEATH = 1, 1
+PATH_BENEATH_ATTR = struct.Struct("=Qi")  # struct landlock_path_beneath_attr, packed: rights, descriptor of the parent
 # Rights of the file system governed by each version: 1 has 13, 2 adds REFER, 3 TRUNCATE, 5 IOCTL_DEV.
 FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
 NEWEST_FILE_RIGHTS = 16
@@ -51,18 +53,11 @@ def restrict(rules: int) -> None:
     syscall(LANDLOCK_RESTRICT, rules, 0)
 
 
-class _PathBeneath(ctypes.Structure):
-    """struct landlock_path_beneath_attr."""
-
-    _pack_ = 1
-    _fields_ = [("allowed", ctypes.c_uint64), ("parent", ctypes.c_int32)]
-
-
 def _allow(rules: int, path: str, rights: int) -> None:
     parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
     try:
         if not stat.S_ISDIR(os.fstat(parent).st_mode):
             rights &= READ_FILE | WRITE_FILE
-        syscall(LANDLOCK_ADD, rules, PATH_BENEATH, ctypes.byref(_PathBeneath(rights, parent)), 0)
+        syscall(LANDLOCK_ADD, rules, PATH_BENEATH, PATH_BENEATH_ATTR.pack(rights, parent), 0)
     finally:
         os.close(parent)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ecp import animation_recording
+from ecp import animate, animation_recording
 from ecp.kinds.animation.body import body_shown, momentum_shown
 from exercises.catalogue import find
 from exercises.mutation import variants
@@ -123,7 +123,8 @@ def _draw_time(file: Path, inputs, follow: bool) -> float:
     animation_recording.drawn = real if follow else lambda figure: []
     try:
         began = time.process_time()
-        seen = plays.animation(names, inputs)
+        with animate.watched():
+            seen = plays.animation(names, inputs)
         if follow:
             body_shown(seen, filmed(inputs))
             momentum_shown(seen, filmed(inputs))

@@ -41,7 +41,7 @@ def provider(settings: Settings) -> Any | None:
     if settings.oidc_issuer is None:
         return None
     if missing := [name for name in ("authlib", "httpx2") if importlib.util.find_spec(name) is None]:
-        raise NotInstalled(f"POLHODE_OIDC_ISSUER needs {' and '.join(missing)}: pip install 'polhode[oidc]'")
+        raise NotInstalled(f"POLHODE_OIDC_ISSUER needs {' and '.join(missing)}: install polhode's wheel with its extra oidc")
     from authlib.integrations.starlette_client import OAuth
 
     secret = settings.oidc_client_secret

@@ -107,7 +107,7 @@ def _import_roster(arguments: argparse.Namespace) -> None:
         about = {"people": len(entries), "tokens": len(rows)}
         await audit.record(connection, getpass.getuser(), "roster", arguments.file.name, about)
         if target:
-            target.write(table(("name", "token"), rows))
+            target.write(table(("name", "token"), rows, end="\n"))
             target.flush()
 
     if arguments.tokens is None:

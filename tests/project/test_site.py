@@ -98,6 +98,12 @@ def test_a_quick_start_fits_on_a_screen(page):
     assert len(page.read_text().splitlines()) <= 50
 
 
+@pytest.mark.parametrize("page", [*QUICK_STARTS, *TUTORIALS], ids=lambda page: page.stem)
+def test_what_is_explained_beside_a_command_is_a_comment(page):
+    copied = re.findall(r"^ *```text\n(.*?)^ *```", page.read_text(), re.MULTILINE | re.DOTALL)
+    assert not re.findall(r"\S {2,}[^# ].*", "".join(copied))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", [*QUICK_STARTS, *TUTORIALS], ids=lambda page: page.stem)
 def test_the_commands_of_a_quick_start_run_as_they_stand(page, tmp_path):

@@ -22,6 +22,7 @@ def test_a_roster_is_imported_without_tokens_and_listed_in_the_format_of_an_impo
     assert polhode("token", "list") == (0, "no tokens\n", "")
     people.write_text(polhode("roster").stdout)
     assert polhode("roster", people, "--tokens", tmp_path / "tokens.csv").returncode == 0
+    assert b"\r" not in (tmp_path / "tokens.csv").read_bytes(), "a token that a shell reads from its line must not end in a CR"
     assert sql(database, "SELECT detail FROM audit WHERE action = 'roster' ORDER BY id") == [
         ({"people": 2, "tokens": 0},),
         ({"people": 2, "tokens": 2},),

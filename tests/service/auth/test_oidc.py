@@ -279,6 +279,6 @@ def test_packages_that_are_missing_are_named(monkeypatch):
 
     monkeypatch.setattr(oidc.importlib.util, "find_spec", lambda name: None)
     given = Settings(identity="token", oidc_issuer="https://uni.example", oidc_client_id="x")
-    with pytest.raises(oidc.NotInstalled, match="needs authlib and httpx2: pip install 'polhode\\[oidc\\]'"):
+    with pytest.raises(oidc.NotInstalled, match="needs authlib and httpx2: install polhode's wheel with its extra oidc"):
         oidc.provider(given)
     assert oidc.provider(Settings()) is None

@@ -86,7 +86,7 @@ def test_a_late_penalty_reaches_every_export_the_api_and_the_pages(server, url, 
         assert f"<b>{median:g}</b> median of 36 points" in looks("prof", "/")[1]
         overview = looks("prof", f"{OWN}/class")[1]
         assert f"<b>{median:g}</b> median of 36" in overview and f"median {median:g} of 36, from {final} to 2" in overview
-        assert f"<td>{final} of 36</td>" in looks("prof", f"{OWN}/class/submissions")[1]
+        assert f'<td class="one-line">{final} of 36</td>' in looks("prof", f"{OWN}/class/submissions")[1]
         ordered = [looks("prof", f"{OWN}/class/students?sort={by}")[1] for by in ("points", "worst")]
         assert ordered[0].index("/person?name=ben") < ordered[0].index("/person?name=ann")
         assert ordered[1].index("/person?name=ann") < ordered[1].index("/person?name=ben")

@@ -24,6 +24,7 @@ import urllib.error
 import urllib.request
 import uuid
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import psycopg
@@ -66,6 +67,7 @@ class Chaos:
         self.other = Machine(7, stdout=self._log, stderr=self._log)
         self._relay = Relay(self.other.ours, data)
         self._cut_until = 0.0
+        self._timers: list[threading.Timer] = []
         self._start_other()
 
     def run(self, kills: int) -> dict[str, object]:
@@ -88,6 +90,8 @@ class Chaos:
 
     def stop(self) -> None:
         """End everything that was started."""
+        for timer in self._timers:
+            timer.join()
         self.other.remove()
         self._relay.stop()
         self.server.terminate()
@@ -108,7 +112,7 @@ class Chaos:
                 return
             self.other.cut()
             self._cut_until = time.monotonic() + (seconds := self.draw.uniform(3.0, 8.0))
-            threading.Timer(seconds, self.other.heal).start()
+            self._later(seconds, self.other.heal)
         elif action.endswith("the database"):
             self._hit(self._postmaster(), action)
         elif workers := [*_grandchildren(self.server.pid), *self.other.workers()]:
@@ -125,9 +129,13 @@ class Chaos:
                 os.kill(pid, signal.SIGKILL)
             else:
                 os.kill(pid, signal.SIGSTOP)
-                threading.Timer(self.draw.uniform(1.0, 5.0), _thaw, [pid]).start()
+                self._later(self.draw.uniform(1.0, 5.0), _thaw, pid)
         except ProcessLookupError:
             pass
+
+    def _later(self, seconds: float, function: Callable[..., None], *arguments: object) -> None:
+        self._timers.append(threading.Timer(seconds, function, arguments))
+        self._timers[-1].start()
 
     def _replace(self) -> None:
         """A supervisor, such as systemd, starts again what ended."""

@@ -32,7 +32,8 @@ CELLS = {
 class CheckStats:
     """Results of one check over the class.
 
-    ``margins`` are the positive measured ones; ``bins`` counts them by decade.
+    ``margins`` are the positive measured ones; ``bins`` counts them by decade. ``exact`` is the number of students who passed
+    without a measured deviation.
     """
 
     check: Check
@@ -41,6 +42,7 @@ class CheckStats:
     states: Counter[str]
     causes: Counter[str]
     margins: Sequence[float]
+    exact: int
     smallest_margin: float | None
     bins: Sequence[int]
 
@@ -61,8 +63,10 @@ class CheckStats:
 
     @property
     def median_margin(self) -> float | None:
-        """The median of the margins."""
-        return median(self.margins) if self.margins else None
+        """The median of the margins, infinite without a deviation; None where no ✓ of the check has a margin."""
+        if not self.margins or (self.exact and self.smallest_margin is None):
+            return None
+        return median([*self.margins, *[math.inf] * self.exact])
 
 
 @dataclass
@@ -149,8 +153,9 @@ def _cells(students: Iterable[StudentRow], id: str) -> list[Cell]:
 
 def _check(check: Check, exercise: str, hidden: bool, cells: Sequence[Cell]) -> CheckStats:
     margins = [c.margin for c in cells if c.margin is not None and c.margin > 0]
+    exact = sum(c.state == "pass" and c.margin is None for c in cells)
     passed = [c.margin for c in cells if c.margin is not None and c.state == "pass"]
     causes = Counter(sentence for c in cells if c.shown != "pass" for _, sentence in c.causes[:1])
     bins = Counter(min(max(math.floor(math.log10(m)), DECADES[0]), DECADES[-1]) for m in margins)
     states, counts = Counter(c.shown for c in cells), [bins[decade] for decade in DECADES]
-    return CheckStats(check, exercise, hidden, states, causes, margins, min(passed, default=None), counts)
+    return CheckStats(check, exercise, hidden, states, causes, margins, exact, min(passed, default=None), counts)

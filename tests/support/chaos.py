@@ -189,8 +189,9 @@ class Chaos:
             with urllib.request.urlopen(request, timeout=20) as answer:
                 return str(json.load(answer)["id"])
         except urllib.error.HTTPError as error:
-            if error.code != 503 or not error.headers["Retry-After"]:
-                self.odd[f"HTTP {error.code}"] += 1
+            with error:
+                if error.code != 503 or not error.headers["Retry-After"]:
+                    self.odd[f"HTTP {error.code}"] += 1
         except (OSError, ValueError, http.client.HTTPException):
             pass  # no server, or it went away while it answered
         return None

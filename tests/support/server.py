@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.error
 import urllib.request
 from pathlib import Path
 
@@ -38,7 +39,9 @@ class Server:
             try:
                 urllib.request.urlopen(f"{self.url}{path}", timeout=5).close()
                 return self
-            except OSError:
+            except OSError as error:
+                if isinstance(error, urllib.error.HTTPError):
+                    error.close()
                 time.sleep(0.1)
         raise AssertionError(f"no server: {self.log.read_text()[-2000:]}")
 

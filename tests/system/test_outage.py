@@ -26,7 +26,8 @@ def call(url, path, document=None, **headers):
         with urllib.request.urlopen(urllib.request.Request(url + path, data, given), timeout=30) as answer:
             return answer.status, answer.headers, json.load(answer)
     except urllib.error.HTTPError as error:
-        return error.code, error.headers, json.load(error)
+        with error:
+            return error.code, error.headers, json.load(error)
 
 
 def wait_for(found, seconds=60.0):

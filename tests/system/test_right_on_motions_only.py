@@ -76,7 +76,7 @@ def graded(body, seed, rigid_body, sandbox):
     return grade(Submission.from_bytes(source.encode(), "submission.py"), rigid_body, sandbox, seed, ["2"]).report
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("body", ONLY_HERE.values(), ids=ONLY_HERE.keys())
 def test_no_function_passes_that_is_wrong_somewhere(body, seed, rigid_body, sandbox):
     outcomes = list(graded(body, seed, rigid_body, sandbox).outcomes())

@@ -23,7 +23,8 @@ def test_a_sweep_that_fails_runs_once_for_many_requests(database_url):
         try:
             urllib.request.urlopen(f"{app.url}/v1/submissions/{id}/sweep.{form}", timeout=70)
         except urllib.error.HTTPError as error:
-            return error.code, json.load(error)["detail"]
+            with error:
+                return error.code, json.load(error)["detail"]
 
     async def work(database):
         """Run the sweeps that are queued, as a worker does, until the requests are answered."""

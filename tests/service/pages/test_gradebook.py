@@ -1,6 +1,7 @@
 """The pages of course, people and class, of a real server, as instructor, assistant and student."""
 
 import json
+import math
 import re
 import urllib.parse
 from dataclasses import replace
@@ -14,7 +15,7 @@ from ecp.outcome import Diagnosis, SweepResult, SweptPoint
 from service.grading import charts
 from service.pages import class_charts, class_stats
 from service.store.course import people
-from service.store.course.gradebook import StudentRow, student_rows
+from service.store.course.gradebook import Cell, StudentRow, student_rows
 from service.store.database import Database
 from service.store.records import store_artefacts
 from tests.support.database import new_database, run, sql
@@ -248,3 +249,19 @@ def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):
         status, page, headers = looks("ben", f"{OWN}/submissions", at=OWN, files={"file": (name, content)})
         assert status == code and words in page and headers["content-type"].startswith("text/html")
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, most="")[0] == 200
+
+
+@pytest.mark.parametrize(
+    ("margins", "median"),
+    [
+        ([2.0, 8.0, 1e-13], 2.0),
+        ([2.0, None, None, 1e-13], math.inf),
+        ([2.0, None, 1e-13], 2.0),
+        ([None, None, 1e-13], None),
+        ([1e-13, 1e-3, 1e-1], 1e-3),
+        ([], None),
+    ],
+)
+def test_a_check_passed_without_deviation_counts_in_the_median_margin(margins, median):
+    cells = [Cell("pass" if margin is None or margin > 1 else "fail", True, margin) for margin in margins]
+    assert class_stats._check(ASSIGNMENT.exercises[0].checks[0], "1", False, cells).median_margin == median

@@ -114,4 +114,5 @@ def _call(url, document=None, **headers):
         with urllib.request.urlopen(request, timeout=70) as answer:
             return answer.status, json.load(answer)
     except urllib.error.HTTPError as error:
-        return error.code, json.load(error)
+        with error:
+            return error.code, json.load(error)

@@ -26,6 +26,7 @@ CHANGES = {
     "the size": lambda axes, k: axes.set_position([0.1, 0.1, 0.4 + 0.1 * k, 0.8]),
     "cleared axes": lambda axes, k: axes.cla(),
 }
+SOME = ("nothing", "the camera", "ticks", "cleared axes")  # the rest are slow tests
 
 
 def animation(change, panels=2):
@@ -42,7 +43,9 @@ def animation(change, panels=2):
     return FuncAnimation(figure, update, frames=5)
 
 
-@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
+@pytest.mark.parametrize(
+    "change", [pytest.param(CHANGES[name], marks=[] if name in SOME else [pytest.mark.slow], id=name) for name in CHANGES]
+)
 def test_stills_are_those_without_copies(change, monkeypatch):
     copied = record(lambda: animation(change), 20.0)
     monkeypatch.setattr(animation_recording, "decorated_once", nullcontext)

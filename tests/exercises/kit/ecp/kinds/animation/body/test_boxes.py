@@ -71,7 +71,11 @@ def test_wrong_boxes(attitudes, code):
     assert shown.found is False and shown.code == code, shown
 
 
-@pytest.mark.parametrize("camera", [SPACE, XY, ISOMETRIC, CABINET], ids=["3d", "xy", "isometric", "cabinet"])
+@pytest.mark.parametrize(
+    "camera",
+    [SPACE, XY, pytest.param(ISOMETRIC, marks=pytest.mark.slow), pytest.param(CABINET, marks=pytest.mark.slow)],
+    ids=["3d", "xy", "isometric", "cabinet"],
+)
 def test_faces_in_any_order(camera):
     shown = body_shown(painted_faces(TUMBLE, camera), BOX)
     assert shown.found is True, shown

@@ -23,7 +23,7 @@ _PATH = Markup('<path d="{}" class="{}"></path>')
 def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
     """Return a histogram of the counted points after the late penalty, ``most`` of which can be had without a bonus.
 
-    A bin holds whole points: several if there are many. None without points.
+    A bin holds whole points: several if there are many, and its least stands at its left edge. None without points.
     """
     points = [float(s.final) for s in students if s.final is not None]
     if not points:
@@ -38,14 +38,11 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
     marks = [_axes("points", "students")]
     for number, count in enumerate(counts):
         x, height = LEFT + across * width * number, _height(count, tallest)
-        least, last = number * width, min(number * width + width - 1, highest)
-        text = f"{least}–{last}" if last > least else f"{least}"
         if count:
             marks.append(Markup('<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" class="bar"></rect>').format(
                 x + 1, HIGH - BOTTOM - height, across * width - 2, height))  # fmt: skip
             marks.append(_TEXT.format(x + across * width / 2, HIGH - BOTTOM - height - 4, "middle", count))
-        if len(counts) <= 7 or number % 2 == 0:
-            marks.append(_TEXT.format(x + across * width / 2, HIGH - BOTTOM + 13, "middle quiet", text))
+        marks.append(_TEXT.format(x + (across / 2 if width == 1 else 0.0), HIGH - BOTTOM + 13, "middle quiet", number * width))
     alt = f"Students by points: median {median(points):g} of {most}, from {min(points):g} to {max(points):g}."
     return _svg(alt, marks)
 

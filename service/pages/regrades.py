@@ -120,9 +120,9 @@ async def _selection(database: Db, assignment: Assignment, which: str, check: st
     if which == "check":
         if check not in check_labels(assignment):
             raise Problem(422, "invalid-request", f"the assignment has no check {check[:80]}: select another", "/check")
-        return BEST, check, f"best submissions that do not pass {check}"
+        return BEST, check, f"counted submissions that do not pass {check}"
     if which in (BEST, EVERY):
-        return which, None, "each student's best submission" if which == BEST else "all submissions of all students"
+        return which, None, "each student's counted submission" if which == BEST else "all submissions of all students"
     if not which:
         raise Problem(422, "invalid-request", "select submissions: all, every, check, or the id of one", "/which")
     stored = await records.read(database, identifier(which))

@@ -61,7 +61,7 @@ def test_the_course_tells_who_has_submitted_and_what_waits(looks):
     assert "<b>0</b> median of 36 points" in tile(page, "Rigid-Body") and "nothing to do" in tile(page, "Integrators")
     assert "default-src 'self'" in headers["content-security-policy"] and not re.search(r"\sstyle=|\son[a-z]+=", page)
     own = looks("ann", "/")[1]
-    assert "<b>2</b> of 36 + 6 points" in tile(own, "Rigid-Body") and "not submitted" in tile(own, "Integrators")
+    assert "<b>2</b> of 36 + 6 bonus points" in tile(own, "Rigid-Body") and "not submitted" in tile(own, "Integrators")
     assert "being graded" not in own and "4/5" not in own and own.count("/submissions/") == 1
 
 
@@ -137,6 +137,8 @@ def test_every_student_is_in_one_bar_of_the_distribution(most):
         sum(map(int, re.findall(r'class="middle">(\d+)</text>', drawn))) == 5 and drawn.count("<rect") <= class_charts.MOST_BINS + 1
     )
     assert class_charts.distribution([NOBODY], most) is None
+    least = [int(text) for text in re.findall(r'class="middle quiet">(\d+)</text>', drawn)]
+    assert least == list(range(0, most + 2, least[1])) and len(least) <= class_charts.MOST_BINS + 1
 
 
 def test_nothing_runs_out_of_the_progress_chart():

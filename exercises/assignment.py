@@ -218,6 +218,10 @@ class Assignment:
         chosen = [e for e in self.exercises if numbers is None or e.number in numbers]
         return points(chosen, self.exercises, written, self.names)
 
+    def bonus_points(self) -> int:
+        """Return the points of optional functions, which ``max_points()`` leaves out."""
+        return sum(check.points for check in self.checks()) - self.max_points()
+
     def names(self, scene: str) -> set[str]:
         """Return the names of a submission that a scene, and those it comes after, cannot be played without."""
         found = self.scene(scene)

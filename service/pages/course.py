@@ -51,7 +51,7 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "medians": await progress.medians(database) if staff else {},
         "standings": {} if staff else await progress.own(database, person.name),
         "most": {slug: one.max_points() for slug, one in assignments().items()},
-        "bonus": {slug: sum(check.points for check in one.checks()) - one.max_points() for slug, one in assignments().items()},
+        "bonus": {slug: one.bonus_points() for slug, one in assignments().items()},
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)

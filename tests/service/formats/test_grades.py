@@ -57,3 +57,4 @@ def test_the_most_points_leave_out_what_may_be_left_out(rigid_body):
     everything = {check.id for exercise in rigid_body.exercises for check in exercise.checks}
     optional = {"4-function", "4-retrograde", "4-coarse", "4-short", "5-moves", "5-follows"}
     assert optional < everything and rigid_body.max_points() == len(everything - optional)
+    assert rigid_body.bonus_points() == len(optional)

@@ -99,7 +99,7 @@ def test_a_page_of_a_person(looks, url):
     assert status == 200 and "<h1>Ben Ek</h1>" in page and "0042" in page and "ben@x.org" in page
     (row,) = re.findall(r"<tr><th scope=\"row\"><a href=\"/assignments/rigid-body/class\">.*?</tr>", page, re.DOTALL)
     ((best,),) = sql(url, "SELECT value FROM secret WHERE name = 'test'")
-    assert f'<a href="/submissions/{best}">2</a> of 36, overridden' in row and "<td>2 of 5</td>" in row
+    assert f'<a href="/submissions/{best}">2</a> of 36 + 6 bonus, overridden' in row and "<td>2 of 5</td>" in row
     assert 'datetime="2099-02-01T12:00:00+00:00"' in row and "was ill" in row
     assert page.index("later.py") < page.index("energy.py") and "2: |L| conserved" in page and "a typing error" in page
     assert looks("helper", "/person?name=prof")[0] == 200 and 'rel="prev"' not in looks("helper", "/person?name=prof")[1]

@@ -9,9 +9,8 @@ import math
 from dataclasses import dataclass
 
 import gmpy2
-from scipy.special import elliprf
 
-from reference.precise import Pair, Real, complete_k, integrals, pair, precision
+from reference.precise import Pair, Real, integrals, pair, precision
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def _polhode(order: list[int], moments: list[Real], w: list[Real]) -> Polhode:
         found = integrals(gmpy2.sqrt(kc2), root_n, cos2, sin2)
         mean = (found.pi - size_c / momentum * gmpy2.const_pi() / (2 * root_n)) / found.k
         phase, start = rate / (2 * found.k), found.part
-        shape = (*_nome(float(k2), float(kc2), float(found.k), offset), float(abs(2 / phase)))
+        shape = (*_nome(k2, kc2, found.k, offset), float(abs(2 / phase)))
     if m[1] < 0:
         start = -start
     swing = (momentum / ic + sense * momentum * i31 / (ia * ic) * mean) / (2 * gmpy2.const_pi())
@@ -121,12 +120,13 @@ def _polhode(order: list[int], moments: list[Real], w: list[Real]) -> Polhode:
     )
 
 
-def _nome(k2: float, kc2: float, quarter: float, offset: tuple[float, float]) -> tuple[float, float]:
+def _nome(k2: Real, kc2: Real, quarter: Real, offset: tuple[float, float]) -> tuple[float, float]:
     """Return πK'/K and πy₀/K for k² ≤ ½, πK/K' and πy₀/2K' above."""
     if k2 == 0:
         return math.inf, 0.0
-    sn2, cn2 = offset[0] / (offset[0] + offset[1]), offset[1] / (offset[0] + offset[1])
-    dual_quarter, y0 = complete_k(math.sqrt(k2)), math.sqrt(sn2) * float(elliprf(cn2, cn2 + k2 * sn2, 1.0))
+    sn2, cn2 = (gmpy2.mpfr(part) / sum(offset) for part in offset)
+    dual = integrals(gmpy2.sqrt(k2), gmpy2.mpfr(1), cn2, sn2)
+    ratio = dual.k / quarter
     if k2 <= kc2:
-        return math.pi * dual_quarter / quarter, math.pi * y0 / quarter
-    return math.pi * quarter / dual_quarter, math.pi * y0 / (2 * dual_quarter)
+        return float(gmpy2.const_pi() * ratio), float(2 * gmpy2.const_pi() * dual.part * ratio)
+    return float(gmpy2.const_pi() / ratio), float(gmpy2.const_pi() * dual.part)

@@ -76,14 +76,6 @@ def integrals(kc: Real, root_n: Real, cos2: Real, sin2: Real) -> Integrals:
     return Integrals(quarter * doublings / mean, quarter * (b + a * mean) / (mean * (mean + p)), (halves + last) / doublings)
 
 
-def complete_k(kc: float) -> float:
-    """Return K for the complementary modulus kc > 0, to a double's rounding."""
-    a, b = max(kc, 1.0), min(kc, 1.0)
-    while a - b > 1e-8 * a:
-        a, b = (a + b) / 2, math.sqrt(a * b)
-    return math.pi / (a + b)
-
-
 def turns(rates: Sequence[Pair], starts: Sequence[Pair], t: Array) -> tuple[Array, Array]:
     """Return ``rate·t + start`` (k, n) as the nearest whole number and the rest in [−½, ½]. The product is
     exact before it is reduced.

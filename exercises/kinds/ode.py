@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecp.checks import Arrays
-from ecp.integration import solvers
+from ecp.integration import solve_ivp
 from ecp.kinds import ode as kit
 from ecp.kinds.asking import flat, split
 from ecp.outcome import SweepResult, Tolerance
@@ -124,7 +124,7 @@ def converged(
         return np.concatenate([np.ravel(part) for part in (found if isinstance(found, tuple) else (found,))])
 
     start, atol = flat(states, values), 1e-16 * np.asarray(scale)
-    run = solvers().solve_ivp(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at, rtol=3e-14, atol=atol)
+    run = solve_ivp()(rate, (at[0], at[-1]), start, method="DOP853", t_eval=at, rtol=3e-14, atol=atol)
     if not run.success:
         raise ArithmeticError(f"the exact motion stops at {time} = {run.t[-1] if len(run.t) else at[0]:.3g}: {run.message}")
     return np.asarray(run.y)

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 SUFFIXES, JSON = (".py", ".ipynb"), ".json"
 WORD = re.compile(r"\w+")
-DEFINED = re.compile(r"(?<=\bdef )\w+|(?<=\bclass )\w+|(?:(?<![^\n\"])|(?<== ))\w+(?= *(?::[^=\n]*)?=(?!=))")
-"""A function, a class or a variable that a cell defines, in a script or in a notebook's JSON."""
+DEFINED = re.compile(r"(?<![^\n\"])(?:def|class) +(\w+)|(?:(?<![^\n\"])|(?<== ))(\w+)(?= *(?::[^=\n]*)?=(?!=))")
+"""A function, a class or a variable that a cell defines outside of functions, in a script or in a notebook's JSON."""
 
 
 class NoSubmissionFound(CommandError):
@@ -98,7 +98,7 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> "Assignment":
     if len(likely) > 1 and not homes:
         texts, sources = [_text(file) for file in files], {folder: set(WORD.findall(_source(folder))) for folder in likely}
         for pattern in (DEFINED, WORD):
-            names = {name for text in texts for name in pattern.findall(text)}
+            names = {found[found.lastindex or 0] for text in texts for found in pattern.finditer(text)}
             if likely := [folder for folder, words in sources.items() if names & words and _asks_for(slug_of(folder), names)]:
                 break
     if len(likely) == 1:

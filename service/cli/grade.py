@@ -104,7 +104,7 @@ def _starting(settings: "Settings | Defaults") -> Iterator[Callable[[], "Sandbox
     from service.sandbox.select import prepare_namespaces
 
     prepared = prepare_namespaces(settings.allow_root_guest)
-    first = GuestProcess(prepared.command, prepared.environment, has_matplotlib=False) if prepared else None
+    first = GuestProcess(prepared.command, prepared.environment, libraries=False) if prepared else None
     with ThreadPoolExecutor(1) as executor:
         started = executor.submit(_start, settings, prepared, first)
         try:

@@ -9,24 +9,24 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from service.sandbox.guest.zygote import LATER
+from service.sandbox.guest.zygote import LATER, MODULES
 
 
 class GuestProcess:
     """A zygote's ``process``, started by ``command``, which gets the number of its end of ``control`` as last argument.
 
-    It starts in the folder ``data`` of its own and writes to the file ``log``. Without ``has_matplotlib`` it starts sooner and
-    imports matplotlib when a submission uses it.
+    It starts in the folder ``data`` of its own and writes to the file ``log``. Without ``libraries`` it starts sooner
+    and imports one of MODULES when a submission uses it.
     """
 
-    def __init__(self, command: Sequence[str], environment: Mapping[str, str], *, has_matplotlib: bool = True) -> None:
-        self.has_matplotlib = has_matplotlib
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str], *, libraries: bool = True) -> None:
+        self.imported = frozenset(MODULES if libraries else ())
         self.data = tempfile.TemporaryDirectory(prefix="polhode-data-")
         os.chmod(self.data.name, 0o755)  # noqa: S103 -- the guest may be another user
         self.control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.log = tempfile.TemporaryFile()  # noqa: SIM115 -- lives as long as the zygote
         self.process = subprocess.Popen(
-            [*command, str(theirs.fileno()), *([] if has_matplotlib else [LATER])],
+            [*command, str(theirs.fileno()), *([] if libraries else [LATER])],
             pass_fds=[theirs.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=self.log,

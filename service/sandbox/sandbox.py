@@ -12,7 +12,7 @@ from service.sandbox.job import Job
 from service.sandbox.result import CODES, Cancelled, PlayResult, SystemFault
 from service.sandbox.self_test_job import self_test_job
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
-from service.sandbox.zygote import MatplotlibNeeded, Zygote, ZygoteLost
+from service.sandbox.zygote import LibraryNeeded, Zygote, ZygoteLost
 
 log = logging.getLogger(__name__)
 MOST_PLAYS = 1000  # of one zygote
@@ -140,15 +140,16 @@ class Sandbox:
 
 
 def _play_with_libraries(zygote: Zygote, job: Job, budget: TimeBudget, on_scene: Callable[[str], None]) -> tuple[PlayResult, bool]:
-    """Play once, or again if the submission needs matplotlib. Return the last play's result, and whether the zygote is reusable.
+    """Play once, or again with each library that the submission turns out to need. Return the last play's result, and whether the
+    zygote is reusable.
 
-    What a zygote that was lost or lacked matplotlib has sent is discarded.
+    What a zygote that was lost or lacked a library has sent is discarded.
     """
-    try:
-        return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
-    except MatplotlibNeeded:
-        zygote.import_matplotlib()
-        return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
+    while True:
+        try:
+            return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
+        except LibraryNeeded as needed:
+            zygote.import_library(needed.library)
 
 
 def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget, cpu_s: float) -> bool:

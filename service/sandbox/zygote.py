@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, MATPLOTLIB_NEEDED, PLAY, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job
@@ -33,8 +33,12 @@ class ZygoteLost(Exception):
     """The zygote ended or froze during a play. The play may be tried again with another zygote."""
 
 
-class MatplotlibNeeded(Exception):
-    """The submission uses matplotlib, which the zygote has not imported. The play may be tried again when it has."""
+class LibraryNeeded(Exception):
+    """The submission uses a ``library`` that the zygote has not imported. The play may be tried again when it has."""
+
+    def __init__(self, library: str) -> None:
+        super().__init__(library)
+        self.library = library
 
 
 class Zygote:
@@ -46,7 +50,7 @@ class Zygote:
     def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
         self._started, self._control = started, started.control
         self._cancelled = cancelled
-        self.has_matplotlib, self._is_copy = started.has_matplotlib, False
+        self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
@@ -72,12 +76,12 @@ class Zygote:
             self._identity = Identity(**json.loads(message[len(READY) :]))
         return self._identity
 
-    def import_matplotlib(self) -> None:
-        """Let the zygote import matplotlib. Raises ZygoteLost."""
-        self._control.send(IMPORT)
+    def import_library(self, library: str) -> None:
+        """Let the zygote import ``library``. Raises ZygoteLost."""
+        self._control.send(IMPORT + library.encode())
         if self._message() != READY:
-            raise ZygoteLost("the sandbox process stopped while it imported matplotlib")
-        self.has_matplotlib = True
+            raise ZygoteLost(f"the sandbox process stopped while it imported {library}")
+        self.imported |= {library}
 
     def _message(self) -> bytes:
         """Return what the zygote sends after its imports, b"" if it ends or freezes. Waiting for a processor is not freezing."""
@@ -97,7 +101,7 @@ class Zygote:
     def play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> bool:
         """Play ``job`` in one child within ``budget`` and add to ``result``. Calls ``on_scene`` with the name of each that begins.
 
-        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, MatplotlibNeeded, or
+        Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, LibraryNeeded, or
         ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
@@ -131,8 +135,8 @@ class Zygote:
         budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
-        if not self.has_matplotlib and MATPLOTLIB_NEEDED in session.ended.codes:
-            raise MatplotlibNeeded
+        if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in session.ended.codes]:
+            raise LibraryNeeded(needed[0])
         reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
         session.record_end(reader.result)
         return not session.abnormal

@@ -14,4 +14,4 @@ def lend(sandbox, monkeypatch):
     monkeypatch.setattr(sandbox, "close", lambda: None)
     for module in (batch, sys.modules["service.sandbox.sandbox"]):
         monkeypatch.setattr(module, "Sandbox", lambda *options: sandbox if os.getpid() == here else Sandbox(*options))
-    monkeypatch.setattr(guest_process, "GuestProcess", lambda *options, has_matplotlib: None)
+    monkeypatch.setattr(guest_process, "GuestProcess", lambda *options, libraries: None)

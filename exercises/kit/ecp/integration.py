@@ -4,7 +4,11 @@ wrappers around each call, which cost more than most students' functions.
 
 import functools
 import math
+import operator
+import runpy
 from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,19 +34,40 @@ class IntegrationStopped(ArithmeticError):
         self.last = last
 
 
-class Solvers(NamedTuple):
-    """SciPy's class ``DOP853`` and its function ``solve_ivp``."""
+class Tableau(NamedTuple):
+    """The coefficients of DOP853: of its stages (``A``, ``C``) and weights ``B``, its two error estimates (``E3``, ``E5``), the
+    stages of its interpolation (``A_extra``, ``C_extra``) and their weights ``D``.
+    """
 
-    DOP853: Any
-    solve_ivp: Any
+    A: Array
+    C: Array
+    B: Array
+    E3: Array
+    E5: Array
+    A_extra: Array
+    C_extra: Array
+    D: Array
 
 
 @functools.cache
-def solvers() -> Solvers:
-    """Import SciPy's solvers at the first call: that takes 0.3 s, which a process that integrates nothing saves."""
-    from scipy.integrate import DOP853, solve_ivp
+def tableau() -> Tableau:
+    """Return SciPy's coefficients, from their module alone if it is there: importing ``scipy.integrate`` takes 0.3 s."""
+    scipy = find_spec("scipy")
+    file = Path(str(scipy and scipy.origin)).parent / "integrate/_ivp/dop853_coefficients.py"
+    if file.is_file():
+        A, C, B, E3, E5, D = operator.itemgetter("A", "C", "B", "E3", "E5", "D")(runpy.run_path(str(file)))
+        return Tableau(A[:MAIN, :MAIN], C[:MAIN], B, E3, E5, A[MAIN + 1 :], C[MAIN + 1 :], D)
+    from scipy.integrate import DOP853
 
-    return Solvers(DOP853, solve_ivp)
+    return Tableau(DOP853.A, DOP853.C, DOP853.B, DOP853.E3, DOP853.E5, DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D)
+
+
+@functools.cache
+def solve_ivp() -> Any:
+    """Return SciPy's function, imported at the first call."""
+    from scipy import integrate
+
+    return integrate.solve_ivp
 
 
 def integrate(rates: Rates, start: ArrayLike, times: ArrayLike, rtol: float, atol: Array | float) -> Array:
@@ -51,13 +76,13 @@ def integrate(rates: Rates, start: ArrayLike, times: ArrayLike, rtol: float, ato
     The numbers are those of ``solve_ivp(…, method="DOP853", t_eval=times)``, to the last bit. Raises IntegrationStopped, and what
     ``rates`` raises.
     """
-    DOP853 = solvers().DOP853
+    method = tableau()
     y, at = np.array(start, dtype=float), np.asarray(times, dtype=float)
     t, end, n = float(at[0]), float(at[-1]), len(y)
     K, state, pieces, done = np.empty((ALL, n)), y.copy(), [], 0
     bound = [rates(state, place) for place in K]
-    stages = _stages(K, bound, 1, DOP853.A[1:], DOP853.C[1:])
-    extra = _stages(K, bound, MAIN + 1, DOP853.A_EXTRA, DOP853.C_EXTRA)
+    stages = _stages(K, bound, 1, method.A[1:], method.C[1:])
+    extra = _stages(K, bound, MAIN + 1, method.A_extra, method.C_extra)
     before_last, upto_last, last = K[:MAIN].T, K[: MAIN + 1].T, K[MAIN]
     bound[0](t)
     size = _first_step(bound[1], state, K, (t, end), atol + np.abs(y) * rtol)
@@ -70,7 +95,7 @@ def integrate(rates: Rates, start: ArrayLike, times: ArrayLike, rtol: float, ato
             new_t = min(t + size, end)
             h = size = new_t - t
             _evaluate(stages, state, t, y, h)
-            new_y = y + h * before_last.dot(DOP853.B)
+            new_y = y + h * before_last.dot(method.B)
             state[:] = new_y
             bound[MAIN](t + h)
             error = _error_norm(upto_last, h, atol + np.maximum(weight, np.abs(new_y)) * rtol)
@@ -131,7 +156,7 @@ def _norm(x: Array) -> Any:
 
 
 def _error_norm(K: Array, h: float, scale: Array) -> Any:
-    fifth, third = K.dot(solvers().DOP853.E5), K.dot(solvers().DOP853.E3)
+    fifth, third = K.dot(tableau().E5), K.dot(tableau().E3)
     fifth /= scale
     third /= scale
     a, b = np.sqrt(fifth.dot(fifth)) ** 2, np.sqrt(third.dot(third)) ** 2
@@ -143,7 +168,7 @@ def _terms(K: Array, h: float, y: Array, new_y: Array) -> Array:
     terms, step = np.empty((8, len(y))), new_y - y
     terms[0] = y
     terms[7], terms[6], terms[5] = step, h * K[0] - step, 2 * step - h * (K[MAIN] + K[0])
-    terms[4:0:-1] = h * solvers().DOP853.D.dot(K)
+    terms[4:0:-1] = h * tableau().D.dot(K)
     return terms
 
 

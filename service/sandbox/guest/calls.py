@@ -11,12 +11,12 @@ import json
 import os
 import re
 import struct
+import sys
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import OptimizeResult
 
 from .wire import MALFORMED
 
@@ -186,7 +186,7 @@ class Channel:
             items = [self._node(item, arrays, depth + 1) for item in value]
             node = ["list" if isinstance(value, list) else "tuple", *items]
         elif isinstance(value, dict):
-            kind = "result" if isinstance(value, OptimizeResult) else "dict"
+            kind = "result" if _is_result(value) else "dict"
             node = [kind, *[[self._node(item, arrays, depth + 1) for item in pair] for pair in value.items()]]
         elif isinstance(value, str):
             node = str(value)
@@ -221,7 +221,10 @@ class Channel:
                     found = values if node[0] == "list" else tuple(values)
                 case ["dict" | "result", *pairs]:
                     found = {value(key): value(item) for key, item in pairs}
-                    found = OptimizeResult(**found) if node[0] == "result" else found
+                    if node[0] == "result":
+                        from scipy.optimize import OptimizeResult
+
+                        found = OptimizeResult(**found)
                 case ["generator", *draws]:
                     found = Draws(**{draw.__name__: draw for draw in map(value, draws)})
                 case ["function", int(number), str(name)]:
@@ -237,6 +240,11 @@ class Channel:
         if not valid or at != len(raw):
             raise ValueError("not a message")
         return [kind, *values]
+
+
+def _is_result(value: dict[Any, Any]) -> bool:
+    optimize = sys.modules.get("scipy.optimize")
+    return type(value) is not dict and optimize is not None and isinstance(value, optimize.OptimizeResult)
 
 
 def _message(error: BaseException) -> str:

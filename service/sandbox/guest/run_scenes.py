@@ -21,7 +21,7 @@ from ecp.author_errors import SOURCES, AuthorError, author_error, checked_arrays
 from ecp.course import MODULES, use_modules
 from ecp.return_value import describe_exception, is_written, missing
 
-from . import unused_matplotlib
+from . import unused_libraries
 from .calls import LOADED, Channel
 from .claims import PRIVATE as RECORDER
 from .claims import Recorder
@@ -77,7 +77,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
         write.event("not-prepared", author=author_error(error, lambda filename: False))
         raise
     write.event("prepared")
-    with nullcontext() if unused_matplotlib.installed() else animate.watched():
+    with nullcontext() if unused_libraries.lacks("matplotlib") else animate.watched():
         _run(job, plays, student, questions, write, unchanged=unchanged, reference=reference)
 
 
@@ -165,7 +165,9 @@ def copy_modules() -> None:
     for names in (PRIVATE, (*PRIVATE, *_kinds()), RECORDER):
         with private_modules(names) as copies:
             if INTEGRATION in copies:
-                copies[INTEGRATION].solvers()  # before a submission can replace them
+                copies[INTEGRATION].tableau()  # before a submission can replace it
+                if not unused_libraries.lacks("scipy"):
+                    copies[INTEGRATION].solve_ivp()
 
 
 def _kinds() -> list[str]:
@@ -222,7 +224,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
     an empty string.
     """
     budget, shows, left = Budget(job["load_budget_s"]), "", Budget(DEFINITIONS_S)
-    animations = () if unused_matplotlib.installed() else sys.modules["matplotlib.animation"].Animation
+    animations = () if unused_libraries.lacks("matplotlib") else sys.modules["matplotlib.animation"].Animation
     student |= kept
     several = any(published for _, _, published in job["cells"])
     needed = _needed_pieces(job) if job["needed_cells"] else None

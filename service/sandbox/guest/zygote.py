@@ -7,7 +7,7 @@ with which the host can kill the child, and after the child's exit its wait stat
 descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
 READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
-A zygote that imports matplotlib later does so when it receives IMPORT, and answers READY.
+A zygote that imports SciPy and matplotlib later does so when it receives IMPORT and the name of one, and answers READY.
 """
 
 import gc
@@ -22,7 +22,8 @@ import sys
 import traceback
 from typing import Any
 
-MATPLOTLIB_NEEDED, LOCKDOWN_FAILED = 96, 97  # exit codes
+NEEDED = {"scipy": 95, "matplotlib": 96}  # exit codes of a child that uses a library which the zygote has not imported
+LOCKDOWN_FAILED = 97  # exit code
 READY = b"ready"
 PLAY = struct.Struct("<i")  # limit of CPU time in seconds
 REAPED = struct.Struct("<iid")  # wait status, that of the child with the reference functions or 0, CPU time of both in seconds
@@ -33,14 +34,13 @@ WARM = (
     "guest.lockdown",
     "guest.reference",
     "guest.run_scenes",
-    "scipy.integrate",
-    "scipy.linalg",
-    "scipy.optimize",
-    "scipy.spatial.transform",
 )
-DRAWING = ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d")
-IMPORT = b"import matplotlib"
-LATER = "matplotlib-later"
+MODULES = {
+    "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
+    "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
+}
+IMPORT = b"import "
+LATER = "libraries-later"
 
 
 def main(
@@ -53,7 +53,7 @@ def main(
     listable: list[str],
     folders: list[str],
 ) -> None:
-    """Import the libraries and obey the control socket. With LATER as ``when``, leave out matplotlib until it is needed."""
+    """Import the libraries and obey the control socket. With LATER as ``when``, leave out those in MODULES until one is needed."""
     control = socket.socket(fileno=control_fd)
     from .lockdown import Layers, die_with_parent, drop_privileges, identity
 
@@ -62,12 +62,12 @@ def main(
     for name in WARM:
         importlib.import_module(name)
     if when == LATER:
-        importlib.import_module("guest.unused_matplotlib").install()
+        importlib.import_module("guest.unused_libraries").install()
     else:
-        _import_matplotlib()
+        for library in MODULES:
+            _import(library)
     gc.collect()
     gc.freeze()
-    sys.modules["scipy.integrate"].solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method="DOP853")
     sys.modules["guest.run_scenes"].copy_modules()
     prepared = Layers(layers, readable, listable, folders)  # before dropping privileges: only root may be able to open the paths
     drop_privileges(user)
@@ -84,10 +84,12 @@ def _obey(control: socket.socket, prepared: Any) -> None:
     from .lockdown import identity
 
     while True:
-        play, fds, _, _ = socket.recv_fds(control, len(IMPORT), 4)
-        if play == IMPORT:
-            sys.modules["guest.unused_matplotlib"].remove()
-            _import_matplotlib()
+        play, fds, _, _ = socket.recv_fds(control, 64, 4)
+        if play.startswith(IMPORT):
+            library = play.removeprefix(IMPORT).decode()
+            sys.modules["guest.unused_libraries"].remove(library)
+            _import(library)
+            sys.modules["guest.run_scenes"].copy_modules()
             gc.collect()
             gc.freeze()
             control.send(READY)
@@ -121,10 +123,11 @@ def _obey(control: socket.socket, prepared: Any) -> None:
         control.send(_reap(children, handles))
 
 
-def _import_matplotlib() -> None:
-    for name in DRAWING:
+def _import(library: str) -> None:
+    for name in MODULES[library]:
         importlib.import_module(name)
-    sys.modules["matplotlib"].use("Agg")
+    if library == "matplotlib":
+        sys.modules["matplotlib"].use("Agg")
 
 
 def _reap(children: list[int], handles: list[int]) -> bytes:

@@ -1,3 +1,4 @@
+import json
 import os
 
 import pytest
@@ -130,6 +131,15 @@ def test_the_functions_that_a_file_defines_take_precedence_over_those_that_it_na
     with known(tmp_path / "course"):
         assert resolve_assignment(None, [file("def euler_eqs(t, w, I): ...\nfrom mine import oscillator")]).slug == "rigid-body"
         assert resolve_assignment(None, [file("from mine import oscillator")]).slug == "damped-oscillator"
+
+
+def test_a_function_inside_another_one_determines_nothing(file, tmp_path):
+    copied(tmp_path / "course")
+    inside = "def euler_eqs(t, w, I):\n    def oscillator(): ..."
+    with known(tmp_path / "course"):
+        assert resolve_assignment(None, [file(inside)]).slug == "rigid-body"
+        cell = json.dumps({"source": inside.splitlines(keepends=True)}, indent=1)
+        assert resolve_assignment(None, [file(cell, "a.ipynb")]).slug == "rigid-body"
 
 
 def test_nothing_is_guessed(file, tmp_path):

@@ -193,11 +193,11 @@ SANDBOX = [
         ("tests/system/test_reference_attacks.py",),
     ),
     Breakage(
-        "a submission that uses matplotlib does not get it",
+        "a submission that uses a library does not get it",
         "service/sandbox/zygote.py",
-        "if not self.has_matplotlib and MATPLOTLIB_NEEDED in session.ended.codes:",
-        "if False:",
-        ("tests/service/sandbox/guest/test_unused_matplotlib.py",),
+        "if name not in self.imported and code in session.ended.codes]:",
+        "if False]:",
+        ("tests/service/sandbox/guest/test_unused_libraries.py",),
     ),
     Breakage(
         "a cell's own definition replaces the reference function",

@@ -17,7 +17,7 @@ from ecp import judge
 from ecp.checks import Arrays, Check
 from ecp.draw import legend_above
 from ecp.exercise import Figure
-from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate, returning, solvers
+from ecp.integration import Array, Evaluate, IntegrationStopped, Rates, integrate, returning, solve_ivp
 from ecp.judge import Judgement
 from ecp.kinds.asking import arguments, describe, each_row, expression, flat, part_figure, restart, returned, split, stacked
 from ecp.kinds.values import checks, play  # noqa: F401
@@ -49,7 +49,7 @@ def _sweep(question: Mapping[str, Any], student: Mapping[str, Any], row: Mapping
         motion, calls, began = np.full((np.size(given[question["state"]]), TIMES), np.nan), [0], time.perf_counter()
         start, rates, atol = _driven(question, student, row, rtol, calls)
         try:
-            run = solvers().solve_ivp(returning(rates), (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
+            run = solve_ivp()(returning(rates), (0.0, t[-1]), start, method=solver, t_eval=t, rtol=rtol, atol=atol)
             motion[:, : run.y.shape[1]] = run.y
         except WrongAnswer:
             pass  # this setting stalls; others may not

@@ -43,7 +43,7 @@ INSIDE = {
     "code": ("recorder()['watch'].__code__ = forged.__code__", "watch"),
     "a helper": ("recorder()['_tracks'] = forged", "_tracks"),
     "numpy of the recorder": ("plays()['np'].stack = forged", "stack"),
-    "defaults": ("plays()['solve_ivp'].__defaults__ = ('RK23',)", "solve_ivp"),
+    "defaults": ("plays()['integrate'].__defaults__ = (1e-3, 1e-3)", "integrate"),
     "a method": ("plays()['FromCell'].__call__ = forged", "__call__"),
 }
 BEFORE = {

@@ -1,10 +1,12 @@
-"""A guest that imports matplotlib only when a submission uses it: every submission ends as in a guest that has imported it."""
+"""A guest that imports SciPy and matplotlib only when they are used: every submission ends as in a guest that has imported them."""
+
+from dataclasses import replace
 
 import pytest
 
 from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
-from service.sandbox.guest.zygote import MATPLOTLIB_NEEDED
+from service.sandbox.guest.zygote import NEEDED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.job import Cell, Job, SceneRequest
 from service.sandbox.sandbox import Sandbox
@@ -16,8 +18,18 @@ from ecp.style import use_style
 plt.rcParams["animation.html"] = "jshtml"
 use_style()
 """
-QUICK = {"call", "class", "version", "unknown setting", "unknown name", "exit code"}  # one of each way
+QUICK = {"call", "class", "version", "unknown setting", "unknown name", "exit code", "integration", "rotation"}  # one of each way
 PLAYS = "def ask(student, inputs):\n    return {'x': student['f']()}"
+INTEGRATES = """
+from ecp.integration import integrate
+
+def ask(student, inputs):
+    def rates(y, out):
+        def evaluate(t):
+            out[0] = -y[0]
+        return evaluate
+    return {"x": integrate(rates, [1.0], [0.0, 1.0], 1e-11, 1e-13)[0, -1]}
+"""
 IMPORTS = """
 import matplotlib
 import matplotlib.pyplot as plt
@@ -25,12 +37,22 @@ import mpl_toolkits.mplot3d.art3d
 from matplotlib import animation, pyplot
 from matplotlib.animation import FuncAnimation
 from mpl_toolkits.mplot3d import Axes3D
+import scipy
+import scipy.integrate as integrators
+from scipy import optimize, special
+from scipy.integrate import quad, solve_ivp
+from scipy.spatial.transform import Rotation
 """
 UNUSED = {
     "imported": "f = lambda: 1.0",
     "named": "def f(anim: FuncAnimation = None, axes=Axes3D, p=pyplot, a=animation.PillowWriter):\n    return 1.0",
     "same module": "f = lambda: float(matplotlib.pyplot is plt and plt.figure is not None)",
-    "uses in functions that are not called": "def film():\n    return FuncAnimation(plt.figure(), print)\nf = lambda: 1.0",
+    "named functions of SciPy": "def f(solve=solve_ivp, R=Rotation, root=optimize.brentq, r=scipy.integrate):\n    return 1.0",
+    "replaced": "scipy.integrate.solve_ivp = lambda *a: 2.0\nf = lambda: scipy.integrate.solve_ivp()",
+    "numpy alone": "import numpy as np\nf = lambda: float(np.linalg.norm([3.0, 4.0]) + np.fft.fft([1.0])[0].real)",
+    "uses in functions that are not called": (
+        "def film():\n    return FuncAnimation(plt.figure(), print), solve_ivp(print, (0, 1), [1])\nf = lambda: 1.0"
+    ),
 }
 USED = {
     "call": "plt.figure()\nf = lambda: 1.0",
@@ -51,7 +73,21 @@ USED = {
     "star": "from matplotlib.pyplot import *\nf = lambda: float(len(get_fignums()))",
     "constant": "f = lambda: float(len(plt.color_sequences) > 0)",
     "compiled": "import matplotlib.ft2font\nf = lambda: 1.0",
-    "exit code": f"import os\nf = lambda: os._exit({MATPLOTLIB_NEEDED})",
+    "exit code": f"import os\nf = lambda: os._exit({NEEDED['matplotlib']})",
+}
+
+
+USES_SCIPY = {
+    "integration": "f = lambda: float(solve_ivp(lambda t, y: -y, (0, 1), [1.0], method='DOP853').y[0, -1])",
+    "quadrature": "f = lambda: quad(lambda x: x, 0, 1)[0]",
+    "module": "f = lambda: float(integrators.quad(abs, 0, 1)[0])",
+    "root": "f = lambda: optimize.brentq(lambda x: x - 1, 0, 3)",
+    "special function": "f = lambda: float(special.ellipk(0.5))",
+    "rotation": "f = lambda: float(Rotation.from_rotvec([0, 0, 1]).magnitude())",
+    "version of SciPy": "f = lambda: float(scipy.__version__[0])",
+    "constant of SciPy": "from scipy.constants import g\nf = lambda: g",
+    "compiled": "from scipy.linalg.lapack import dgesv\nf = lambda: 1.0",
+    "unknown module": "import scipy.nothing\nf = lambda: 1.0",
 }
 
 
@@ -62,8 +98,8 @@ def job(source):
 
 @pytest.fixture(scope="module")
 def unused(sandbox):
-    """A sandbox whose guest imports matplotlib when a submission uses it, for submissions that do not."""
-    guest = GuestProcess(sandbox.isolation.command, sandbox.isolation.environment, has_matplotlib=False)
+    """A sandbox whose guest imports libraries when a submission uses them, for submissions that do not."""
+    guest = GuestProcess(sandbox.isolation.command, sandbox.isolation.environment, libraries=False)
     without = Sandbox(sandbox.isolation, first=guest)
     yield without
     without.close()
@@ -87,10 +123,10 @@ def without_times(result):
 
 
 @pytest.mark.parametrize("source", UNUSED.values(), ids=UNUSED)
-def test_a_submission_that_only_imports_matplotlib_runs_without_it(unused, sandbox, source):
+def test_a_submission_that_only_imports_libraries_runs_without_them(unused, sandbox, source):
     result = unused.play(job(source))
     assert result.scene_ends["one"].ended is Ended.FINISHED and without_times(result) == without_times(sandbox.play(job(source)))
-    assert not unused.start().has_matplotlib
+    assert not unused.start().imported
 
 
 @pytest.mark.parametrize(
@@ -98,8 +134,27 @@ def test_a_submission_that_only_imports_matplotlib_runs_without_it(unused, sandb
 )
 def test_a_submission_that_uses_matplotlib_gets_it(later, sandbox, source):
     result = later.play(job(source))
-    assert later.start().has_matplotlib and later.zygotes == 0  # none but the copy
+    assert later.start().imported == {"matplotlib"} and later.zygotes == 0  # none but the copy
     assert without_times(result) == without_times(sandbox.play(job(source)))
+
+
+@pytest.mark.parametrize(
+    "source", [pytest.param(source, id=id, marks=[] if id in QUICK else pytest.mark.slow) for id, source in USES_SCIPY.items()]
+)
+def test_a_submission_that_uses_scipy_gets_it(later, sandbox, source):
+    result = later.play(job(source))
+    assert later.start().imported == {"scipy"} and without_times(result) == without_times(sandbox.play(job(source)))
+
+
+def test_a_submission_that_uses_both_gets_both(later, sandbox):
+    source = f"{USED['call']}\nf = lambda: special.ellipk(0.5)"
+    result = later.play(job(source))
+    assert later.start().imported == {"scipy", "matplotlib"} and without_times(result) == without_times(sandbox.play(job(source)))
+
+
+def test_plays_integrate_without_importing_scipy(unused, sandbox):
+    asked = replace(job("f = 1"), plays=INTEGRATES, variables=("f",))
+    assert without_times(unused.play(asked)) == without_times(sandbox.play(asked)) and not unused.start().imported
 
 
 def test_what_is_printed_before_the_second_play_is_not_repeated(later):

@@ -1,14 +1,15 @@
-"""Names of matplotlib without matplotlib, whose import is 40 % of the start of a guest that grades one file.
+"""Names of SciPy and matplotlib without these libraries, whose imports are most of the start of a guest that grades one file.
 
 A submission may import these names and store them. Every use of one, and every import that may fail, ends the child with the exit
-code MATPLOTLIB_NEEDED: the zygote then imports matplotlib, and the host plays the job again. So a submission gets the same results.
+code of its library (NEEDED): the zygote then imports the library, and the host plays the job again. So a submission gets the same
+results.
 """
 
 import importlib
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
@@ -18,34 +19,35 @@ from typing import Any, NoReturn
 import ecp.style
 
 from .wire import FILES
-from .zygote import MATPLOTLIB_NEEDED
+from .zygote import NEEDED
 
-PACKAGES = ("matplotlib", "mpl_toolkits")
+LIBRARIES = {"scipy": "scipy", "matplotlib": "matplotlib", "mpl_toolkits": "matplotlib"}
+"""The library to which each package belongs."""
 KINDS = (complex, int, list, set, type)
 OPERATIONS = {name for kind in KINDS for name, value in vars(kind).items() if isinstance(value, WrapperDescriptorType)}
 OPERATIONS |= {"__getitem__", "__instancecheck__", "__subclasscheck__"}
 
 
 def install() -> None:
-    """Let the children of this process import the names of PACKAGES instead of the packages."""
-    sys.meta_path.insert(0, _Finder())
+    """Let the children of this process import the names of LIBRARIES instead of these."""
+    sys.meta_path.insert(0, _finder)
 
 
-def remove() -> None:
-    """Let this process import PACKAGES again."""
-    sys.meta_path[:] = [finder for finder in sys.meta_path if not isinstance(finder, _Finder)]
+def remove(library: str) -> None:
+    """Let this process import ``library`` again."""
+    _finder.libraries.discard(library)
 
 
-def installed() -> bool:
-    """Return whether they import the names."""
-    return isinstance(sys.meta_path[0], _Finder)
+def lacks(library: str) -> bool:
+    """Return whether they import the names of ``library``."""
+    return _finder in sys.meta_path and library in _finder.libraries
 
 
-def _needed(*args: object, **kwargs: object) -> NoReturn:
-    os._exit(MATPLOTLIB_NEEDED)
+def _needs(library: str) -> Callable[..., NoReturn]:
+    return lambda *args, **kwargs: os._exit(NEEDED[library])
 
 
-_Name = type("_Name", (), dict.fromkeys(OPERATIONS - {"__init__"}, _needed))
+_NAMES = {library: type("_Name", (), dict.fromkeys(OPERATIONS - {"__init__"}, _needs(library))) for library in NEEDED}
 
 
 class _Settings:
@@ -59,27 +61,36 @@ class _Settings:
 
     def _ignore(self) -> None:
         if sys._getframe(2).f_code.co_filename not in (FILES["setup"], ecp.style.__file__):
-            _needed()
+            _needs("matplotlib")()
 
     def __getattr__(self, name: str) -> Any:
-        _needed()
+        _needs("matplotlib")()
 
 
 class _Module(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name in ("__path__", "__file__", "__cached__"):
             raise AttributeError(name)
-        if name == "rcParams":
+        library = LIBRARIES[self.__name__.partition(".")[0]]
+        if name == "rcParams" and library == "matplotlib":
             return _Settings()
-        assert self.__spec__ is not None and self.__spec__.origin is not None
-        if PathFinder.find_spec(f"{self.__name__}.{name}", self.__spec__.submodule_search_locations or []):
+        if PathFinder.find_spec(f"{self.__name__}.{name}", getattr(self.__spec__, "submodule_search_locations", None) or []):
             return importlib.import_module(f"{self.__name__}.{name}")  # a zygote with matplotlib has imported most of them
-        source = Path(self.__spec__.origin).read_text()
+        source = _source(self)
         if passed := re.search(rf"^from (\.\w+) import .*\b{re.escape(name)}\b", source, re.MULTILINE):
             return getattr(importlib.import_module(passed[1], self.__package__), name)
+        for star in re.findall(r"^from (\.\w+) import \*", source, re.MULTILINE):
+            module = importlib.import_module(star, self.__package__)
+            if re.search(rf"^__all__ = [^]]*['\"]{re.escape(name)}['\"]", _source(module), re.MULTILINE):
+                return getattr(module, name)
         if not re.search(rf"^(class|def) {re.escape(name)}\b", source, re.MULTILINE):
-            _needed()
-        return _Name()
+            _needs(library)()
+        return _NAMES[library]()
+
+
+def _source(module: ModuleType) -> str:
+    assert module.__spec__ is not None and module.__spec__.origin is not None
+    return Path(module.__spec__.origin).read_text(encoding="utf-8")
 
 
 class _Loader(Loader):
@@ -91,14 +102,19 @@ class _Loader(Loader):
 
 
 class _Finder(MetaPathFinder):
+    def __init__(self) -> None:
+        self.libraries = set(NEEDED)
+
     def find_spec(self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
-        if fullname.partition(".")[0] not in PACKAGES:
+        library = LIBRARIES.get(fullname.partition(".")[0])
+        if library not in self.libraries:
             return None
         spec = PathFinder.find_spec(fullname, path, target)
-        if spec is None:
-            _needed()
+        if spec is None or (spec.origin is not None and not spec.origin.endswith(".py")):
+            _needs(str(library))()
         if spec.origin is not None:  # None: a namespace package
-            if not spec.origin.endswith(".py"):
-                _needed()
             spec.loader = _Loader()
         return spec
+
+
+_finder = _Finder()

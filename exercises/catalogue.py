@@ -66,9 +66,17 @@ def load(folder: Path) -> tuple[Any, list[str]]:
     if not (folder.name.isidentifier() and folder.name.isascii() and folder.name == folder.name.lower().strip("_")):
         rule = "use lower-case letters from a to z, digits, and _ between them"
         errors.append(f"its folder's name {folder.name} is not a package name: {rule}")
-    if errors := [*errors, *syntax_errors(folder)] or _taken(folder):
+    if errors := errors or _taken(folder):
+        return None, [*errors, *syntax_errors(folder)]
+    try:
+        declared = vars(_imported(folder)).values()
+    except (Exception, SystemExit):
+        if errors := syntax_errors(folder):
+            return None, errors
+        raise
+    if errors := syntax_errors(folder, [str(getattr(module, "__file__", "")) for module in list(sys.modules.values())]):
         return None, errors
-    notebooks = [value for value in vars(_imported(folder)).values() if isinstance(value, Notebook)]
+    notebooks = [value for value in declared if isinstance(value, Notebook)]
     if len(notebooks) != 1:
         return None, [f"{DECLARATION} makes {len(notebooks)} notebooks; it must make one"]
     errors = notebooks[0].errors(folder)

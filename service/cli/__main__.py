@@ -11,8 +11,7 @@ import os
 import sys
 from contextlib import suppress
 from importlib import import_module
-from importlib.metadata import version
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from service.cli.errors import print_error
 
@@ -56,6 +55,14 @@ COMMANDS = {
 }
 
 
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *of_this_use: Any) -> None:
+        from importlib.metadata import version  # 20 ms, which the commands save
+
+        print(f"polhode {version('polhode')}")
+        parser.exit()
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run the command and return its exit code: the one that its function returns, 0 if that is None."""
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -83,7 +90,7 @@ def main(argv: list[str] | None = None) -> int:
 
 def _parse(argv: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="polhode", description="Auto-graded course assignments for physics notebooks.")
-    parser.add_argument("--version", action="version", version=f"polhode {version('polhode')}", help="print the version and exit")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(dest="command", required=True)
     for name, (module, help) in COMMANDS.items():
         command = commands.add_parser(name, help=help)

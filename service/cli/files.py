@@ -96,10 +96,12 @@ def resolve_assignment(slug: str | None, files: Sequence[Path]) -> "Assignment":
     homes = [f for f in folders() if all(file.resolve().is_relative_to(f.resolve()) for file in files)]
     likely = homes or selected()
     if len(likely) > 1 and not homes:
-        texts, sources = [_text(file) for file in files], {folder: set(WORD.findall(_source(folder))) for folder in likely}
+        texts, sources = [_text(file) for file in files], {folder: _source(folder) for folder in likely}
         for pattern in (DEFINED, WORD):
             names = {found[found.lastindex or 0] for text in texts for found in pattern.finditer(text)}
-            if likely := [folder for folder, words in sources.items() if names & words and _asks_for(slug_of(folder), names)]:
+            if likely := [
+                folder for folder, source in sources.items() if _names(source, names) and _asks_for(slug_of(folder), names)
+            ]:
                 break
     if len(likely) == 1:
         return find(slug_of(likely[0]))
@@ -119,6 +121,11 @@ def _source(folder: Path) -> str:
     """Return the code of an assignment, without its samples. It contains the names of the functions that are asked for."""
     own = [file for file in folder.rglob("*.py") if "samples" not in file.relative_to(folder).parts]
     return "\n".join(file.read_text(encoding="utf-8", errors="replace") for file in [*own, *folder.glob("*.ipynb")])
+
+
+def _names(source: str, names: set[str]) -> bool:
+    """Return whether the source contains one of the names as a whole word."""
+    return any(name in source and re.search(rf"\b{name}\b", source) for name in names)
 
 
 def _asks_for(slug: str, names: set[str]) -> bool:

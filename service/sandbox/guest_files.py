@@ -46,7 +46,10 @@ def packages(more: Collection[str] = ()) -> list[str]:
             distribution = metadata.distribution(name)
         except metadata.PackageNotFoundError:
             continue
-        required = [requirement for requirement in distribution.requires or [] if "extra ==" not in requirement]
+        header = (distribution.read_text("METADATA") or "").partition("\n\n")[
+            0
+        ]  # parsing all of it, as ``requires`` does, takes 20 ms
+        required = [line for line in re.findall(r"^Requires-Dist: (.+)$", header, re.MULTILINE) if "extra ==" not in line]
         todo |= {re.split(r"[ <>=!~;\[(]", requirement, maxsplit=1)[0].lower() for requirement in required} - done
         record = (distribution.read_text("RECORD") or "").splitlines()  # parsing it, as ``files`` does, takes 20 ms
         paths = [line.split(",")[0] for line in record] or list(map(str, distribution.files or []))

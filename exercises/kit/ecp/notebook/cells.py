@@ -61,7 +61,7 @@ def without_magics(cell: str, answer: str = SHELL_ANSWER) -> str:
     lines = (textwrap.dedent(cell) if cell.lstrip("\n").startswith((" ", "\t")) else cell).split("\n")
     for _ in lines:
         try:
-            ast.parse("\n".join(lines))
+            _tree("\n".join(lines))
             break
         except (SyntaxError, ValueError) as error:
             # Only the line at which Python stopped can be a magic: a % may also continue an expression or stand in a string.
@@ -71,11 +71,16 @@ def without_magics(cell: str, answer: str = SHELL_ANSWER) -> str:
 
 
 @lru_cache(maxsize=2048)
+def _tree(text: str) -> ast.Module:
+    return ast.parse(text)
+
+
+@lru_cache(maxsize=2048)
 def python_of(cell: str, answer: str = SHELL_ANSWER) -> str | None:
     """Return the cell ``without_magics``, None if it is not Python."""
     text = without_magics(cell, answer)
     try:
-        ast.parse(text)
+        _tree(text)
     except (SyntaxError, ValueError):
         return None
     return None if cell.strip() and not text else text
@@ -85,7 +90,7 @@ def python_of(cell: str, answer: str = SHELL_ANSWER) -> str | None:
 def statements_of(cell: str) -> tuple[Statement, ...]:
     """Return the top-level statements of a cell; empty if it is not Python."""
     text = python_of(cell) or ""
-    found = tuple(Statement(_cut(text.split("\n"), node), node) for node in ast.parse(text).body)
+    found = tuple(Statement(_cut(text.split("\n"), node), node) for node in _tree(text).body)
     measured_only = cell.lstrip().startswith("%%timeit")  # binds nothing in the notebook
     return tuple(s for s in found if isinstance(s.node, DEFINITION)) if measured_only else found
 

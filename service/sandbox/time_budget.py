@@ -67,18 +67,21 @@ class TimeBudget:
 
 
 class ProcessorWait:
-    """The time that processes, given by their ``pidfds``, were ready to run and had no processor, see ``processor_wait``."""
+    """The time, from now on, that processes, given by their ``pidfds``, were ready to run and had no processor, see
+    ``processor_wait``.
+    """
 
     def __init__(self, *pidfds: int) -> None:
         self._seconds: dict[int, float] = {}
         for pidfd in pidfds:
             if found := re.search(r"^Pid:\s*(\d+)$", Path(f"/proc/self/fdinfo/{pidfd}").read_text(), re.MULTILINE):
-                self._seconds[int(found[1])] = 0.0
+                self._seconds[int(found[1])] = processor_wait(int(found[1]))
+        self._before = sum(self._seconds.values())
 
     @property
     def seconds(self) -> float:
         """The time of all processes together at the last update."""
-        return sum(self._seconds.values())
+        return sum(self._seconds.values()) - self._before
 
     def update(self) -> None:
         """Read the time. That of a process stays as it was once it has been reaped."""

@@ -57,7 +57,7 @@ class Layers:
         process after ``cpu_s`` seconds of CPU time, or a second later if it ignores the signal.
         """
         os.setpgid(0, 0)  # not a new session, which would be scheduled as a group of its own
-        self._close_all_but(places)
+        self.close_all_but(places)
         for number in set(signal.valid_signals()) - {signal.SIGKILL, signal.SIGSTOP} - KEEP_IGNORED:
             if signal.getsignal(number) not in (signal.SIG_DFL, None):
                 signal.signal(number, signal.SIG_DFL)
@@ -76,7 +76,8 @@ class Layers:
             assert self._machine is not None
             seccomp.install(self._machine, self._filter, os.getpid())
 
-    def _close_all_but(self, places: Mapping[int, int]) -> None:
+    def close_all_but(self, places: Mapping[int, int]) -> None:
+        """Move open descriptors to ``places`` and close all others, except those that ``apply`` and a child need."""
         # Move the descriptors above all places first, so that none overwrites another.
         high = {place: _above(fd) for place, fd in places.items()}
         if self._rules is not None:

@@ -2,6 +2,7 @@
 
 import ast
 import base64
+import functools
 import linecache
 import marshal
 import signal
@@ -9,10 +10,9 @@ import sys
 import types
 from collections.abc import Callable
 from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
 from time import monotonic, process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from .claims import PRIVATE as RECORDER
 from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
-from .seal import Seal, private_modules
+from .seal import Seal, in_place, names_used, private_modules
 from .wire import CLOCK_FACTOR, FILES, Questions, Writer
 
 Names = dict[str, Any]
@@ -162,39 +162,61 @@ def _play(
 
 def copy_modules() -> None:
     """Make the private copies that each play needs, before the zygote starts children."""
-    for names in (PRIVATE, (*PRIVATE, *_kinds()), RECORDER):
-        with private_modules(names) as copies:
-            if INTEGRATION in copies:
-                copies[INTEGRATION].tableau()  # before a submission can replace it
-                if not unused_libraries.lacks("scipy"):
-                    copies[INTEGRATION].solve_ivp()
+    for kinds in (False, True):
+        integration: Any = _private(kinds).modules[INTEGRATION]
+        integration.tableau()  # before a submission can replace it
+        if not unused_libraries.lacks("scipy"):
+            integration.solve_ivp()
+    with private_modules(RECORDER):
+        pass
 
 
-def _kinds() -> list[str]:
-    return sorted(name for name in sys.modules if name.startswith(KINDS))
+def rehearse() -> None:
+    """Do what each play begins with, without a play, so that the memory it writes to is this process's own before the play."""
+    _, unchanged = _load_plays("", compile("", FILES["plays"], "exec"))
+    unchanged()
+
+
+class _Private(NamedTuple):
+    """Copies of the modules that plays use, and of numpy, which a submission cannot replace by their names, and their seal."""
+
+    modules: dict[str, types.ModuleType]
+    numpy: types.ModuleType
+    seal: Seal
+
+
+@functools.cache
+def _private(kinds: bool) -> _Private:
+    """Make copies for plays, which may use the modules of ``kinds``. The zygote does so for its children.
+
+    The recorder gets the seal's check by the name ``unchanged``.
+    """
+    names = (*PRIVATE, *(sorted(name for name in sys.modules if name.startswith(KINDS)) if kinds else ()))
+    own, seal = types.ModuleType("numpy"), Seal()
+    own.__dict__.update(vars(np))
+    with private_modules(names) as modules:
+        spaces = [vars(module) for module in modules.values()]
+    for space in spaces:
+        space["np"] = own
+        if "unchanged" in space:
+            space["unchanged"] = seal.check
+        seal.close_names(vars(own), names_used(space["__loader__"].get_code(space["__name__"])))
+    seal.close(spaces, names)
+    return _Private(modules, own, seal)
 
 
 def _load_plays(source: str, code: types.CodeType) -> tuple[Names, Callable[[], None]]:
     """Return the names that plays.py defines, and a function that raises WrongAnswer if a part of them has been replaced.
 
-    plays.py gets its own numpy and kit modules, which a submission cannot replace by their names. The recorder gets the function
-    too, by the name ``unchanged``.
+    plays.py gets its own numpy and kit modules.
     """
-    names = (*PRIVATE, *(_kinds() if KINDS in source else ()))
-    plays: Names = {"__name__": "plays"}
-    seal = Seal()
-    own = types.ModuleType("numpy")
-    own.__dict__.update(vars(np))
-    with private_modules(names) as modules:
-        private = [vars(module) for module in modules.values()]
-        for space in private:
-            space["np"] = own
-            if "unchanged" in space:
-                space["unchanged"] = seal.check
+    private, plays = _private(KINDS in source), Names(__name__="plays")
+    with in_place(private.modules):
         exec(code, plays)
-        plays["np"] = own
-        seal.close([plays, *private, vars(own)], ["plays", *names])
-    return plays, seal.check
+    plays["np"] = private.numpy
+    private.seal.close_names(vars(private.numpy), names_used(code))
+    private.seal.close([plays], ["plays"])
+    return plays, private.seal.check
 
 
 def prepare(setup: types.CodeType) -> Names:
@@ -239,7 +261,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
             if budget.left():
                 before = animate.shown[:]
                 with recorder.in_place(student) if published else nullcontext():
-                    ended = _run_limited(partial(_execute, piece, name, student, kept), budget)
+                    ended = _run_limited(functools.partial(_execute, piece, name, student, kept), budget)
                 recorder.send(write)
                 if (last := student.get(last_name(piece))) is not None and isinstance(last, animations):
                     animate.shown[:] = [last]
@@ -249,7 +271,7 @@ def _load_submission(student: Names, job: dict[str, Any], recorder: Recorder, wr
                 if budget.left():
                     continue
                 left = Budget(DEFINITIONS_S)
-            _run_limited(partial(_execute, piece, name, student, kept, DEFINITIONS), left)
+            _run_limited(functools.partial(_execute, piece, name, student, kept, DEFINITIONS), left)
     return shows
 
 

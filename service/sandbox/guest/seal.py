@@ -25,12 +25,19 @@ class Seal:
         self._functions: tuple[tuple[types.FunctionType, list[int]], ...] = ()
 
     def close(self, namespaces: Iterable[Mapping[str, Any]], modules: Collection[str]) -> None:
-        """Record the present state of ``namespaces`` and of those of their classes that ``modules`` define."""
+        """Add the present state of ``namespaces`` and of those of their classes that ``modules`` define."""
         spaces = tuple(namespaces)
         classes = [v for space in spaces for v in space.values() if isinstance(v, type) and v.__module__ in modules]
-        self._names = tuple((space, tuple(space.items())) for space in (*spaces, *map(vars, classes)))
-        functions = {id(f): f for _, items in self._names for _, f in items if isinstance(f, types.FunctionType)}
-        self._functions = tuple((f, _parts(f)) for f in functions.values())
+        for space in (*spaces, *map(vars, classes)):
+            self.close_names(space, space)
+
+    def close_names(self, namespace: Mapping[str, Any], names: Iterable[str]) -> None:
+        """Add the present state of the ``names`` that a namespace has."""
+        items = tuple((name, namespace[name]) for name in names if name in namespace)
+        self._names = (*self._names, (namespace, items))
+        known = {id(function) for function, _ in self._functions}
+        functions = {id(f): f for _, f in items if isinstance(f, types.FunctionType) and id(f) not in known}
+        self._functions = (*self._functions, *((f, _parts(f)) for f in functions.values()))
 
     def check(self) -> None:
         """Raise WrongAnswer if something has been replaced."""
@@ -46,21 +53,26 @@ class Seal:
 @contextmanager
 def private_modules(names: tuple[str, ...]) -> Iterator[dict[str, types.ModuleType]]:
     """Put copies of the modules ``names``, which a submission cannot replace, in their place for the ``with`` block."""
-    with _in_place(copies := _copies(names)):
+    with in_place(copies := _copies(names)):
         yield copies
 
 
 @functools.cache
 def _copies(names: tuple[str, ...]) -> dict[str, types.ModuleType]:
     """Import copies. The zygote does so for its children, of which each has memory of its own."""
-    with _in_place({name: importlib.import_module(name) for name in names}):
+    with in_place({name: importlib.import_module(name) for name in names}):
         for name in names:
             del sys.modules[name]
         return {name: importlib.import_module(name) for name in names}
 
 
+def names_used(code: types.CodeType) -> set[str]:
+    """Return the names and attributes that code uses."""
+    return set(code.co_names).union(*(names_used(part) for part in code.co_consts if isinstance(part, types.CodeType)))
+
+
 @contextmanager
-def _in_place(modules: Mapping[str, types.ModuleType]) -> Iterator[None]:
+def in_place(modules: Mapping[str, types.ModuleType]) -> Iterator[None]:
     """Import these modules by their names in the ``with`` block. Afterwards the former ones are there again."""
     former = {name: importlib.import_module(name) for name in modules}
     try:

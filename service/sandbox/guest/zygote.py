@@ -1,6 +1,6 @@
 """The zygote: a warm process that imports the libraries once and forks a child for each play.
 
-It reads no submission and has no secret.
+It reads no submission and has no secret. The child of the next play is forked in advance (``_Spare``) and waits for its files.
 
 For each play the host sends three descriptors (job, result, output) and the child's limit of CPU time. The zygote returns a pidfd,
 with which the host can kill the child, and after the child's exit its wait status and the CPU time that it used. With a fourth
@@ -20,6 +20,7 @@ import socket
 import struct
 import sys
 import traceback
+from collections.abc import Mapping
 from typing import Any
 
 NEEDED = {"scipy": 95, "matplotlib": 96}  # exit codes of a child that uses a library which the zygote has not imported
@@ -83,6 +84,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
     """Do what the control socket asks for, until the host closes it."""
     from .lockdown import identity
 
+    spare = _Spare(prepared)
     while True:
         play, fds, _, _ = socket.recv_fds(control, 64, 4)
         if play.startswith(IMPORT):
@@ -92,6 +94,8 @@ def _obey(control: socket.socket, prepared: Any) -> None:
             sys.modules["guest.run_scenes"].copy_modules()
             gc.collect()
             gc.freeze()
+            spare.end()
+            spare = _Spare(prepared)
             control.send(READY)
             continue
         if not fds:
@@ -104,22 +108,21 @@ def _obey(control: socket.socket, prepared: Any) -> None:
                 os._exit(0)  # so that the copy is not a child of this process, which would have to reap it
             else:
                 control = socket.socket(fileno=fds[0])  # closes the other one in the copy
+                spare = _Spare(prepared)  # the other one is not a child of the copy
                 control.send(READY + json.dumps(identity()).encode())
             continue
         (cpu_s,) = PLAY.unpack(play)
-        job, result, output, *reference = fds
-        places: dict[int, int | None] = {1: output, 2: output, 3: job, 4: result}
+        theirs, calls = fds[:3], []
         children = []
-        if reference:
-            ends = [end.detach() for end in socket.socketpair()]
-            fds += ends
-            children.append(_fork("reference", prepared, {1: None, 2: None, 3: reference[0], 4: ends[0]}, cpu_s))
-            places[5] = ends[1]
-        children.insert(0, _fork("run_scenes", prepared, places, cpu_s))
-        for fd in fds:
+        if len(fds) > len(theirs):
+            calls = [end.detach() for end in socket.socketpair()]
+            children.append(_fork(prepared, fds[3], calls[0], cpu_s))
+        children.insert(0, spare.start(cpu_s, [*theirs, *calls[1:]]))
+        for fd in (*fds, *calls):
             os.close(fd)
         handles = [os.pidfd_open(child) for child in children]
         socket.send_fds(control, [b"child"], handles)
+        spare = _Spare(prepared)
         control.send(_reap(children, handles))
 
 
@@ -143,10 +146,64 @@ def _reap(children: list[int], handles: list[int]) -> bytes:
     return REAPED.pack(*[*statuses, 0][:2], cpu_s)
 
 
-def _fork(program: str, layers: Any, places: dict[int, int | None], cpu_s: int) -> int:
-    """Start a child that runs a program of this package with descriptors at ``places``, from 3 on, None for /dev/null."""
+class _Spare:
+    """A child forked in advance. It waits for its limit of CPU time and its descriptors, and has no other files open."""
+
+    def __init__(self, layers: Any) -> None:
+        self._layers, zygote = layers, os.getpid()
+        self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._pid = os.fork()
+        if self._pid == 0:
+            try:
+                _wait(layers, theirs.detach(), zygote)
+            finally:
+                os._exit(LOCKDOWN_FAILED)
+        theirs.close()
+
+    def start(self, cpu_s: int, fds: list[int]) -> int:
+        """Let the child begin with descriptors of its job, result and output, and one for calls if there is a fourth. Return its
+        process id.
+        """
+        try:
+            socket.send_fds(self._socket, [PLAY.pack(cpu_s)], fds)
+        except OSError:  # it has been killed, by a lack of memory perhaps
+            self.end()
+            return _Spare(self._layers).start(cpu_s, fds)
+        self._socket.close()
+        return self._pid
+
+    def end(self) -> None:
+        """Let the child exit without a play."""
+        self._socket.close()
+        os.waitpid(self._pid, 0)
+
+
+def _wait(layers: Any, fd: int, zygote: int) -> None:
+    """Wait for a play in a new child of the ``zygote``, and run it."""
+    from .lockdown import die_with_parent
+
+    die_with_parent(zygote)
+    layers.close_all_but({0: 0, 1: 1, 2: 2, 3: fd})
+    importlib.import_module("guest.run_scenes").rehearse()
+    with socket.socket(fileno=3) as ours:
+        play, fds, _, _ = socket.recv_fds(ours, PLAY.size, 4)
+        ours.detach()
+    if not fds:
+        os._exit(0)
+    job, result, output, *calls = fds
+    _run("run_scenes", layers, {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)), *PLAY.unpack(play))
+
+
+def _fork(layers: Any, job: int, calls: int, cpu_s: int) -> int:
+    """Start a child that holds reference functions, and return its process id."""
     if child := os.fork():
         return child
+    _run("reference", layers, {1: None, 2: None, 3: job, 4: calls}, cpu_s)
+    raise AssertionError
+
+
+def _run(program: str, layers: Any, places: Mapping[int, int | None], cpu_s: int) -> None:
+    """Run a program of this package with descriptors at ``places``, from 3 on, None for /dev/null. Exit then."""
     code = LOCKDOWN_FAILED
     try:
         devnull = os.open(os.devnull, os.O_RDWR)

@@ -392,10 +392,10 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
 
 
 def zygote_pid(sandbox):
-    """The zygote's own process, behind bubblewrap's if there is one, while it has no child."""
+    """The zygote's own process, behind bubblewrap's if there is one."""
     pid = sandbox._zygote._started.process.pid
-    while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
-        pid = int(children[0])
+    while "python" not in os.readlink(f"/proc/{pid}/exe"):
+        pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
     return pid
 
 

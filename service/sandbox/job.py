@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from exercises.assignment import ArraySpec, Ask
-from service.sandbox.guest.wire import FILES, LENGTH
+from service.sandbox.guest.wire import FILES, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
+SHORT = 20  # numbers that are sent as digits
 
 
 @dataclass(frozen=True)
@@ -139,6 +140,8 @@ def _encoded(document: Any) -> bytes:
 
 
 def _listed(value: Any) -> Any:
+    if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.size > SHORT:
+        return {NUMBERS: base64.b64encode(value.tobytes()).decode(), "shape": value.shape}  # a tenth of the time of their digits
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):

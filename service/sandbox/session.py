@@ -58,7 +58,7 @@ class NoAnswer(BaseException):
 
 @dataclass
 class PlaySession:
-    """One play of ``job`` in a child, within the ``budget`` of the grading.
+    """One play of ``job``, which is ``encoded`` for a child, within the ``budget`` of the grading.
 
     ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes, unbuffered, are
     ``questions``, which begin with the job, ``answers``, which are frames, and ``printed``.
@@ -67,6 +67,7 @@ class PlaySession:
     """
 
     job: Job
+    encoded: bytes
     budget: TimeBudget
     reader: Reader
     control: socket.socket
@@ -86,7 +87,7 @@ class PlaySession:
 
         Raises OSError if the zygote has ended.
         """
-        self._unsent = memoryview(self.job.encode())
+        self._unsent = memoryview(self.encoded)
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0

@@ -110,7 +110,7 @@ class Zygote:
 
     def _play(self, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        theirs = [job_r, result_w, output_w]
+        theirs, encoded = [job_r, result_w, output_w], job.encode()
         with FileIO(job_w, "w") as questions, FileIO(result_r) as answers, FileIO(output_r) as printed:
             try:
                 if job.reference:
@@ -119,7 +119,7 @@ class Zygote:
             finally:
                 _close(*theirs)
             began, waited = time.monotonic(), ProcessorWait(*children)
-            session = PlaySession(job, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
+            session = PlaySession(job, encoded, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
             try:
                 session.run()
             except OSError as error:

@@ -1,5 +1,6 @@
 """The guest's side of the protocol: read the job and its questions, write frames. See job.py and wire.py of the host."""
 
+import base64
 import fcntl
 import functools
 import json
@@ -17,6 +18,7 @@ HEADER = struct.Struct("<H")  # in front of the header of named arrays
 CHUNK = 1 << 16
 FILES = {"setup": "Setup", "plays": "plays.py"}  # names of compiled texts in tracebacks
 CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
+NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]
 Layout = tuple[tuple[str, tuple[int, ...], slice], ...]
@@ -57,6 +59,13 @@ def _layout(head: bytes) -> Layout:
     return tuple(found)
 
 
+def _lists(value: dict[str, Any]) -> Any:
+    """Return the numbers that the host has sent as bytes as nested lists, and any other object as it is."""
+    if NUMBERS not in value:
+        return value
+    return np.frombuffer(base64.b64decode(value[NUMBERS]), "<f8").reshape(value["shape"]).tolist()
+
+
 class Questions:
     """Reader of the job and of the host's questions after it, which are named arrays."""
 
@@ -67,7 +76,7 @@ class Questions:
 
     def job(self) -> dict[str, Any]:
         """Return the job. Call it once, before the submission is loaded."""
-        return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]))
+        return json.loads(self._read(LENGTH.unpack(self._read(LENGTH.size))[0]), object_hook=_lists)
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         """Yield the questions of one scene until its last."""

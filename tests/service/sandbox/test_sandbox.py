@@ -394,7 +394,7 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
 def zygote_pid(sandbox):
     """The zygote's own process, behind bubblewrap's if there is one."""
     pid = sandbox._zygote._started.process.pid
-    while "python" not in os.readlink(f"/proc/{pid}/exe"):
+    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python"):
         pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
     return pid
 

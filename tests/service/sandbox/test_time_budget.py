@@ -19,6 +19,7 @@ from service.sandbox.select import choose
 from service.sandbox.time_budget import WALL_PER_CPU, TimeBudget, TimeLimits
 from tests.service.sandbox.test_sandbox import GOOD, job, scene, zygote_pid
 from tests.support.isolation import BY_THE_HOST
+from tests.support.machines import children
 
 IGNORE_SIGNALS = """
 import os, signal, time
@@ -111,13 +112,15 @@ def on_a_busy_processor(hogs):
 def shared_with(hogs, sandbox):
     """Let the guest share a processor with so many programs that never sleep."""
     sandbox.wait_ready()
-    pid, before = zygote_pid(sandbox), os.sched_getaffinity(0)
+    zygote, before = zygote_pid(sandbox), os.sched_getaffinity(0)
     with on_a_busy_processor(hogs):
-        os.sched_setaffinity(pid, os.sched_getaffinity(0))
+        for pid in (zygote, *children(zygote)):
+            os.sched_setaffinity(pid, os.sched_getaffinity(0))
         os.sched_setaffinity(0, before)
         yield
-    with contextlib.suppress(ProcessLookupError):
-        os.sched_setaffinity(pid, before)
+    for pid in (zygote, *children(zygote)):
+        with contextlib.suppress(ProcessLookupError):
+            os.sched_setaffinity(pid, before)
 
 
 @pytest.fixture

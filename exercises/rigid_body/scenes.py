@@ -13,6 +13,7 @@ from exercises.rigid_body import draws, probes
 from exercises.rigid_body.host_integration import DRIVE
 from exercises.rigid_body.own_motion import own_motion
 from exercises.rigid_body.public.quantities import BODY, BOX, NUDGE, SPIN, SPIN_TIME, SYMMETRIC, TORQUE_FREE, Array
+from exercises.rigid_body.recorded import recorded
 
 BOOK = reference.box_moments(*BOX)
 SENSED = 60  # times at which a motion's sensitivity is evaluated
@@ -28,7 +29,7 @@ def _same_energy(*direction: float) -> tuple[float, ...]:
 
 def _trajectory(name: str, w0: tuple[float, ...], I: Any, t_end: float, n: int, *, orientation: bool = False) -> Scene:
     inputs = {"w0": list(w0), "I": list(map(float, I)), "t_end": t_end, "n": n, "orientation": orientation}
-    return _motion(name, inputs, n, orientation)
+    return replace(_motion(name, inputs, n, orientation), recorded=recorded(inputs))
 
 
 def _spin(name: str, axis: int) -> Scene:

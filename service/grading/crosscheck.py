@@ -1,6 +1,6 @@
 """Verification of results: repeat questions in a second child, and compare motions with the function that computes them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -30,13 +30,17 @@ class CrossCheck:
 
 @dataclass(frozen=True)
 class PlayedJob:
-    """A job with the inputs and exact answers of its scenes, the result of playing it, and the grading's time budget."""
+    """A job with the inputs and exact answers of its scenes, the result of playing it, and the grading's time budget.
+
+    The results of the scenes ``recalled`` are recorded ones.
+    """
 
     job: Job
     inputs: Mapping[str, Inputs]
     truths: dict[str, Arrays]
     result: PlayResult
     budget: TimeBudget
+    recalled: Collection[str] = ()
 
 
 def may_be_spared(scene: Scene) -> bool:
@@ -65,8 +69,11 @@ def cross_check(
         if proof not in result.arrays:
             _discard(result, scene.name, Ended.NOT_PLAYED, NOT_FINISHED.format(proof))
         elif proof not in checked.unsteady and _is_certified(scene.drive, played):
+            computed = "computed in the sandbox"
+            if scene.name in played.recalled:
+                computed = f"not integrated: {scene.function} repeats every call of a recorded integration, bit for bit"
             checked.how[scene.name] = (
-                f"computed in the sandbox; {scene.function} is verified by {proof}, at random and along the notebook's motions"
+                f"{computed}; {scene.function} is verified by {proof}, at random and along the notebook's motions"
             )
         else:
             doubtful.append(scene)

@@ -4,7 +4,7 @@ import functools
 import logging
 import platform
 import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
 
@@ -17,7 +17,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
-from exercises.assignment import Assignment, Inputs, Scene
+from exercises.assignment import ArraySpec, Assignment, Inputs, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
@@ -95,12 +95,12 @@ def _grade(
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
         spared = [p for p in job.scenes if may_be_spared(assignment.scene(p.name))]
         first = job.without({p.name for p in spared})
-        result, truths = _play(first, assignment, inputs, sandbox, budget, spared=[p.name for p in spared], on_progress=on_progress)
+        played = _play(first, assignment, inputs, sandbox, budget, spared=[p.name for p in spared], on_progress=on_progress)
+        result = played.result
         on_progress("judging", len(first.scenes), len(first.scenes))
-        played = PlayedJob(first, inputs, truths, result, budget)
         crossed = cross_check(assignment, played, spared, sandbox, seed)
         result.scene_ends = {p.name: result.scene_ends[p.name] for p in job.scenes if p.name in result.scene_ends}
-        _add_known_arrays(assignment, result, truths)
+        _add_known_arrays(assignment, result, played.truths)
         return played, crossed
 
     played, crossed = play_and_check(job, on_progress)
@@ -164,15 +164,16 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
     return scene.truth(inputs) if callable(scene.inputs) else _fixed_truth(scene)
 
 
-def job_of(submission: Submission, assignment: Assignment, scenes: Iterable[Scene], inputs: Mapping[str, Inputs]) -> Job:
+def job_of(submission: Submission, assignment: Assignment, scenes: Sequence[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
+    marks = {s.name: {"recorded": s.recorded.marks} for s in scenes if s.recorded and s.recorded.marks}
     requests = tuple(
         SceneRequest(
             s.name,
             s.play,
             s.function,
-            dict(inputs[s.name]),
-            dict(s.returns),
+            {**inputs[s.name], **marks.get(s.name, {})},
+            {**s.returns, **dict.fromkeys(marks.get(s.name, {}), ArraySpec(()))},
             s.budget_s,
             s.after,
             question=None if s.question is None else dict(s.question),
@@ -208,8 +209,8 @@ def _play(
     *,
     spared: list[str],
     on_progress: OnProgress,
-) -> tuple[PlayResult, dict[str, Arrays]]:
-    """Play the job. Return its result and the exact answers, also of the scenes ``spared``, computed while the guest plays."""
+) -> PlayedJob:
+    """Play the job. Return it with its result and the exact answers, also of the scenes ``spared``, computed meanwhile."""
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
     failed: list[Exception] = []
@@ -225,8 +226,12 @@ def _play(
     result = play(job, assignment, sandbox, on_scene, budget)
     if failed:
         raise failed[0]
+    recalled = set[str]()
     for name in list(result.arrays):
         scene = assignment.scene(name)
+        if scene.recorded and (known := scene.recorded.recall(result.arrays[name])) is not None:
+            result.arrays[name] = dict(known)
+            recalled.add(name)
         instead = scene.replaced(inputs[name], result.arrays[name]) if scene.replaced else None
         if isinstance(instead, str):
             del result.arrays[name]
@@ -236,7 +241,8 @@ def _play(
     for scene_end in (*result.cells.values(), *result.scene_ends.values()):
         if scene_end.ended is Ended.RAISED and scene_end.sentence.startswith("ModuleNotFoundError: "):
             scene_end.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
-    return result, {name: arrays for name, arrays in exact.items() if name in result.arrays or name in spared}
+    truths = {name: arrays for name, arrays in exact.items() if name in result.arrays or name in spared}
+    return PlayedJob(job, inputs, truths, result, budget, recalled)
 
 
 def _notebook_checks(result: PlayResult) -> list[NotebookCheck]:

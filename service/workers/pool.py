@@ -38,7 +38,11 @@ class WorkerPool:
         for signal_number in STOPS:
             signal.signal(signal_number, self._stop)
         os.nice(NICENESS)
-        assignments()
+        for assignment in assignments().values():
+            try:
+                assignment.prepare()
+            except Exception:
+                log.exception("%s could not be prepared: it is graded more slowly", assignment.slug)
         gc.freeze()  # keeps imported modules in shared pages
         workers = [_WorkerProcess(number) for number in range(self._settings.workers)]
         while not self._stopping:

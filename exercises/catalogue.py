@@ -74,7 +74,8 @@ def load(folder: Path) -> tuple[Any, list[str]]:
         if errors := syntax_errors(folder):
             return None, errors
         raise
-    if errors := syntax_errors(folder, [str(getattr(module, "__file__", "")) for module in list(sys.modules.values())]):
+    own = [module for name, module in list(sys.modules.items()) if name.startswith(f"exercises.{folder.name}.")]
+    if errors := syntax_errors(folder, [str(module.__file__) for module in own]):
         return None, errors
     notebooks = [value for value in declared if isinstance(value, Notebook)]
     if len(notebooks) != 1:

@@ -166,7 +166,10 @@ class _Spare:
         """
         try:
             socket.send_fds(self._socket, [PLAY.pack(cpu_s)], fds)
-        except OSError:  # it has been killed, by a lack of memory perhaps
+            began = bool(self._socket.recv(1))
+        except OSError:
+            began = False
+        if not began:  # it has been killed, by a lack of memory perhaps
             self.end()
             return _Spare(self._layers).start(cpu_s, fds)
         self._socket.close()
@@ -187,9 +190,10 @@ def _wait(layers: Any, fd: int, zygote: int) -> None:
     importlib.import_module("guest.run_scenes").rehearse()
     with socket.socket(fileno=3) as ours:
         play, fds, _, _ = socket.recv_fds(ours, PLAY.size, 4)
+        if not fds:
+            os._exit(0)
+        ours.send(b"!")
         ours.detach()
-    if not fds:
-        os._exit(0)
     job, result, output, *calls = fds
     _run("run_scenes", layers, {1: output, 2: output, 3: job, 4: result} | dict(enumerate(calls, start=5)), *PLAY.unpack(play))
 

@@ -23,6 +23,7 @@ from service.sandbox.result import SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
 from tests.support.isolation import BY_THE_HOST
+from tests.support.machines import children
 
 PLAYS = """
 import numpy as np
@@ -343,6 +344,16 @@ def test_a_dead_or_frozen_zygote_is_noticed_replaced_and_its_job_played(either_s
     os.kill(killed, how)
     assert either_sandbox.play(job(GOOD)).finished("one")
     assert zygote_pid(either_sandbox) != killed
+
+
+@BY_THE_HOST
+def test_a_child_forked_in_advance_that_was_killed_is_replaced(either_sandbox):
+    either_sandbox.play(job(GOOD))
+    zygote = zygote_pid(either_sandbox)
+    (spare,) = children(zygote)
+    os.kill(spare, signal.SIGKILL)
+    assert either_sandbox.play(job(GOOD)).finished("one") and zygote_pid(either_sandbox) == zygote
+    assert len(children(zygote)) == 1 and spare not in children(zygote)
 
 
 @pytest.mark.slow

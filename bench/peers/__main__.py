@@ -29,7 +29,7 @@ from bench.peers.warm import Warm
 from bench.queue import server
 
 PEERS = (Otter, Nbgrader, Check50, Gradescope)
-AGAINST = (("otter run", 40), ("nbgrader autograde", 40), ("check50 --dev", 8))
+AGAINST = (("otter run", 1 / 80), ("nbgrader autograde", 1 / 80))
 BATCH = 10
 COMPARED = ("otter-grader", "nbgrader", "check50", "gradescope-utils", "numpy", "scipy", "matplotlib")
 ROOT = Path(__file__).parents[2]

@@ -1,66 +1,58 @@
 """The speed goals, as sentences with the measured ratios."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from bench.peers.clock import Row, Timing
+from bench.peers.clock import Row
 
-SERVER, COMMAND, ONE = "polhode over HTTP", "polhode grade", "one"
+SERVER, COMMAND = "polhode over HTTP", "polhode grade"
+ONE, LEAN = "one", "one without matplotlib"
 
 
 @dataclass(frozen=True)
 class Goal:
-    """The goal that a peer's wall time is at least ``wanted`` times polhode's. The CPU ratio is shown too, as it varies less."""
+    """The goal that the time of ``ours`` is at most ``share`` of that of ``theirs``, per submission. The CPU ratio is shown too."""
 
     claim: str
-    wanted: float
-    ratio: float | None
-    cpu_ratio: float | None
+    share: float
+    ours: Row | None
+    theirs: Row | None
 
     def __str__(self) -> str:
-        if self.ratio is None or self.cpu_ratio is None:
-            return f"not measured  {self.claim}"
-        met = "met    " if self.ratio >= self.wanted else "not met"
-        return f"{met}  {self.claim}: 1/{self.ratio:.1f} (CPU 1/{self.cpu_ratio:.1f})"
+        claim = f"{self.claim}: at most {_share(self.share)} of {self.theirs.name if self.theirs else 'a tool that is absent'}"
+        if self.ours is None or self.theirs is None:
+            return f"not measured  {claim}"
+        wall, cpu = (self._ratio(lambda row, part=part: row.median[part] / row.count) for part in (0, 1))
+        return f"{'met    ' if wall <= self.share else 'not met'}  {claim}: {_share(wall)} (CPU {_share(cpu)})"
+
+    def _ratio(self, time: Callable[[Row], float]) -> float:
+        assert self.ours is not None and self.theirs is not None
+        return time(self.ours) / time(self.theirs)
 
 
 def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int) -> list[Goal]:
-    """Return the goals: one submission over HTTP against one of each peer, and polhode's batches against the
-    fastest peer.
-
-    The batches are graded over HTTP and by the command, with and without the command's start.
+    """Return the goals: one submission over HTTP ``against`` peers, each with a share of its time; then against the fastest peer one
+    submission and a ``batch``, over HTTP and by the command with its start.
     """
-    one = {r.name: r for r in rows if r.what == ONE}
-    found = [
-        _goal(f"one over the warm server at most 1/{wanted:g} of {peer}", wanted, one.get(peer), one.get(SERVER))
-        for peer, wanted in against
-    ]
-    peers, ours = best(rows, batch), {r.name: r for r in rows if r.count == batch and r.name.startswith("polhode")}
-    than = f"at most 1/8 per submission of the best peer ({peers.name if peers else 'there is none'})"
-    command, started = ours.get(COMMAND), one.get(COMMAND)
-    return [
-        *found,
-        _goal(f"{batch} over the warm server {than}", 8, peers, ours.get(SERVER)),
-        _goal(f"{batch} by {COMMAND}, from nothing, {than}", 8, peers, command),
-        _goal(f"each after the first of {batch} by {COMMAND} {than}", 8, peers, further(command, started)),
-    ]
+    one, peers = {row.name: row for row in rows if row.what == ONE}, [row for row in rows if not row.name.startswith("polhode")]
+
+    def best(fits: Callable[[Row], bool]) -> Row | None:
+        return min(filter(fits, peers), key=lambda row: row.each, default=None)
+
+    def ours(name: str, fits: Callable[[Row], bool]) -> Row | None:
+        return next((row for row in rows if row.name == name and fits(row)), None)
+
+    found = [Goal("one over HTTP", share, one.get(SERVER), one.get(name)) for name, share in against]
+    for claim, share, name, fits in (
+        ("one over HTTP", 1 / 15, SERVER, lambda row: row.what == ONE),
+        (f"{batch} at once over HTTP, each", 1 / 30, SERVER, lambda row: row.count == batch),
+        (f"one by {COMMAND}", 0.8, COMMAND, lambda row: row.what == ONE),
+        (f"one by {COMMAND}, without matplotlib", 0.6, COMMAND, lambda row: row.what == LEAN),
+        (f"{batch} by {COMMAND}, each", 1 / 8, COMMAND, lambda row: row.count == batch),
+    ):
+        found.append(Goal(claim, share, ours(name, fits), best(fits)))
+    return found
 
 
-def further(batch: Row | None, one: Row | None) -> Row | None:
-    """Return the time of a batch without its first submission, and so without the start of the command."""
-    if batch is None or one is None:
-        return None
-    left = Timing(*(whole - first for whole, first in zip(batch.median, one.median, strict=True)))
-    return Row(batch.name, "each after the first", batch.count - 1, [left])
-
-
-def best(rows: Sequence[Row], batch: int) -> Row | None:
-    """Return the peers' batch with the least time per submission."""
-    return min((r for r in rows if r.count == batch and not r.name.startswith("polhode")), key=lambda r: r.each, default=None)
-
-
-def _goal(claim: str, wanted: float, theirs: Row | None, ours: Row | None) -> Goal:
-    if theirs is None or ours is None:
-        return Goal(claim, wanted, None, None)
-    cpu, our_cpu = (row.median.cpu / row.count for row in (theirs, ours))
-    return Goal(claim, wanted, theirs.each / ours.each, cpu / our_cpu)
+def _share(ratio: float) -> str:
+    return f"1/{1 / ratio:.1f}" if ratio <= 0.4 else f"{ratio:.2f}"

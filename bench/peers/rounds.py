@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from bench.peers.clock import CommandFailed, Row, Timing, clock
-from bench.peers.goals import ONE, SERVER
+from bench.peers.goals import LEAN, ONE, SERVER
 from bench.peers.peer import Command, NoMarks, Peer
 from bench.peers.submissions import copies
 from bench.peers.warm import Warm
@@ -33,7 +33,7 @@ def cases(tools: Sequence[Peer], warm: Warm, batch: int, posts: int) -> list[Cas
             Case(
                 tool.name, f"{batch}: {tool.batch}", batch, lambda tool=tool: graded(tool, tool.many(copies(batch)), copies(batch))
             ),
-            Case(tool.name, "one without matplotlib", 1, lambda tool=tool: graded(tool, [tool.one("lean")], ["lean"])),
+            Case(tool.name, LEAN, 1, lambda tool=tool: graded(tool, [tool.one("lean")], ["lean"])),
         ]
     return found
 

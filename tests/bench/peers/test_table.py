@@ -14,7 +14,7 @@ from bench.peers.__main__ import PEERS
 from bench.peers.clock import CommandFailed, Row, Timing, clock
 from bench.peers.conservation import COMMON, ENERGY, INTEGRATE, MOMENTUM
 from bench.peers.environment import requirements
-from bench.peers.goals import ONE, SERVER, best, goals
+from bench.peers.goals import LEAN, ONE, SERVER, goals
 from bench.peers.judging import answers, sound, verdicts
 from bench.peers.peer import Command, Marks, NoMarks, Peer, Workspace, clean_environment
 from bench.peers.rounds import Case, graded, measure
@@ -168,28 +168,28 @@ def row(name, what, count, *walls):
 ROWS = [
     row(SERVER, ONE, 1, 0.1, 0.09, 0.5),
     row("polhode grade", "10: one command", 10, 1.0),
-    row(SERVER, "10: sent at once", 10, 0.5),
+    row(SERVER, "10: sent at once", 10, 0.2),
     row("polhode grade", ONE, 1, 0.55),
-    row("slow", ONE, 1, 5.0, 3.9, 4.1),
+    row("polhode grade", LEAN, 1, 0.3),
+    row("slow", ONE, 1, 9.0, 8.2, 8.1),
     row("slow", "10: a loop", 10, 41.0),
     row("fast", ONE, 1, 0.7),
+    row("fast", LEAN, 1, 0.4),
     row("fast", "10: a loop", 10, 7.0),
 ]
 
 
 def test_goals_are_ratios_of_medians_in_one_run():
-    told = list(map(str, goals(ROWS, [("slow", 40), ("fast", 8), ("absent", 8)], 10)))
-    than = "at most 1/8 per submission of the best peer (fast)"
-    assert told == [
-        "met      one over the warm server at most 1/40 of slow: 1/41.0 (CPU 1/41.0)",
-        "not met  one over the warm server at most 1/8 of fast: 1/7.0 (CPU 1/7.0)",
-        "not measured  one over the warm server at most 1/8 of absent",
-        f"met      10 over the warm server {than}: 1/14.0 (CPU 1/14.0)",
-        f"not met  10 by polhode grade, from nothing, {than}: 1/7.0 (CPU 1/7.0)",
-        f"met      each after the first of 10 by polhode grade {than}: 1/14.0 (CPU 1/14.0)",
+    assert list(map(str, goals(ROWS, [("slow", 1 / 80), ("absent", 1 / 80)], 10))) == [
+        "met      one over HTTP: at most 1/80.0 of slow: 1/82.0 (CPU 1/82.0)",
+        "not measured  one over HTTP: at most 1/80.0 of a tool that is absent",
+        "not met  one over HTTP: at most 1/15.0 of fast: 1/7.0 (CPU 1/7.0)",
+        "met      10 at once over HTTP, each: at most 1/30.0 of fast: 1/35.0 (CPU 1/35.0)",
+        "met      one by polhode grade: at most 0.80 of fast: 0.79 (CPU 0.79)",
+        "not met  one by polhode grade, without matplotlib: at most 0.60 of fast: 0.75 (CPU 0.75)",
+        "not met  10 by polhode grade, each: at most 1/8.0 of fast: 1/7.0 (CPU 1/7.0)",
     ]
-    assert best(ROWS, 10).name == "fast"
-    assert all(str(goal).startswith("not measured") for goal in goals(ROWS[:4], [], 10))
+    assert all(str(goal).startswith("not measured") for goal in goals(ROWS[:5], [], 10))
 
 
 def test_tables():

@@ -31,7 +31,7 @@ class Goal:
 
 
 def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int) -> list[Goal]:
-    """Return the goals: one submission over HTTP ``against`` peers, each with a share of its time; then against the fastest peer one
+    """Return the goals: one submission over HTTP ``against`` peers, each with its share; then against the fastest peer one
     submission and a ``batch``, over HTTP and by the command with its start.
     """
     one, peers = {row.name: row for row in rows if row.what == ONE}, [row for row in rows if not row.name.startswith("polhode")]

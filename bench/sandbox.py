@@ -111,8 +111,8 @@ def rate(sandboxes: list[Sandbox], play: Callable[[Sandbox], object], seconds: f
 def memory(sandbox: Sandbox) -> None:
     """Print the resident size of the zygote, and the private memory of a child that computes and of one that draws."""
     pid = sandbox._zygote._started.process.pid
-    while children := Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
-        pid = int(children[0])
+    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python"):  # bubblewrap's own processes
+        pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
     print(f"{'zygote, resident':44} {_memory(pid, 'Rss') / 1024:8.0f} MB      goal 130")
     for name, source, goal in (("computes", "def f(x):\n    return [x, x]", 5), ("has drawn a figure", DRAWING, 25)):
         held = source.replace("return", "import time; time.sleep(0.5); return")

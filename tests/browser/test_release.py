@@ -1,4 +1,4 @@
-"""A click path of release: an instructor holds scores back, sets the course's zone, finds a student, writes a note, and releases."""
+"""A click path: an instructor holds scores back, sets the time zone, finds a student, writes a note, and releases the scores."""
 
 import pytest
 

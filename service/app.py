@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fastapi import Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
+from fastapi.middleware.gzip import GZipMiddleware
 from fastapi.staticfiles import StaticFiles
 
 from exercises.catalogue import load_catalogue
@@ -99,8 +100,10 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
         app.include_router(router)
     for router in PAGES:
         app.include_router(router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)])
-    app.mount("/static/swagger", StaticFiles(packages=[("fastapi_swagger", "resources")]))
-    app.mount("/static", StaticFiles(directory=Path(__file__).parent / "pages" / "static"))
+    swagger = StaticFiles(packages=[("fastapi_swagger", "resources")])
+    own = StaticFiles(directory=Path(__file__).parent / "pages" / "static")
+    for path, files in (("/static/swagger", swagger), ("/static", own)):
+        app.mount(path, GZipMiddleware(files, compresslevel=6))  # pages are not: compression can leak a form's token
     app.include_router(course.others, include_in_schema=False)
     return app
 

@@ -55,7 +55,7 @@ def format_time(at: datetime | None, seconds: bool = False) -> Markup | str:
     if at is None:
         return "–"
     shown = at.astimezone(ZONE.get()).strftime("%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M")
-    return Markup('<time datetime="{}">{}</time>').format(at.astimezone(UTC).isoformat(), shown)
+    return Markup('<time datetime="{}">{}</time>').format(at.astimezone(UTC).isoformat(timespec="seconds"), shown)
 
 
 def format_input(at: datetime | None) -> str:

@@ -135,6 +135,24 @@ def test_a_submission_is_graded_and_its_report_is_read(python, how):
     assert python(how, again) == "true"
 
 
+LIMITED = """
+from ecp.time_limit import OutOfTime, limited
+ended = ""
+try:
+    with limited(0.5):
+        exec(loop)
+except OutOfTime:
+    ended = "out of time"
+ended
+"""
+
+
+def test_an_endless_loop_ends_after_its_time(python):
+    broad = "while True:\n    try:\n        1 / 0\n    except Exception:\n        pass"
+    for loop in ("while True:\n    pass", "while True: pass", broad):
+        assert python("run", f"loop = {loop!r}\n{LIMITED}") == "out of time", loop
+
+
 def test_the_checks_of_a_cell_are_those_of_the_server(python, pyodide):
     if not pyodide[1]:
         pytest.skip("npm's Pyodide has no numpy: name a folder with a complete Pyodide in POLHODE_PYODIDE")

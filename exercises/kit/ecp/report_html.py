@@ -1,5 +1,5 @@
 """A report as HTML: causes and lines, which the web page shows too, and for a notebook figures and the graded source.
-Colours there follow JupyterLab's and VS Code's themes.
+Colours there follow the themes of JupyterLab, VS Code and Colab.
 """
 
 import base64
@@ -15,7 +15,8 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, ExerciseReport, Outcome, Picture
 from ecp.report import OWN_CHECKS, Report, no_picture
 
-# Light by default; dark if the front end says so, or if it says nothing and the system is dark.
+# Light by default; dark if the front end (JupyterLab, VS Code, Colab) says so, or if it says nothing and the system is dark.
+# VS Code's light theme of high contrast has the class of the dark one too.
 # ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
 _DARK = "{--p:#4fd1a5;--f:#ff9d5c;--q:#a8a8a8;--chart:invert(.9) hue-rotate(180deg)}"
 _STYLE = (
@@ -41,8 +42,9 @@ pre{overflow-x:auto;color:inherit}
 td,th{text-align:left;vertical-align:top}}
 """
     + f"""
-:is([data-jp-theme-light="false"],.vscode-dark,.vscode-high-contrast) .polhode:not(#_){_DARK}
-@media (prefers-color-scheme:dark){{:root:not(:has([data-jp-theme-light],.vscode-light)) .polhode:not(#_){_DARK}}}
+:is([data-jp-theme-light="false"],.vscode-dark,.vscode-high-contrast:not(.vscode-high-contrast-light),
+html[theme="dark"]) .polhode:not(#_){_DARK}
+@media (prefers-color-scheme:dark){{:root:not([theme],:has([data-jp-theme-light],body[class*="vscode-"])) .polhode:not(#_){_DARK}}}
 """
 )
 

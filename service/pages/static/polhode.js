@@ -192,7 +192,7 @@ async function send(form, submitter) {
   if (submitter) submitter.disabled = true;
   try {
     const body = form.enctype === "multipart/form-data" ? data : new URLSearchParams(data);
-    const answer = await fetch(submitter?.getAttribute("formaction") ?? form.action, { method: "POST", body, headers: { Accept: "application/problem+json" } });
+    const answer = await fetch(submitter?.getAttribute("formaction") ?? form.getAttribute("action"), { method: "POST", body, headers: { Accept: "application/problem+json" } });
     if (answer.ok) {
       const question = form.matches("[data-drop]") && new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("[data-question]");
       if (question) {

@@ -31,6 +31,7 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     claimed = claim(url, grading)
     run(url, lambda database: runs.heartbeat(database, claimed, "playing", 2, 5))
     page.get_by_text("Running scene 2 of 5.").wait_for()
+    assert page.locator(".announcement").inner_text() == "Submitted.", "the stream of events does not clear it"
     assert page.get_by_role("progressbar").get_attribute("max") == "5"
     sql(url, "UPDATE run SET ended_at = now(), end_reason = 'lost'")
     run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
@@ -40,7 +41,7 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     page.get_by_label("Completed notebook").set_input_files(file)
     page.get_by_role("button", name="Submit").click()
     question = page.get_by_role("alert")
-    assert "You submitted exactly this" in question.inner_text()
+    assert "You submitted the same code on" in question.inner_text()
     assert question.get_by_role("link", name="open its report").get_attribute("href") == f"/submissions/{submission}"
     assert sql(url, "SELECT count(*) FROM submission") == [(1,)]
     page.get_by_role("button", name="Submit again").click()

@@ -137,6 +137,7 @@ def test_every_student_is_in_one_bar_of_the_distribution(most):
         sum(map(int, re.findall(r'class="middle">(\d+)</text>', drawn))) == 5 and drawn.count("<rect") <= class_charts.MOST_BINS + 1
     )
     assert class_charts.distribution([NOBODY], most) is None
+    assert min(map(float, re.findall(r'y="([\d.]+)" class="middle">', drawn))) > 10 + 12, "below the title of the axis"
     least = [int(text) for text in re.findall(r'class="middle quiet">(\d+)</text>', drawn)]
     assert least == list(range(0, most + 2, least[1])) and len(least) <= class_charts.MOST_BINS + 1
 

@@ -221,6 +221,14 @@ def test_from_the_class_to_a_checks_students_to_a_submission_and_from_a_cause(se
     page.get_by_role("link", name="Rigid", exact=False).first.click()
     page.locator("tr", has_text=OTHER.sentence).get_by_role("link", name="1 student").click()
     assert found(page).startswith("1 of ") and [row[:4] for row in rows(page, "#submissions")] == ["cleo"]
+    page.set_viewport_size({"width": 390, "height": 900})
+    page.go_back()
+    (links, cells) = (
+        page.locator(f"#causes tbody {cell}").evaluate_all("all => all.map(one => one.getBoundingClientRect())")
+        for cell in ("th a", "td:nth-child(2)")
+    )
+    assert all(link["right"] <= cell["left"] for link, cell in zip(links, cells, strict=True)) and links
+    page.go_forward()
     assert page.locator("main q").inner_text() == OTHER.sentence
 
 

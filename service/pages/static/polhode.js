@@ -26,6 +26,11 @@ const announcement = make("p", { className: "announcement", role: "status" });
 document.body.append(announcement);
 const announce = text => { if (announcement.textContent !== text) announcement.textContent = text; };
 
+function announceSaved(text) {
+  announce(text);
+  setTimeout(() => { if (announcement.textContent === text) announce(""); }, 10_000); // it lies over the page
+}
+
 // ---- rows
 
 const rows = () => all("[data-rows] > tbody > tr, [data-rows] > li").filter(row => !row.hidden && row.offsetParent !== null);
@@ -239,6 +244,7 @@ for (const form of all("form[data-drop]")) {
   form.addEventListener("drop", event => {
     event.preventDefault();
     form.classList.remove("over");
+    document.getElementById("refused")?.remove();
     if (event.dataTransfer.files.length === 1) input.files = event.dataTransfer.files;
     else refuse(form, "Drop one file.");
   });
@@ -295,7 +301,7 @@ if (bar) {
   button.addEventListener("click", showKeys);
   bar.append(button);
 }
-try { announce(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
+try { announceSaved(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
 prepare(document);
 addEventListener("hashchange", reveal);
 reveal();

@@ -259,7 +259,7 @@ def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, server):
     page.get_by_role("button", name="Save deadline and limits").click()
     page.get_by_text("Deadline and limits saved.").wait_for()
     overview.reload()
-    assert "Deadline: 2036-02-29 12:30 UTC, 90 minutes of grace; unlimited" in told(overview)
+    assert "Deadline: 2036-02-29 12:30 UTC, 90 min of grace; unlimited" in told(overview)
     assert page.locator(".announcement").inner_text() == "Deadline and limits saved."
     page.get_by_label("Name").fill("ann")
     page.get_by_label("New deadline (UTC)").fill("2020-03-07T12:30")

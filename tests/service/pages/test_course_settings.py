@@ -57,8 +57,10 @@ def exported(looks, form):
 
 def test_a_late_penalty_reaches_every_export_the_api_and_the_pages(server, url, looks, save):
     """Two days have begun: 2 × 15 % of 2 points, at most 25 %."""
+    assert "for each day late" not in looks("ann", OWN)[1]
     for limit, penalty, final in (("100", 0.6, 1.4), ("25", 0.5, 1.5)):
         assert save(late_penalty="15", late_penalty_limit=limit)[0] == 200
+        assert "grace, minus 15 % of the points for each day late" in looks("ann", OWN)[1]
         own, numbers = exported(looks, "grades.csv"), (str(penalty), str(final))
         assert [(line["points"], line["penalty"], line["final"]) for line in own[:2]] == [("2", *numbers), ("2", "0", "2")]
         assert own[0]["percent"] == f"{round(100 * final / 36, 2)}"

@@ -97,7 +97,7 @@ def test_students_are_sorted_and_those_who_gain_nothing_are_found(looks, url):
 
     assert names("?sort=points")[0] == "ann" and names("?sort=worst")[-1] == "ann" and "ann" not in names("?sort=worst")[:2]
     assert names("?sort=activity")[0] == "dan" and names("?sort=activity")[4].startswith("Zoe")
-    assert names("?show=no-gain") == [] and "Nobody." in looks("helper", f"{STUDENTS}?show=no-gain")[1]
+    assert names("?show=no-gain") == [] and "No such students." in looks("helper", f"{STUDENTS}?show=no-gain")[1]
 
 
 def test_activity_is_the_last_submission_and_no_gain_needs_two_graded_ones():

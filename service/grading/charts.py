@@ -46,7 +46,7 @@ def _named(known: Sequence[N], names: list[str] | None) -> list[N]:
     """Return the elements whose names contain one of ``names`` (None: all). Raises ValueError if there is none."""
     chosen = [one for one in known if names is None or any(name in one.name for name in names)]
     if not chosen:
-        raise ValueError(f"no scene matches {', '.join(names or [])}; available: {'; '.join(one.name for one in known)}")
+        raise ValueError(f"no scene matches {', '.join(names or [])}; available: {', '.join(one.name for one in known)}")
     return chosen
 
 

@@ -201,6 +201,7 @@ def test_the_class_is_swept_once_and_drawn(looks, url):
     """Jobs for who has not been swept, however often it is asked for; the chart is of who has."""
     asked = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"
     assert looks("helper", f"{CLASS}/sweep.svg")[0] == 404 and "3 graded submissions have" in looks("helper", CLASS)[1]
+    assert 'data-saved="Measurement queued.' in looks("helper", CLASS)[1]
     swept = SweepResult(charts.scenes(charts.load_work_precision())[0], [SweptPoint("DOP853", 1e-11, 1000, 1e-10, 0.01)], "fine")
     ann = sql(url, "SELECT a.id FROM grading a JOIN submission s ON s.id = submission_id WHERE s.filename = '<b>a.py'")[0][0]
     run(url, lambda database: store_artefacts(database, ann, {"sweep.json": json.dumps(document(swept)).encode()}))

@@ -29,6 +29,7 @@ from service.http.errors import Problem
 from service.http.live import Listener
 from service.http.openapi import PERSON, Kinds, also, media, problems
 from service.http.state import Config, Db, Held
+from service.http.templating import ZONE
 from service.store import records
 from service.store.course import comments, overrides, regrade_requests
 from service.store.database import is_loss, is_outage
@@ -196,7 +197,11 @@ async def store_submission(
     except KeyReused:
         raise Problem(422, "key-reused", "this Idempotency-Key was used with a different body: use a new key") from None
     except SubmissionRejected as reason:
-        raise Problem(403, reason.kind, str(reason)) from reason
+        detail = str(reason)
+        if reason.until:  # in the time zone of the page
+            at = f"{reason.until.astimezone(ZONE.get()):%Y-%m-%d %H:%M} {ZONE.get()}"
+            detail = f"the deadline was {at}: ask the course staff for an extension"
+        raise Problem(403, reason.kind, detail) from reason
 
 
 Stored = Annotated[Accepted, Depends(store_submission)]

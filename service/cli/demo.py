@@ -31,6 +31,9 @@ def main() -> int:
     parser.add_argument("--port", type=int, help="port to listen on; default: a free one")
     arguments = parser.parse_args()
     once, port = arguments.once, arguments.port or free_port()
+    if not _is_free(port):
+        print(f"polhode: port {port} cannot be used: choose another one, such as make demo PORT=8123", file=sys.stderr)
+        return 2
     for stop in (signal.SIGINT, signal.SIGTERM):  # a shell may start background jobs with SIGINT ignored
         signal.signal(stop, signal.default_int_handler)
     began, address = time.monotonic(), f"http://127.0.0.1:{port}"
@@ -113,6 +116,17 @@ def _wait_ready(server: subprocess.Popen[bytes], address: str) -> bool:
             time.sleep(0.25)
     print("\npolhode: the server did not start; see the log above", file=sys.stderr)
     return False
+
+
+def _is_free(port: int) -> bool:
+    """Return whether a server can listen on the port. If not, another server may answer there and receive the samples."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+        except (OSError, OverflowError):
+            return False
+    return True
 
 
 def free_port() -> int:

@@ -23,6 +23,7 @@ def print_error(error: Exception) -> None:
             place = f"POLHODE_{name}: " if name else ""  # an error of several settings names them itself
             print(f"polhode: {place}{wrong['msg'].removeprefix('Value error, ')}", file=sys.stderr)
     elif SENTENCES & {kind.__name__ for kind in type(error).__mro__}:
-        print(f"polhode: {error}", file=sys.stderr)
+        named = isinstance(error, OSError) and error.filename is not None and error.strerror
+        print(f"polhode: {error.filename}: {error.strerror}" if named else f"polhode: {error}", file=sys.stderr)  # type: ignore[attr-defined]
     else:
         traceback.print_exc()

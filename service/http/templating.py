@@ -71,11 +71,20 @@ def format_duration(took: timedelta) -> str:
     return f"{seconds:.1f} s" if seconds < 90 else f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
+def format_span(seconds: float) -> str:
+    """Return the length of a grace period in min, h or days, whichever is the longest that it is a whole number of, or min."""
+    for length, name in ((86400, "day"), (3600, "h")):
+        if seconds and seconds % length == 0:
+            count = int(seconds // length)
+            return f"{count} {name}{'s' if name == 'day' and count > 1 else ''}"
+    return f"{seconds / 60:g} min"
+
+
 def _common_context(request: Request) -> dict[str, Any]:
     person = getattr(request.state, "person", None)
     return {"me": person, "role": person and person.role}
 
 
-ENVIRONMENT.filters |= {"moment": format_time, "input": format_input, "duration": format_duration}
+ENVIRONMENT.filters |= {"moment": format_time, "input": format_input, "duration": format_duration, "span": format_span}
 ENVIRONMENT.globals["zone"] = lambda: str(ZONE.get())
 templates = Jinja2Templates(env=ENVIRONMENT, context_processors=[_common_context])

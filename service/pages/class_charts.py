@@ -11,8 +11,8 @@ from service.http.templating import ZONE
 from service.store.course.gradebook import StudentRow
 from service.store.database import Row
 
-WIDE, HIGH = 360, 190  # view box of a chart
-LEFT, RIGHT, TOP, BOTTOM = 30, 8, 20, 34  # its margins; the numbers of the axes and their titles stand there
+WIDE, HIGH = 360, 200  # view box of a chart
+LEFT, RIGHT, TOP, BOTTOM = 30, 8, 30, 34  # its margins; the numbers of the axes and their titles stand there
 MOST_BINS = 12
 NAMES = 74  # width of the names right of the curves
 _TEXT = Markup('<text x="{:.1f}" y="{:.1f}" class="{}">{}</text>')

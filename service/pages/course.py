@@ -21,7 +21,7 @@ from service.formats.grade_row import total_percent
 from service.http.errors import Problem
 from service.http.state import Db, Held
 from service.http.templating import templates
-from service.store.course import gradebook, progress
+from service.store.course import course_settings, gradebook, progress
 from service.store.course.audit import MOST, entries
 from service.store.course.grades import grades
 from service.store.records import recent
@@ -74,6 +74,7 @@ async def own_submissions(
     history = await list_own(assignment, person, database)
     best, last = (next((s for s in history.submissions if s.id == id), None) for id in (history.best, history.last))
     context = {"assignment": assignment, "person": person.name, "history": history}
+    context["late_penalty"] = (await course_settings.read(database)).late_penalty
     context["same"] = next((s for s in history.submissions if str(s.id) == same), None)
     context |= {"best": best, "last": last, "most": assignment.max_points(), "session": COOKIE in request.cookies}
     return templates.TemplateResponse(request, "submissions.html", context)

@@ -62,7 +62,9 @@ async def login(
             with limits.guard(*keys_of(request, cookies, name)):
                 await checker.check(name, password)
         elif isinstance(visitor, Problem):
-            raise visitor
+            if not wants_page(request):
+                raise visitor
+            raise Problem(401, "nobody", "enter your name and password, or a token from your course")
         else:
             name = visitor.with_scope("login").name
         if code:

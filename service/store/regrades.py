@@ -226,8 +226,9 @@ LATERAL (
 """
 
 _PAIRS = f"""
-SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, r.grading_id IS NOT NULL AS finished, r.fault,
-    r.cancelled_by, was.score AS was_score, was.max_score AS was_max, was.version AS was_version, r.score, r.max_score, r.version,
+SELECT a.id AS grading, s.id AS submission, s.submitted_at, {LATE}, p.name AS person, p.full_name,
+    r.grading_id IS NOT NULL AS finished, r.fault, r.cancelled_by, was.score AS was_score, was.max_score AS was_max,
+    was.version AS was_version, r.score, r.max_score, r.version,
     before.points AS was_points, given.points, given.overridden, {_OVERTAKEN} AS overtaken
 FROM grading a JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id LEFT JOIN result r ON r.grading_id = a.id LEFT JOIN {_BEFORE}

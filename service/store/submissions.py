@@ -24,11 +24,11 @@ class KeyReused(Exception):
 
 
 class SubmissionRejected(Exception):
-    """The submission is rejected for the reason in the message; ``kind`` is its problem type."""
+    """The submission is rejected for the reason in the message; ``kind`` is its problem type, ``until`` a passed deadline."""
 
-    def __init__(self, kind: str, sentence: str) -> None:
+    def __init__(self, kind: str, sentence: str, until: datetime | None = None) -> None:
         super().__init__(sentence)
-        self.kind = kind
+        self.kind, self.until = kind, until
 
 
 class TooManyOpen(Exception):
@@ -197,11 +197,12 @@ async def _check(connection: Connection, rules: Row, person: UUID) -> None:
     """Raise SubmissionRejected after the deadline or over the limit; system faults do not count."""
     if rules.over:
         until = rules.due_at + timedelta(seconds=rules.grace_s)
-        raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}")
+        raise SubmissionRejected("deadline-over", f"the deadline was {until.isoformat(timespec='minutes')}", until)
     if rules.submission_limit is not None:
         used = (await connection.one(_USED, {"person": person, "assignment": rules.id}))[0]
         if used > rules.submission_limit:
-            raise SubmissionRejected("none-left", f"all {rules.submission_limit} submissions allowed have been used")
+            sentence = f"all {rules.submission_limit} submissions allowed have been used: ask the course staff for another one"
+            raise SubmissionRejected("none-left", sentence)
 
 
 async def _find_same(

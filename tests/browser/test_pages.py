@@ -78,7 +78,7 @@ def test_a_student_sets_a_password_sees_a_motion_and_no_page_of_the_staff(seen_b
     page.get_by_label("New password (").fill(password)
     page.get_by_label("Repeat new password").fill(password)
     page.get_by_role("button", name="Save password").click()
-    assert page.get_by_role("status").first.inner_text() == "✓ Password saved. Other browsers are logged out."
+    page.get_by_text("✓ Password saved. Other browsers are logged out.").wait_for()
     page.get_by_role("button", name="Log out", exact=True).click()
     page.get_by_text("You are logged out.").wait_for()
     page.get_by_label("Name").fill("cleo")

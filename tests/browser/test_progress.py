@@ -9,6 +9,12 @@ from tests.support.submissions import claim, grade
 
 pytestmark = pytest.mark.slow  # tests/service/http/test_live.py has the events
 
+DROP = """files => {
+    const dataTransfer = new DataTransfer();
+    for (const [name, content] of files) dataTransfer.items.add(new File([content], name));
+    document.querySelector(".upload").dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+}"""
+
 
 @pytest.fixture(scope="module")
 def server(url):
@@ -21,6 +27,7 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     file = tmp_path / "mine.py"
     file.write_text("def euler_eqs(t, w, I):\n    return w\n")
     page = page()
+    page.clock.install()
     page.goto(f"{server.url}/assignments/rigid-body")
     page.get_by_label("Token from your course").fill(entered(url, "ann"))
     page.get_by_role("button", name="Log in").click()
@@ -31,16 +38,22 @@ def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page
     claimed = claim(url, grading)
     run(url, lambda database: runs.heartbeat(database, claimed, "playing", 2, 5))
     page.get_by_text("Running scene 2 of 5.").wait_for()
+    assert page.locator(".announcement").inner_text() == "Submitted.", "the stream of events does not clear it"
+    page.clock.fast_forward(11_000)
+    assert not page.locator(".announcement").inner_text(), "it does not cover the report"
     assert page.get_by_role("progressbar").get_attribute("max") == "5"
     sql(url, "UPDATE run SET ended_at = now(), end_reason = 'lost'")
     run(url, lambda database: grade(database, submission, {"2-energy": "✓"}))
     page.get_by_text("rotational energy conserved").wait_for(state="attached")  # folded, as its exercise passes
     assert not page.locator("[data-progress]").count()
     page.goto(f"{server.url}/assignments/rigid-body")
-    page.get_by_label("Completed notebook").set_input_files(file)
+    page.evaluate(DROP, [["a.py", ""], ["b.py", ""]])
+    page.get_by_role("alert").get_by_text("Drop one file.").wait_for()
+    page.evaluate(DROP, [["mine.py", file.read_text()]])
+    assert not page.get_by_role("alert").count()
     page.get_by_role("button", name="Submit").click()
     question = page.get_by_role("alert")
-    assert "You submitted exactly this" in question.inner_text()
+    assert "You submitted the same code on" in question.inner_text()
     assert question.get_by_role("link", name="open its report").get_attribute("href") == f"/submissions/{submission}"
     assert sql(url, "SELECT count(*) FROM submission") == [(1,)]
     page.get_by_role("button", name="Submit again").click()

@@ -4,7 +4,8 @@
 //   input[data-filter=ID]  hides the rows of table ID that do not contain the typed text; / focuses it. Wrap it in [data-js][hidden]
 //   [data-live=URL][id]    is reloaded at each event of the stream URL; data-events lists the event names, default "message"
 //   [data-confirm=TEXT]    button that asks for confirmation
-//   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced
+//   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced.
+//                          If a file is the answer, it is downloaded, and data-downloaded takes the form's place
 //   form[data-drop]        takes a file that is dropped on it; a [data-question] in the page that answers is shown in it, with the file kept
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
@@ -24,6 +25,11 @@ const make = (name, properties = {}, ...children) => {
 const announcement = make("p", { className: "announcement", role: "status" });
 document.body.append(announcement);
 const announce = text => { if (announcement.textContent !== text) announcement.textContent = text; };
+
+function announceSaved(text) {
+  announce(text);
+  setTimeout(() => { if (announcement.textContent === text) announce(""); }, 10_000); // it lies over the page
+}
 
 // ---- rows
 
@@ -150,7 +156,11 @@ function live(element) {
     if (again) { again = false; reload(); }
   }
   for (const name of (element.dataset.events ?? "message").split(" ")) stream.addEventListener(name, event => progress(element, event) || reload());
-  stream.addEventListener("open", () => { clearTimeout(lost); lost = undefined; announce(""); });
+  stream.addEventListener("open", () => {
+    clearTimeout(lost);
+    lost = undefined;
+    if (announcement.textContent.startsWith("Connection lost")) announce("");
+  });
   stream.addEventListener("error", () => {
     lost ??= setTimeout(() => announce(stream.readyState === EventSource.CLOSED ? "Connection lost. Reload the page." : "Connection lost. Reconnecting…"), 2000);
   });
@@ -184,7 +194,18 @@ function refuse(form, detail, pointer) {
   at.focus();
 }
 
+function download(form, name, content) {
+  const link = make("a", { href: URL.createObjectURL(content), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  const done = make("p", { className: "notice", textContent: form.dataset.downloaded, tabIndex: -1 });
+  done.setAttribute("role", "status");
+  form.replaceWith(done);
+  done.focus();
+}
+
 async function send(form, submitter) {
+  announce("");
   document.getElementById("refused")?.remove();
   for (const field of all("[aria-invalid]", form)) for (const name of ["aria-invalid", "aria-describedby"]) field.removeAttribute(name);
   const data = new FormData(form, submitter);
@@ -194,6 +215,8 @@ async function send(form, submitter) {
     const body = form.enctype === "multipart/form-data" ? data : new URLSearchParams(data);
     const answer = await fetch(submitter?.getAttribute("formaction") ?? form.getAttribute("action"), { method: "POST", body, headers: { Accept: "application/problem+json" } });
     if (answer.ok) {
+      const [, file] = /^attachment; filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition")) ?? [];
+      if (file) { download(form, file, await answer.blob()); return; }
       const question = form.matches("[data-drop]") && new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("[data-question]");
       if (question) {
         form.prepend(question);
@@ -221,6 +244,7 @@ for (const form of all("form[data-drop]")) {
   form.addEventListener("drop", event => {
     event.preventDefault();
     form.classList.remove("over");
+    document.getElementById("refused")?.remove();
     if (event.dataTransfer.files.length === 1) input.files = event.dataTransfer.files;
     else refuse(form, "Drop one file.");
   });
@@ -277,7 +301,7 @@ if (bar) {
   button.addEventListener("click", showKeys);
   bar.append(button);
 }
-try { announce(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
+try { announceSaved(sessionStorage.getItem("saved") ?? ""); sessionStorage.removeItem("saved"); } catch { /* storage is disabled */ }
 prepare(document);
 addEventListener("hashchange", reveal);
 reveal();

@@ -78,8 +78,16 @@ async def neighbours(database: Database, name: str) -> Row | None:
 
 
 async def search(database: Database, text: str, most: int) -> Sequence[Row]:
-    """Return at most ``most`` people of the course whose name, full name, email address or student id contains ``text``."""
-    return await database.rows(_SEARCH, {"course": COURSE, "text": text.casefold(), "most": most})
+    """Return at most ``most`` people of the course whose name, full name, email address or student id contains ``text``, apart from
+    case and accents.
+    """
+    wanted = _plain(text)  # compared here, as the database of some locales knows no case but that of ASCII
+    names = [row.name for row in await database.rows(_TEXTS, {"course": COURSE}) if wanted in _plain(row.text)]
+    return await database.rows(_SEARCH, {"course": COURSE, "names": names, "most": most})
+
+
+def _plain(text: str) -> str:
+    return "".join(c for c in unicodedata.normalize("NFKD", text.casefold()) if not unicodedata.combining(c))
 
 
 async def secret(database: Database, name: str) -> bytes:
@@ -122,8 +130,12 @@ _BY_ROLE = """ORDER BY array_position(ARRAY['instructor', 'assistant', 'student'
     lower(coalesce(nullif(p.full_name, ''), p.name)), p.name"""
 _EVERYBODY = f"{_PEOPLE} AND {IS_PERSON} {_BY_ROLE}"
 _FIND = f"{_PEOPLE} AND p.name = :name"
+_TEXTS = """
+SELECT p.name, concat_ws(chr(10), p.name, p.full_name, p.email, p.student_id) AS text
+FROM member m JOIN course c ON c.id = m.course_id JOIN person p ON p.id = m.person_id WHERE c.slug = :course
+"""
 _SEARCH = f"""
-{_PEOPLE} AND {IS_PERSON} AND strpos(lower(concat_ws(chr(10), p.name, p.full_name, p.email, p.student_id)), :text) > 0
+{_PEOPLE} AND {IS_PERSON} AND p.name = ANY(:names)
 {_BY_ROLE} LIMIT :most
 """
 _NEIGHBOURS = f"""

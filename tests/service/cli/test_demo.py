@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -66,6 +67,18 @@ def test_it_waits_for_a_server_too_busy_to_answer_in_time(monkeypatch, capsys):
         server.stop()
         process.communicate()
     assert capsys.readouterr().out.endswith(" ..ready: {'database': 'ok'}\n")
+
+
+@pytest.mark.parametrize("port", [0, 99999])
+def test_a_port_that_cannot_be_used_is_named_before_anything_starts(port, monkeypatch, capsys):
+    """Another server that listens there would receive the samples."""
+    monkeypatch.setattr(subprocess, "Popen", None)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = port or taken.getsockname()[1]
+        monkeypatch.setattr(sys, "argv", ["demo", "--port", str(port)])
+        assert demo.main() == 2 and f"polhode: port {port} cannot be used" in capsys.readouterr().err
 
 
 @pytest.mark.slow

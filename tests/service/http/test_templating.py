@@ -5,7 +5,7 @@ import re
 import pytest
 from markupsafe import Markup
 
-from service.http.templating import ENVIRONMENT
+from service.http.templating import ENVIRONMENT, format_span
 from service.sandbox.untrusted_text import BIDI_CONTROLS
 
 
@@ -36,3 +36,17 @@ def test_all_else_is_as_it_was():
         shown("{{ a }} {{ b }} {{ c }} {{ d }}", a=1.5, b=None, c="שרה ŷ\u0307 ⏱", d=Markup("<i>")) == "1.5 None שרה ŷ\u0307 ⏱ <i>"
     )
     assert shown("{{ missing }}|") == "|"
+
+
+def test_a_grace_period_is_named_in_its_longest_whole_unit():
+    spans = {
+        900: "15 min",
+        5400: "90 min",
+        3600: "1 h",
+        129600: "36 h",
+        86400: "1 day",
+        864000: "10 days",
+        90: "1.5 min",
+        0: "0 min",
+    }
+    assert {seconds: format_span(seconds) for seconds in spans} == spans

@@ -57,8 +57,10 @@ def exported(looks, form):
 
 def test_a_late_penalty_reaches_every_export_the_api_and_the_pages(server, url, looks, save):
     """Two days have begun: 2 × 15 % of 2 points, at most 25 %."""
+    assert "for each day late" not in looks("ann", OWN)[1]
     for limit, penalty, final in (("100", 0.6, 1.4), ("25", 0.5, 1.5)):
         assert save(late_penalty="15", late_penalty_limit=limit)[0] == 200
+        assert "grace, minus 15 % of the points for each day late" in looks("ann", OWN)[1]
         own, numbers = exported(looks, "grades.csv"), (str(penalty), str(final))
         assert [(line["points"], line["penalty"], line["final"]) for line in own[:2]] == [("2", *numbers), ("2", "0", "2")]
         assert own[0]["percent"] == f"{round(100 * final / 36, 2)}"
@@ -79,7 +81,7 @@ def test_a_late_penalty_reaches_every_export_the_api_and_the_pages(server, url, 
         assert (listed["points"], listed["penalty"], listed["final"]) == (2, penalty, final)
         one = json.loads(call(server, f"/v1/submissions/{listed['id']}", **ann)[2])
         assert (one["penalty"], one["final"], one["report"]["score"]) == (penalty, final, 2)
-        assert f"<b>{final} of 2 points</b> after {penalty} for being late" in looks("ann", f"/submissions/{listed['id']}")[1]
+        assert f"<b>{final} of 2 points</b> after a late penalty of {penalty}" in looks("ann", f"/submissions/{listed['id']}")[1]
         assert f">{final}</a> late" in looks("prof", f"{OWN}/class/students")[1]
         assert f">{final}</a> of 36 + 6 bonus, late (−{penalty})" in looks("prof", "/person?name=ann")[1]
         median = (final + 2) / 2
@@ -125,6 +127,9 @@ def test_times_are_shown_and_read_in_the_time_zone_of_the_course(url, looks, sav
     assert '<time datetime="2026-03-01T12:00:00+00:00">2026-03-01 13:00</time>' in looks("ann", OWN)[1]
     assert looks("prof", f"{OWN}/rules", at=SETTINGS, due="2026-07-01T13:00", grace="16666", most="")[0] == 200
     assert sql(url, "SELECT due_at FROM assignment WHERE slug = 'rigid-body'") == [(datetime(2026, 7, 1, 11, tzinfo=UTC),)]
+    sql(url, "UPDATE assignment SET due_at = %s, grace_s = 0 WHERE slug = 'rigid-body'", DUE)
+    refused = looks("ann", f"{OWN}/submissions", at=OWN, files={"file": ("a.py", b"def euler_eqs(t, w, I):\n    return w\n")})
+    assert refused[0] == 403 and "the deadline was 2026-03-01 13:00 Europe/Berlin: ask the course staff" in refused[1]
     sql(url, "UPDATE assignment SET due_at = %s, grace_s = 1e6 WHERE slug = 'rigid-body'", DUE)
 
 
@@ -153,6 +158,8 @@ def test_the_release_is_set_on_the_page(url, looks):
     assert sql(url, modes) == [("manually", "deadline", False)]
     page = looks("prof", SETTINGS)[1]
     assert "Release scores now" in page and "Release details now" not in page
+    assert "<dd>not released yet</dd>" in looks("ann", OWN)[1] and "scores not released" in looks("ann", "/")[1]
+    assert "<dd>none yet</dd>" in looks("cleo", OWN)[1] and "scores not released" not in looks("cleo", "/")[1]
     assert looks("prof", f"{OWN}/release", at=SETTINGS, action="release scores")[0] == 200
     assert sql(url, modes) == [("manually", "deadline", True)] and "Withdraw the release of scores" in looks("prof", SETTINGS)[1]
     assert looks("prof", f"{OWN}/release", at=SETTINGS, action="withhold scores")[0] == 200

@@ -97,7 +97,7 @@ def test_students_are_sorted_and_those_who_gain_nothing_are_found(looks, url):
 
     assert names("?sort=points")[0] == "ann" and names("?sort=worst")[-1] == "ann" and "ann" not in names("?sort=worst")[:2]
     assert names("?sort=activity")[0] == "dan" and names("?sort=activity")[4].startswith("Zoe")
-    assert names("?show=no-gain") == [] and "Nobody." in looks("helper", f"{STUDENTS}?show=no-gain")[1]
+    assert names("?show=no-gain") == [] and "No such students." in looks("helper", f"{STUDENTS}?show=no-gain")[1]
 
 
 def test_activity_is_the_last_submission_and_no_gain_needs_two_graded_ones():
@@ -137,6 +137,7 @@ def test_every_student_is_in_one_bar_of_the_distribution(most):
         sum(map(int, re.findall(r'class="middle">(\d+)</text>', drawn))) == 5 and drawn.count("<rect") <= class_charts.MOST_BINS + 1
     )
     assert class_charts.distribution([NOBODY], most) is None
+    assert min(map(float, re.findall(r'y="([\d.]+)" class="middle">', drawn))) > 10 + 12, "below the title of the axis"
     least = [int(text) for text in re.findall(r'class="middle quiet">(\d+)</text>', drawn)]
     assert least == list(range(0, most + 2, least[1])) and len(least) <= class_charts.MOST_BINS + 1
 
@@ -200,6 +201,7 @@ def test_the_class_is_swept_once_and_drawn(looks, url):
     """Jobs for who has not been swept, however often it is asked for; the chart is of who has."""
     asked = "SELECT count(*) FROM procrastinate_jobs WHERE task_name = 'sweep'"
     assert looks("helper", f"{CLASS}/sweep.svg")[0] == 404 and "3 graded submissions have" in looks("helper", CLASS)[1]
+    assert 'data-saved="Measurement queued.' in looks("helper", CLASS)[1]
     swept = SweepResult(charts.scenes(charts.load_work_precision())[0], [SweptPoint("DOP853", 1e-11, 1000, 1e-10, 0.01)], "fine")
     ann = sql(url, "SELECT a.id FROM grading a JOIN submission s ON s.id = submission_id WHERE s.filename = '<b>a.py'")[0][0]
     run(url, lambda database: store_artefacts(database, ann, {"sweep.json": json.dumps(document(swept)).encode()}))

@@ -186,6 +186,12 @@ def test_wrong_names_and_passwords_get_one_answer_for_as_much_work(server, url, 
     assert PASSWORD not in server.log.read_text() and "wrong for" not in server.log.read_text()
 
 
+def test_an_empty_login_says_what_to_enter(server):
+    browser = from_address(server, "10.9.0.3")
+    status, told = browser.open("/login", csrf=HIDDEN.search(browser.open("/login")[1])[1])
+    assert status == 401 and "enter your name and password, or a token from your course" in told and "ecp.login" not in told
+
+
 def test_guessing_is_stopped_for_the_name_and_for_nobody_else(server, url):
     entered(url, "jon", password=PASSWORD), entered(url, "kim", password=PASSWORD)
     own = from_address(server, "10.1.0.1").log_in(name="jon", password=PASSWORD)  # his own browser

@@ -133,6 +133,9 @@ def test_the_search_finds_people_submissions_and_assignments(looks, url):
     for text in ("BEN@", "0042", "ben e", "ben"):
         page = looks("helper", f"/search?q={text.replace(' ', '+')}")[1]
         assert "/person?name=ben" in page and "name=zoe" not in page, text
+    sql(url, "UPDATE person SET full_name = 'Zoë Ågård-Øst' WHERE name = 'gone'")
+    for text in ("zoe+ag", "%C3%85G%C3%85RD", "zo%C3%A9+ag", "%C3%B8st"):
+        assert "name=gone" in looks("helper", f"/search?q={text}")[1], text
     assert f"/submissions/{best}" in looks("helper", f"/search?q={best[:9]}")[1]
     page = looks("helper", "/search?q=ENERGY.py")[1]
     assert f"/submissions/{best}" in page and "later.py" not in page

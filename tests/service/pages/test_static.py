@@ -53,3 +53,12 @@ def test_every_symbol_of_the_pages_is_in_the_font_that_they_bring():
     assert {int(one[2:], 16) for one in ranges.split(", ")} == set(stored.getBestCmap()) == set(drawn.getBestCmap())
     kept, new = ({name: list(f["glyf"][name].getCoordinates(f["glyf"])[0]) for name in f.getGlyphOrder()} for f in (stored, drawn))
     assert kept == new, "python -m tests.support.symbols"
+
+
+def test_every_form_that_changes_something_shows_errors_beside_its_fields():
+    """By ``data-saved``, but those that another page answers, or that have no field and no error to correct."""
+    answered = {"/login", "/logout", "/people/preview", "/account/revoke", "/account/logout-everywhere"}
+    for template in (PAGES / "templates").glob("*.html"):
+        for form in re.findall(r'<form\b[^>]*?method="post"[^\n]*', template.read_text()):
+            action = re.search(r'action="([^"]*)"', form)[1]
+            assert "data-saved=" in form or action in answered, f"{template.name}: {action}"

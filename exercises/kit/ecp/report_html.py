@@ -15,6 +15,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, ExerciseReport, Outcome, Picture
 from ecp.report import OWN_CHECKS, Report, no_picture
 
+MOST_LINKS = 3  # of the checks of an exercise that are listed with a cause
 # Light by default; dark if the front end (JupyterLab, VS Code, Colab) says so, or if it says nothing and the system is dark.
 # VS Code's light theme of high contrast has the class of the dark one too.
 # ":not(#_)" raises the specificity above JupyterLab's own rules for outputs.
@@ -104,13 +105,17 @@ def fragment(inner: str) -> str:
 
 
 def cause_list(causes: Iterable[Cause], *, links: bool = False) -> str:
-    """Return the causes as a list. With ``links`` each is an anchor, and its checks are links to theirs."""
+    """Return the causes as a list. With ``links`` each is an anchor, and its checks are links, folded if there are many."""
     items = []
     for cause in causes:
         below = ""
         for number, outcomes in cause.explains.items():
             labels = [_link(f"#check-{o.id}", o.label, links) for o in outcomes]
-            below += f'<p class="quiet">exercise {escape(number)}: {"; ".join(labels)}</p>'
+            where, listed = f"exercise {escape(number)}", "; ".join(labels)
+            if links and len(labels) > MOST_LINKS:
+                below += f'<details class="more"><summary>{where}: {len(labels)} checks</summary><p>{listed}</p></details> '
+            else:
+                below += f'<p class="quiet">{where}: {listed}</p>'
         anchor = f' id="cause-{cause.number}"' if links else ""
         items.append(f"<li{anchor}>{cause.likely}{_diagnosis(cause.diagnosis)}{below}</li>")
     return f"<ol>{''.join(items)}</ol>"

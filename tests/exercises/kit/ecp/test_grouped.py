@@ -68,6 +68,13 @@ def test_the_html_marks_what_a_line_is_worth():
     assert badges == ["2 of 4 points", "not counted", "self-reported, no points"] and "hidden" not in page
 
 
+def test_a_web_page_folds_the_checks_of_a_cause_that_explains_many():
+    page = cause_list(report([failed(f"check {k}", SIGN) for k in range(4)]).causes(), links=True)
+    assert re.search(r"<details class=\"more\"><summary>exercise \d: 4 checks</summary>", page)
+    assert page.count('<a href="#check-check') == 4
+    assert "<details" not in cause_list(report([failed("a", SIGN)]).causes(), links=True)
+
+
 def test_only_a_web_page_has_anchors_and_only_staff_see_what_is_hidden():
     one = failed("a<b>", SIGN, hidden=True)
     causes = report([one]).causes()

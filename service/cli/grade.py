@@ -20,6 +20,7 @@ from service.cli.grading_settings import Defaults, read_settings
 from service.cli.lazy_imports import import_lazily
 
 if TYPE_CHECKING:
+    from service.cli.output_dir import OutputDir
     from service.grading.result import GradedFile
     from service.sandbox.guest_process import GuestProcess
     from service.sandbox.isolation import Isolation
@@ -53,7 +54,6 @@ def _grade(arguments: argparse.Namespace) -> int:
     with _starting(settings) as sandbox:  # while the modules below and the assignment are imported
         with _no_collection():
             import_lazily()
-            from service.cli.output_dir import OutputDir
             from service.cli.progress import Progress
             from service.grading.batch import GradeOptions, GradeRequest, grade_files
             from service.grading.result import summary
@@ -64,7 +64,7 @@ def _grade(arguments: argparse.Namespace) -> int:
         sizes = SizeLimits(settings.upload_mib * MIB, settings.submission_kib * KIB)
         wanted = GradeOptions(assignment, seed, report_options.pictures(arguments), arguments.sweep, sizes=sizes)
         asks = [GradeRequest(file, tuple(arguments.exercise) if arguments.exercise else None) for file in files]
-        folder = OutputDir(arguments.out, files) if arguments.out else None
+        folder = _output_dir(arguments.out, files) if arguments.out else None
         graded: list[GradedFile] = []
         with Progress(len(files), escape=report_options.escape(arguments)) as progress:
             for file in grade_files(asks, wanted, sandbox(), arguments.jobs, progress.update):
@@ -80,6 +80,12 @@ def _grade(arguments: argparse.Namespace) -> int:
     elif len(graded) > 1:
         print(summary(graded))
     return 2 if any(file.fault for file in graded) else 0 if all(file.passed for file in graded) else 1
+
+
+def _output_dir(out: Path, files: list[Path]) -> "OutputDir":
+    from service.cli.output_dir import OutputDir  # only here, as it imports all of a report's HTML
+
+    return OutputDir(out, files)
 
 
 @contextmanager

@@ -403,10 +403,10 @@ def test_a_zygote_that_is_lost_twice_is_a_fault(monkeypatch, either_sandbox):
 
 
 def zygote_pid(sandbox):
-    """The zygote's own process, behind bubblewrap's if there is one."""
+    """The zygote's own process, behind bubblewrap's if there is one, or the last of these that has started."""
     pid = sandbox._zygote._started.process.pid
-    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python"):
-        pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
+    while not os.path.basename(os.readlink(f"/proc/{pid}/exe")).startswith("python") and (below := children(pid)):
+        pid = below[0]
     return pid
 
 

@@ -22,12 +22,9 @@ class Goal:
         claim = f"{self.claim}: at most {_share(self.share)} of {self.theirs.name if self.theirs else 'a tool that is absent'}"
         if self.ours is None or self.theirs is None:
             return f"not measured  {claim}"
-        wall, cpu = (self._ratio(lambda row, part=part: row.median[part] / row.count) for part in (0, 1))
+        wall = self.ours.each / self.theirs.each
+        cpu = (self.ours.median.cpu / self.ours.count) / (self.theirs.median.cpu / self.theirs.count)
         return f"{'met    ' if wall <= self.share else 'not met'}  {claim}: {_share(wall)} (CPU {_share(cpu)})"
-
-    def _ratio(self, time: Callable[[Row], float]) -> float:
-        assert self.ours is not None and self.theirs is not None
-        return time(self.ours) / time(self.theirs)
 
 
 def goals(rows: Sequence[Row], against: Sequence[tuple[str, float]], batch: int) -> list[Goal]:

@@ -4,6 +4,8 @@ import shutil
 
 import pytest
 
+from tests.support.database import entered
+
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
 
 
@@ -47,3 +49,18 @@ def page(browser):
     for context in contexts:
         context.close()
     assert not [error for error in errors if not any(words in error for words in opened.allowed)]
+
+
+@pytest.fixture
+def seen_by(page, server, url):
+    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in."""
+
+    def opened(name, role, path):
+        new = page()
+        new.goto(f"{server.url}{path}")
+        new.get_by_label("Token from your course").fill(entered(url, name, role))
+        new.get_by_role("button", name="Log in").click()
+        new.locator("button.keys").wait_for()
+        return new
+
+    return opened

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.support.app import App
-from tests.support.database import entered, run
+from tests.support.database import run
 from tests.support.submissions import hand_in
 
 pytestmark = pytest.mark.slow  # tests/service/pages has the requests of each step
@@ -16,24 +16,8 @@ def server(url):
     started.stop()
 
 
-@pytest.fixture
-def seen_by(page, server, url):
-    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in."""
-
+def test_a_request_an_answer_and_a_comment(page, seen_by, server, url):
     page.allowed.append("status of 422")
-
-    def opened(name, role, path):
-        new = page()
-        new.goto(f"{server.url}{path}")
-        new.get_by_label("Token from your course").fill(entered(url, name, role))
-        new.get_by_role("button", name="Log in").click()
-        new.locator("button.keys").wait_for()
-        return new
-
-    return opened
-
-
-def test_a_request_an_answer_and_a_comment(seen_by, server, url):
     path = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗'}))}"
     ann, tutor = seen_by("ann", "student", path), seen_by("tutor", "assistant", "/")
     ann.get_by_text("Request a regrade").first.click()

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.support.app import App
-from tests.support.database import entered, run
+from tests.support.database import run
 from tests.support.submissions import hand_in
 
 pytestmark = pytest.mark.slow  # tests/service/pages/test_course_settings.py has the requests of each step
@@ -15,21 +15,6 @@ def server(url):
     started = App(database_url=url)
     yield started
     started.stop()
-
-
-@pytest.fixture
-def seen_by(page, server, url):
-    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in."""
-
-    def opened(name, role, path):
-        new = page()
-        new.goto(f"{server.url}{path}")
-        new.get_by_label("Token from your course").fill(entered(url, name, role))
-        new.get_by_role("button", name="Log in").click()
-        new.locator("button.keys").wait_for()
-        return new
-
-    return opened
 
 
 def test_scores_are_held_back_and_released(seen_by, server, url):

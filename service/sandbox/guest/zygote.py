@@ -156,6 +156,8 @@ class _Spare:
         if self._pid == 0:
             try:
                 _wait(layers, theirs.detach(), zygote)
+            except BaseException:
+                traceback.print_exc()
             finally:
                 os._exit(LOCKDOWN_FAILED)
         theirs.close()

@@ -73,7 +73,8 @@ def body(rng: Rng, mass: float | None = None) -> Array:
 
 def are_apart(moments: Array) -> bool:
     """Return whether no two moments are nearly equal."""
-    return bool(np.diff(np.sort(moments)).min() > APART * moments.max())
+    least, middle, greatest = sorted(moments.tolist())
+    return bool(min(middle - least, greatest - middle) > APART * greatest)
 
 
 def general(angle: float, n: int, orientation: bool, rng: Rng) -> Inputs:

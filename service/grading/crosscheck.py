@@ -202,9 +202,10 @@ def _discard(result: PlayResult, scene: str, scene_end: Ended, sentence: str) ->
 
 def _agree(inputs: Inputs, first: Arrays, second: Arrays) -> bool:
     """Return whether the answers of both children, and those to a repeated question within the first, agree bit for bit."""
-    asked = [b"".join(row) for row in zip(*([one.tobytes() for one in np.asarray(v)] for v in inputs.values()), strict=True)]
-    places: dict[bytes, int] = {}
-    same = [places.setdefault(question, k) for k, question in enumerate(asked)]
+    columns = [np.ascontiguousarray(v).reshape(_length(inputs), -1).view(np.uint8) for v in inputs.values()]
+    rows = np.concatenate(columns, axis=1)
+    _, places, which = np.unique(rows.view(f"V{rows.shape[1]}")[:, 0], return_index=True, return_inverse=True)
+    same = places[which]
     return all(a.tobytes() == second[name].tobytes() and a.tobytes() == a[same].tobytes() for name, a in first.items())
 
 

@@ -22,11 +22,19 @@ TRIES = 2
 class Sandbox:
     """A sandbox with one warm guest at the given ``isolation``. ``limits`` are those of one grading.
 
-    Its first guest is the process ``first``, if there is one.
+    Its first guest is the process ``first``, if there is one. ``small`` guests have neither SciPy nor matplotlib: ``play`` then
+    raises LibraryNeeded if a submission uses one.
     """
 
-    def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS, first: GuestProcess | None = None) -> None:
-        self.isolation, self.limits, self._first = isolation, limits, first
+    def __init__(
+        self,
+        isolation: Isolation,
+        limits: TimeLimits = DEFAULT_LIMITS,
+        first: GuestProcess | None = None,
+        *,
+        small: bool = False,
+    ) -> None:
+        self.isolation, self.limits, self._first, self._small = isolation, limits, first, small
         self._zygote: Zygote | None = None
         self._plays = 0
         self.zygotes = 0  # started so far
@@ -39,9 +47,15 @@ class Sandbox:
         if self._zygote is None:
             self._plays = 0
             self.zygotes += 1
-            process, self._first = self._first or GuestProcess(self.isolation.command, self.isolation.environment), None
+            command, environment = self.isolation.command, self.isolation.environment
+            process, self._first = self._first or GuestProcess(command, environment, libraries=not self._small), None
             self._zygote = Zygote(process, self.cancelled)
         return self._zygote
+
+    @property
+    def replaced(self) -> int:
+        """The number of guests that have been replaced."""
+        return max(0, self.zygotes - 1)
 
     def copy(self) -> "Sandbox":
         """Return a sandbox with a copy of this one's guest, see ``Zygote.copy``. What the self-test has shown of this one is true
@@ -106,13 +120,13 @@ class Sandbox:
         for number in range(TRIES):
             zygote, cpu_s = self.start(), budget.cpu_s
             try:
-                played, reusable = _play_with_libraries(zygote, job, budget, on_scene)
+                played, reusable = self._play_with_libraries(zygote, job, budget, on_scene)
             except ZygoteLost as lost:
                 self.close()
                 if number == TRIES - 1:
                     raise SystemFault(str(lost)) from lost
                 continue
-            except Cancelled:
+            except (Cancelled, LibraryNeeded):
                 raise
             except BaseException:
                 self.close()
@@ -126,6 +140,22 @@ class Sandbox:
                 raise _too_busy(budget)
             return
 
+    def _play_with_libraries(
+        self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: Callable[[str], None]
+    ) -> tuple[PlayResult, bool]:
+        """Play once, or again with each library that the submission turns out to need. Return the last play's result, and whether
+        the zygote is reusable.
+
+        What a zygote that was lost or lacked a library has sent is discarded.
+        """
+        while True:
+            try:
+                return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
+            except LibraryNeeded as needed:
+                if self._small:
+                    raise
+                zygote.import_library(needed.library)
+
     def close(self) -> None:
         """End the guest."""
         if self._zygote is not None:
@@ -137,19 +167,6 @@ class Sandbox:
             if scene.name not in result.scene_ends and scene.after in result.scene_ends and not result.finished(scene.after):
                 sentence = f"not run: it needs the scene {scene.after}, which did not finish"
                 result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)
-
-
-def _play_with_libraries(zygote: Zygote, job: Job, budget: TimeBudget, on_scene: Callable[[str], None]) -> tuple[PlayResult, bool]:
-    """Play once, or again with each library that the submission turns out to need. Return the last play's result, and whether the
-    zygote is reusable.
-
-    What a zygote that was lost or lacked a library has sent is discarded.
-    """
-    while True:
-        try:
-            return (played := PlayResult()), zygote.play(job, budget, played, on_scene)
-        except LibraryNeeded as needed:
-            zygote.import_library(needed.library)
 
 
 def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget, cpu_s: float) -> bool:

@@ -58,16 +58,16 @@ class NoAnswer(BaseException):
 
 @dataclass
 class PlaySession:
-    """One play of ``job``, which is ``encoded`` for a child, within the ``budget`` of the grading.
+    """One play of ``job``, of which a part is ``unsent``, within the ``budget`` of the grading.
 
     ``control`` is the zygote's socket, which reports the child's exit. The host's ends of the child's pipes, unbuffered, are
-    ``questions``, which begin with the job, ``answers``, which are frames, and ``printed``.
+    ``questions``, which begin with the job and do not block, ``answers``, which are frames, and ``printed``.
     ``stopped`` is the reason why the host ended the play, if it did. ``ended`` is the child's exit once it is known, and ``waited``
     the time that it had no processor. Another thread may set ``cancelled`` to end the play.
     """
 
     job: Job
-    encoded: bytes
+    unsent: memoryview
     budget: TimeBudget
     reader: Reader
     control: socket.socket
@@ -79,21 +79,23 @@ class PlaySession:
     output: bytearray = field(default_factory=bytearray)
     stopped: Ended | None = None
     ended: ChildExit | None = None
+    _open: int = 2  # pipes that the child has not closed
     _received: int = 0
     _printed: int = 0
 
     def run(self) -> None:
-        """Exchange data until the child has exited and both pipes are empty, or a limit is exceeded.
+        """Exchange data until the play is complete, the child has exited and both pipes are empty, or a limit is exceeded.
 
         Raises OSError if the zygote has ended.
         """
-        self._unsent = memoryview(self.encoded)
         self._undriven = {s.name: s.drive for s in self.job.scenes if s.drive}
         self._deadline = _Deadline(self.job)
         self._is_repeated = self.budget.running_s > 0
-        os.set_blocking(self.questions.fileno(), False)
         with selectors.DefaultSelector() as self._selector:
-            self._selector.register(self.questions, selectors.EVENT_WRITE)
+            if self.unsent:
+                self._selector.register(self.questions, selectors.EVENT_WRITE)
+            else:
+                self._close_job_unless_needed()
             for end in (self.answers, self.printed, self.control):
                 self._selector.register(end, selectors.EVENT_READ)
             try:
@@ -105,7 +107,13 @@ class PlaySession:
                 self.waited.update()
 
     def _is_running(self) -> bool:
-        return self.stopped is None and not self.cancelled.is_set() and bool(self._selector.get_map())
+        going_on = self.stopped is None and not self.cancelled.is_set() and not self.complete
+        return going_on and bool(self._selector.get_map())
+
+    @property
+    def complete(self) -> bool:
+        """Whether the child has sent its last frame and closed its pipes. It only has to exit, which takes the kernel a while."""
+        return self.reader.done and not self._open and self.stopped is None and self.job.reference is None
 
     def _step(self) -> None:
         """Wait until an end is ready, and read from it or write to it."""
@@ -119,6 +127,7 @@ class PlaySession:
                 self._write_some()
             elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
+                self._open -= key.fileobj is not self.control
 
     def _drive(self, scene: str) -> None:
         """Run the scene's driver and keep its result, unless the scene ends first."""
@@ -139,12 +148,12 @@ class PlaySession:
     def _send(self, data: bytes, scene: str | None) -> None:
         """Write to the child that plays ``scene``. An answer before the whole question is written violates the protocol."""
         try:
-            self._unsent = memoryview(data)[self.questions.write(data) or 0 :]
+            self.unsent = memoryview(data)[self.questions.write(data) or 0 :]
         except BrokenPipeError:
             raise NoAnswer from None
-        if self._unsent:  # the question is larger than the pipe, or the child answers without reading
+        if self.unsent:  # the question is larger than the pipe, or the child answers without reading
             self._selector.register(self.questions, selectors.EVENT_WRITE)
-            while self._unsent:
+            while self.unsent:
                 self._step_in(scene)
 
     def _step_in(self, scene: str | None) -> None:
@@ -155,10 +164,10 @@ class PlaySession:
     def _write_some(self) -> None:
         """Write what fits of ``_unsent``, or nothing if the child has closed the pipe."""
         try:
-            self._unsent = self._unsent[self.questions.write(self._unsent[:CHUNK]) or 0 :]
+            self.unsent = self.unsent[self.questions.write(self.unsent[:CHUNK]) or 0 :]
         except BrokenPipeError:
-            self._unsent = memoryview(b"")
-        if not self._unsent:
+            self.unsent = memoryview(b"")
+        if not self.unsent:
             self._selector.unregister(self.questions)
             self._close_job_unless_needed()
 
@@ -171,7 +180,6 @@ class PlaySession:
 
         Raises SystemFault if the child ended before it ran any code of the submission.
         """
-        assert self.ended is not None
         cut_short = self.stopped is Ended.TIMED_OUT and self._is_repeated  # earlier children used up the time
         if not self.reader.prepared and not cut_short:
             if self.reader.not_prepared:
@@ -221,6 +229,8 @@ class PlaySession:
         return (self.stopped or self._by_status()) in (Ended.KILLED, Ended.PROTOCOL)
 
     def _by_status(self) -> Ended | None:
+        if self.complete:
+            return None
         assert self.ended is not None
         code, reference = self.ended.codes
         if reference == MALFORMED:

@@ -2,6 +2,7 @@
 
 import contextlib
 import copy
+import fcntl
 import json
 import math
 import os
@@ -26,6 +27,7 @@ from service.sandbox.untrusted_text import text
 from service.sandbox.wire import Reader
 
 START_S, MOST_STARTS = 30.0, 20
+PIPE = 1 << 20  # bytes of a job's pipe
 ANSWER_S = 4.0  # a zygote that does not start or reap a child within this time is frozen
 
 
@@ -52,6 +54,7 @@ class Zygote:
         self._cancelled = cancelled
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
+        self._exit_is_unread = False  # the message that the last child has exited has not been read
 
     def copy(self, cancelled: threading.Event) -> "Zygote":
         """Return a copy, which ends with this one. All share one folder of data files, so only one of them may play with any.
@@ -78,6 +81,8 @@ class Zygote:
 
     def import_library(self, library: str) -> None:
         """Let the zygote import ``library``. Raises ZygoteLost."""
+        if self._exit_is_unread:
+            self._read_exit()
         self._control.send(IMPORT + library.encode())
         if self._message() != READY:
             raise ZygoteLost(f"the sandbox process stopped while it imported {library}")
@@ -113,13 +118,14 @@ class Zygote:
         theirs, encoded = [job_r, result_w, output_w], job.encode()
         with FileIO(job_w, "w") as questions, FileIO(result_r) as answers, FileIO(output_r) as printed:
             try:
+                unsent = _write_first(questions, encoded)
                 if job.reference:
                     theirs.append(_file(job.encode_reference()))
                 children = self._fork(theirs, budget.cpu_left())
             finally:
                 _close(*theirs)
             began, waited = time.monotonic(), ProcessorWait(*children)
-            session = PlaySession(job, encoded, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
+            session = PlaySession(job, unsent, budget, reader, self._control, questions, answers, printed, waited, self._cancelled)
             try:
                 session.run()
             except OSError as error:
@@ -128,18 +134,26 @@ class Zygote:
                 with contextlib.suppress(ProcessLookupError):
                     signal.pidfd_send_signal(children[0], signal.SIGKILL)  # no child of this job survives it
                 _close(*children)
-        try:
-            session.ended = session.ended or ChildExit.unpack(self._control.recv(REAPED.size))
-        except OSError as error:
-            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
-        budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)
+        self._exit_is_unread = session.ended is None
+        if session.ended is None and not (session.complete and waited.cpu_s):
+            session.ended = self._read_exit()
+        budget.charge(session.ended.cpu_s if session.ended else waited.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
-        if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in session.ended.codes]:
+        codes = session.ended.codes if session.ended else ()
+        if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in codes]:
             raise LibraryNeeded(needed[0])
         reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
         session.record_end(reader.result)
         return not session.abnormal
+
+    def _read_exit(self) -> ChildExit:
+        """Wait for the message that the last child has exited. Raises ZygoteLost."""
+        self._exit_is_unread = False
+        try:
+            return ChildExit.unpack(self._control.recv(REAPED.size))
+        except OSError as error:
+            raise ZygoteLost(f"the sandbox process does not report the exit of a child: {error}") from error
 
     @contextlib.contextmanager
     def _data_files(self, job: Job) -> Iterator[None]:
@@ -165,6 +179,8 @@ class Zygote:
         With four descriptors there is a second child, with the reference functions, and its pidfd follows.
         """
         self._control.settimeout(ANSWER_S)
+        if self._exit_is_unread:
+            self._read_exit()
         try:
             socket.send_fds(self._control, [PLAY.pack(max(1, math.ceil(cpu_s)))], fds)
             word, handles, _, _ = socket.recv_fds(self._control, 16, 2)
@@ -198,6 +214,14 @@ def _with_children(pid: int) -> list[int]:
     except OSError:
         return []
     return [pid, *(one for child in children for one in _with_children(int(child)))]
+
+
+def _write_first(pipe: FileIO, data: bytes) -> memoryview:
+    """Write to a pipe what fits before there is a reader, and return the rest."""
+    with contextlib.suppress(OSError):  # more than this user may have
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
+    os.set_blocking(pipe.fileno(), False)
+    return memoryview(data)[pipe.write(data) or 0 :]
 
 
 def _file(content: bytes) -> int:

@@ -20,10 +20,10 @@ from exercises.catalogue import assignments
 from service import logs
 from service.grading.grader import Grader, SweepFailed
 from service.sandbox.result import Cancelled, SystemFault
-from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import IsolationUnavailable, choose, with_packages
 from service.sandbox.time_budget import TimeLimits
 from service.sandbox.untrusted_text import text
+from service.sandbox.warm_sandbox import WarmSandbox
 from service.settings import Settings
 from service.store import runs, sweeps, workers
 from service.store.database import Database, is_outage, patiently
@@ -104,7 +104,7 @@ class Worker:
             try:
                 isolation = await asyncio.to_thread(choose, self._settings.min_isolation, self._settings.allow_root_guest)
                 packages = sorted({name for known in assignments().values() for name in known.packages})
-                self._grader = Grader(Sandbox(with_packages(isolation, packages), self._limits))
+                self._grader = Grader(WarmSandbox(with_packages(isolation, packages), self._limits))
                 await self._call(self._grader.ready)
                 self._isolation = isolation.name
                 return True
@@ -216,7 +216,7 @@ class Worker:
             await asyncio.sleep(self._round_s)
 
     async def _register(self, isolation: str | None, unavailable_reason: str | None) -> None:
-        restarts = max(0, self._grader.sandbox.zygotes - 1) if self._grader else 0
+        restarts = self._grader.sandbox.replaced if self._grader else 0
         with _suppress_outages():
             await workers.register_worker(self._database, self.name, isolation, unavailable_reason, restarts)
 

@@ -23,19 +23,33 @@ from .zygote import NEEDED
 
 LIBRARIES = {"scipy": "scipy", "matplotlib": "matplotlib", "mpl_toolkits": "matplotlib"}
 """The library to which each package belongs."""
+USUAL = {
+    "matplotlib.animation": ("FuncAnimation",),
+    "matplotlib.pyplot": (),
+    "mpl_toolkits.mplot3d.art3d": ("Poly3DCollection",),
+    "scipy.integrate": ("solve_ivp",),
+    "scipy.spatial.transform": ("Rotation",),
+}
+"""Names that notebooks often import, by module."""
 KINDS = (complex, int, list, set, type)
 OPERATIONS = {name for kind in KINDS for name, value in vars(kind).items() if isinstance(value, WrapperDescriptorType)}
 OPERATIONS |= {"__getitem__", "__instancecheck__", "__subclasscheck__"}
 
 
 def install() -> None:
-    """Let the children of this process import the names of LIBRARIES instead of these."""
+    """Let the children of this process import the names of LIBRARIES instead of these. Make those of USUAL now, for all children."""
     sys.meta_path.insert(0, _finder)
+    for name, values in USUAL.items():
+        module = importlib.import_module(name)
+        for value in values:
+            getattr(module, value)
 
 
 def remove(library: str) -> None:
     """Let this process import ``library`` again."""
     _finder.libraries.discard(library)
+    for name in [name for name in sys.modules if LIBRARIES.get(name.partition(".")[0]) == library]:
+        del sys.modules[name]
 
 
 def lacks(library: str) -> bool:
@@ -74,6 +88,11 @@ class _Module(ModuleType):
         library = LIBRARIES[self.__name__.partition(".")[0]]
         if name == "rcParams" and library == "matplotlib":
             return _Settings()
+        value = self._value(name, library)
+        setattr(self, name, value)
+        return value
+
+    def _value(self, name: str, library: str) -> Any:
         if PathFinder.find_spec(f"{self.__name__}.{name}", getattr(self.__spec__, "submodule_search_locations", None) or []):
             return importlib.import_module(f"{self.__name__}.{name}")  # a zygote with matplotlib has imported most of them
         source = _source(self)

@@ -2,7 +2,7 @@
 
 import secrets
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +13,7 @@ from exercises.assignment import Assignment, InvalidAssignment, NoAssignment
 from exercises.catalogue import find
 from exercises.validation import format_error
 from service.sandbox.job import Cell, Job
-from service.sandbox.result import NotPrepared, PlayResult, SystemFault
+from service.sandbox.result import NotPrepared, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
 
@@ -54,7 +54,7 @@ def play(
     job: Job,
     assignment: Assignment,
     sandbox: Sandbox,
-    on_scene: Callable[[str], None] = lambda scene: None,
+    on_scene: OnScene = ignore,
     budget: TimeBudget | None = None,
 ) -> PlayResult:
     """Play the job as ``Sandbox.play`` does. Raises AssignmentFault if a scene fails because of the assignment.

@@ -1,8 +1,9 @@
 """Verification of results: repeat questions in a second child, and compare motions with the function that computes them."""
 
 from collections.abc import Collection, Mapping, Sequence
+from concurrent import futures
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -48,19 +49,16 @@ def may_be_spared(scene: Scene) -> bool:
     return scene.drive is not None and scene.drive.along is not None and callable(scene.inputs)
 
 
-def cross_check(
-    assignment: Assignment, played: PlayedJob, spared: Sequence[SceneRequest], sandbox: Sandbox, seed: int
-) -> CrossCheck:
+def cross_check(assignment: Assignment, played: PlayedJob, second: "SecondChild", sandbox: Sandbox) -> CrossCheck:
     """Repeat questions in a second child and compare. Replace motions that do not follow the student's function by ones that do.
 
-    Of the motions ``spared``, which have not been played, play those whose error the answers at points do not bound.
+    Of the motions ``second.spared``, which have not been played, play those whose error the answers at points do not bound.
     """
     result = played.result
-    checked, rng = CrossCheck(), np.random.default_rng([seed, 2])
-    along = _points_along(assignment, played, spared, seed)
-    checked.unsteady, answers = _ask_again(assignment, played, sandbox, rng, along)
-    _take_bounded(assignment, played, along, answers, checked)
-    _play_rest(assignment, played, [p for p in spared if p.name not in checked.how], sandbox)
+    checked = CrossCheck()
+    checked.unsteady, answers = second.compare(played)
+    _take_bounded(assignment, played, second.along, answers, checked)
+    _play_rest(assignment, played, [p for p in second.spared if p.name not in checked.how], sandbox)
     doubtful: list[Scene] = []
     for scene in assignment.scenes:
         if scene.drive is None or scene.name not in result.arrays or scene.name in checked.how:
@@ -78,7 +76,7 @@ def cross_check(
         else:
             doubtful.append(scene)
     if doubtful:
-        _drive(doubtful, assignment, played, sandbox, rng=rng, checked=checked)
+        _drive(doubtful, assignment, played, sandbox, rng=second.rng, checked=checked)
     return checked
 
 
@@ -128,50 +126,91 @@ def _play_rest(assignment: Assignment, played: PlayedJob, rest: Sequence[SceneRe
         result.add(more)
 
 
-def _ask_again(
-    assignment: Assignment, played: PlayedJob, sandbox: Sandbox, rng: np.random.Generator, along: Mapping[str, Inputs]
-) -> tuple[set[str], dict[str, Arrays]]:
-    """Return the scenes whose answers differ in a second child, which gets their questions in another order.
+class SecondChild:
+    """The child that answers the questions of a played job again, in another order, with points ``along`` motions among them.
 
-    Among them are the points ``along`` motions, by scene. Return the answers to these, too.
+    These are exact motions of the scenes ``spared``. Leave the context only when the child has exited.
     """
-    job, result = played.job, played.result
 
-    def parts(name: str, second: Arrays) -> list[Arrays]:
-        added, order = asked[name]
-        inverse = np.argsort(order)
-        lengths = [_length(result.arrays[name]), *(_length(along[one]) for one in added)]
-        return _parts({key: array[inverse] for key, array in second.items()}, lengths)
+    def __init__(self, assignment: Assignment, spared: Sequence[SceneRequest], sandbox: Sandbox, seed: int) -> None:
+        self._assignment, self.spared, self._sandbox, self._seed = assignment, spared, sandbox, seed
+        self.rng = np.random.default_rng([seed, 2])
+        self.along: Mapping[str, Inputs] = {}
+        self._asked = dict[str, tuple[list[str], np.ndarray]]()  # by scene: motions along which points were added, and the order
+        self._again: list[SceneRequest] = []
+        self._running: futures.Future[PlayResult] | None = None
 
-    def agrees(name: str, second: Arrays) -> bool:
-        return _agree(played.inputs[name], result.arrays[name], parts(name, second)[0])
+    def __enter__(self) -> Self:
+        return self
 
-    twice = [s for s in assignment.scenes if s.twice and s.name in result.arrays]
-    asked, again = dict[str, tuple[list[str], np.ndarray]](), []
-    for request in (p for p in job.scenes if p.name in {s.name for s in twice}):
-        added = [name for name in along if _proof(assignment, name) == request.name]
-        inputs = _joined([request.inputs, *(along[name] for name in added)])
-        order = rng.permutation(_length(inputs))
-        asked[request.name] = (added, order)
-        returns = {name: replace(spec, shape=(len(order), *spec.shape[1:])) for name, spec in request.returns.items()}
-        again.append(replace(request, inputs={key: value[order] for key, value in inputs.items()}, returns=returns, after=None))
-    other = PlayResult()
-    for needed_cells in TRIES:
-        if left := tuple(p for p in again if p.name not in other.arrays):
-            other.add(play(replace(job, scenes=left, needed_cells=needed_cells), assignment, sandbox, budget=played.budget))
-        if needed_cells:  # a difference may come from a cell that was left out
-            other.arrays = {name: found for name, found in other.arrays.items() if agrees(name, found)}
-    unsteady, answers = set[str](), dict[str, Arrays]()
-    for name, (added, _) in asked.items():
-        if name not in other.arrays:
-            scene_end = other.scene_ends.get(name)
-            sentence = scene_end.sentence if scene_end else "the process ended"
-            _discard(result, name, scene_end.ended if scene_end else Ended.EXITED, f"when repeated: {sentence}")
-            continue
-        if not agrees(name, other.arrays[name]):
-            unsteady.add(name)
-        answers |= dict(zip(added, parts(name, other.arrays[name])[1:], strict=True))
-    return unsteady, answers
+    def __exit__(self, *error: object) -> None:
+        if self._running is not None:
+            futures.wait([self._running])
+
+    def start(self, played: PlayedJob) -> None:
+        """Start it beside the first child if that has answered every question, and the sandbox has a guest for a second one."""
+        if self._running is None and self._sandbox.beside is not None and set(self._questions(played)) == self._all(played):
+            self._prepare(played)
+            self._running = self._sandbox.beside.submit(self._play, played, self._again, needed_cells=True)
+
+    def compare(self, played: PlayedJob) -> tuple[set[str], dict[str, Arrays]]:
+        """Return the scenes of ``played`` whose answers differ when repeated, and the answers to the points along motions."""
+        result, other = played.result, PlayResult()
+        if self._running is None or set(self._asked) != set(self._questions(played)):
+            self._running = None
+            self._prepare(played)
+
+        def parts(name: str, second: Arrays) -> list[Arrays]:
+            added, order = self._asked[name]
+            inverse = np.argsort(order)
+            lengths = [_length(result.arrays[name]), *(_length(self.along[one]) for one in added)]
+            return _parts({key: array[inverse] for key, array in second.items()}, lengths)
+
+        def agrees(name: str, second: Arrays) -> bool:
+            return _agree(played.inputs[name], result.arrays[name], parts(name, second)[0])
+
+        for needed_cells in TRIES:
+            if left := [p for p in self._again if p.name not in other.arrays]:
+                running, self._running = self._running, None
+                other.add(running.result() if running else self._play(played, left, needed_cells=needed_cells))
+            if needed_cells:  # a difference may come from a cell that was left out
+                other.arrays = {name: found for name, found in other.arrays.items() if agrees(name, found)}
+        unsteady, answers = set[str](), dict[str, Arrays]()
+        for name, (added, _) in self._asked.items():
+            if name not in other.arrays:
+                scene_end = other.scene_ends.get(name)
+                sentence = scene_end.sentence if scene_end else "the process ended"
+                _discard(result, name, scene_end.ended if scene_end else Ended.EXITED, f"when repeated: {sentence}")
+                continue
+            if not agrees(name, other.arrays[name]):
+                unsteady.add(name)
+            answers |= dict(zip(added, parts(name, other.arrays[name])[1:], strict=True))
+        return unsteady, answers
+
+    def _all(self, played: PlayedJob) -> set[str]:
+        return {p.name for p in played.job.scenes if self._assignment.scene(p.name).twice}
+
+    def _questions(self, played: PlayedJob) -> list[str]:
+        """Return the scenes to repeat, in the order of the job."""
+        asked = self._all(played)
+        return [p.name for p in played.job.scenes if p.name in asked and p.name in played.result.arrays]
+
+    def _prepare(self, played: PlayedJob) -> None:
+        """Draw the points along motions and the order of the questions."""
+        self.along, self._asked, self._again = _points_along(self._assignment, played, self.spared, self._seed), {}, []
+        requests = {p.name: p for p in played.job.scenes}
+        for name in self._questions(played):
+            request, added = requests[name], [one for one in self.along if _proof(self._assignment, one) == name]
+            inputs = _joined([request.inputs, *(self.along[one] for one in added)])
+            order = self.rng.permutation(_length(inputs))
+            self._asked[name] = (added, order)
+            returns = {key: replace(spec, shape=(len(order), *spec.shape[1:])) for key, spec in request.returns.items()}
+            shuffled = {key: value[order] for key, value in inputs.items()}
+            self._again.append(replace(request, inputs=shuffled, returns=returns, after=None))
+
+    def _play(self, played: PlayedJob, scenes: Sequence[SceneRequest], *, needed_cells: bool) -> PlayResult:
+        job = replace(played.job, scenes=tuple(scenes), needed_cells=needed_cells)
+        return play(job, self._assignment, self._sandbox, budget=played.budget)
 
 
 def _proof(assignment: Assignment, scene: str) -> str:

@@ -21,7 +21,7 @@ from exercises.assignment import ArraySpec, Assignment, Inputs, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
-from service.grading.crosscheck import CrossCheck, PlayedJob, cross_check, may_be_spared
+from service.grading.crosscheck import CrossCheck, PlayedJob, SecondChild, cross_check, may_be_spared
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
@@ -95,10 +95,11 @@ def _grade(
     def play_and_check(job: Job, on_progress: OnProgress = lambda phase, scene, scenes: None) -> tuple[PlayedJob, CrossCheck]:
         spared = [p for p in job.scenes if may_be_spared(assignment.scene(p.name))]
         first = job.without({p.name for p in spared})
-        played = _play(first, assignment, inputs, sandbox, budget, spared=[p.name for p in spared], on_progress=on_progress)
-        result = played.result
-        on_progress("judging", len(first.scenes), len(first.scenes))
-        crossed = cross_check(assignment, played, spared, sandbox, seed)
+        with SecondChild(assignment, spared, sandbox, seed) as second:
+            played = _play(first, assignment, inputs, sandbox, budget, second=second, on_progress=on_progress)
+            result = played.result
+            on_progress("judging", len(first.scenes), len(first.scenes))
+            crossed = cross_check(assignment, played, second, sandbox)
         result.scene_ends = {p.name: result.scene_ends[p.name] for p in job.scenes if p.name in result.scene_ends}
         _add_known_arrays(assignment, result, played.truths)
         return played, crossed
@@ -207,18 +208,21 @@ def _play(
     sandbox: Sandbox,
     budget: TimeBudget,
     *,
-    spared: list[str],
+    second: SecondChild,
     on_progress: OnProgress,
 ) -> PlayedJob:
-    """Play the job. Return it with its result and the exact answers, also of the scenes ``spared``, computed meanwhile."""
+    """Play the job, and start the ``second`` child as soon as possible. Return the job with its result and the exact answers, also
+    of the scenes spared, computed meanwhile.
+    """
     places = {request.name: k for k, request in enumerate(job.scenes, start=1)}
     exact: dict[str, Arrays] = {}
     failed: list[Exception] = []
 
-    def on_scene(scene: str) -> None:
+    def on_scene(scene: str, so_far: PlayResult) -> None:
         on_progress("playing", places[scene], len(places))
         try:
-            for name in (scene, *(other for other in spared if assignment.scene(other).after == scene)):
+            second.start(PlayedJob(job, inputs, exact, so_far, budget))
+            for name in (scene, *(p.name for p in second.spared if p.after == scene)):
                 exact[name] = truth(assignment.scene(name), inputs[name])
         except Exception as error:  # raised after the play: the guest goes on
             failed.append(error)
@@ -241,7 +245,7 @@ def _play(
     for scene_end in (*result.cells.values(), *result.scene_ends.values()):
         if scene_end.ended is Ended.RAISED and scene_end.sentence.startswith("ModuleNotFoundError: "):
             scene_end.sentence += f" (the sandbox has {packages.listing(assignment.packages)})"
-    truths = {name: arrays for name, arrays in exact.items() if name in result.arrays or name in spared}
+    truths = {name: arrays for name, arrays in exact.items() if name in {*result.arrays, *(p.name for p in second.spared)}}
     return PlayedJob(job, inputs, truths, result, budget, recalled)
 
 

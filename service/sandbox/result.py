@@ -1,5 +1,6 @@
 """The result of playing a job: arrays that the host has validated, and scene ends."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -43,7 +44,7 @@ class PlayResult:
     those of scenes, ``cells`` those of failed cells, ``driven`` the results of scenes that the host drove. ``author_errors`` are
     exceptions, by scene, that the guest attributes to the assignment's code; a submission can forge them. ``claims`` are the
     notebook's own checks; ``claims_left_out`` counts those beyond the limit. ``reported`` are those of the published cells, by cell
-    and place.
+    and place. ``cpu_s`` is the CPU time that was used.
     """
 
     defined: set[str] = field(default_factory=set)
@@ -56,6 +57,7 @@ class PlayResult:
     claims_left_out: int = 0
     reported: dict[tuple[str, tuple[int, int]], list[Claim]] = field(default_factory=dict)
     stdout: str = ""
+    cpu_s: float = 0.0
 
     def add(self, other: "PlayResult") -> None:
         """Add the result of another child that ran the same submission."""
@@ -65,10 +67,19 @@ class PlayResult:
             self.claims, self.claims_left_out = other.claims, other.claims_left_out
         self.reported = self.reported or other.reported
         self.stdout = (self.stdout + other.stdout)[:KEPT_OUTPUT]
+        self.cpu_s += other.cpu_s
 
     def finished(self, scene: str) -> bool:
         """Return whether ``scene`` was played to its end."""
         return scene in self.scene_ends and self.scene_ends[scene].ended is Ended.FINISHED
+
+
+OnScene = Callable[[str, PlayResult], None]
+"""A function that is called when a scene begins, with its name and the result of its child so far."""
+
+
+def ignore(scene: str, so_far: PlayResult) -> None:
+    """Do nothing when a scene begins."""
 
 
 class Cancelled(Exception):

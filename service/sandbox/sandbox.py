@@ -2,14 +2,14 @@
 
 import logging
 import threading
-from collections.abc import Callable
+from concurrent.futures import Executor
 
 from ecp.outcome import Ended, SceneEnd
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import ROOT_ALLOWED, Identity
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Job
-from service.sandbox.result import CODES, Cancelled, PlayResult, SystemFault
+from service.sandbox.result import CODES, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.self_test_job import self_test_job
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import LibraryNeeded, Zygote, ZygoteLost
@@ -40,6 +40,8 @@ class Sandbox:
         self.zygotes = 0  # started so far
         self.self_tested = False
         self.identity: Identity | None = None  # what the guest of the self-test reported
+        self._turn = threading.Lock()
+        self.beside: Executor | None = None  # for a play beside another one, if there are guests for both
         self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
 
     def start(self) -> Zygote:
@@ -88,14 +90,19 @@ class Sandbox:
             log.warning(ROOT_ALLOWED, self.isolation.stays_root)
         self.self_tested = True
 
-    def play(self, job: Job, on_scene: Callable[[str], None] = lambda scene: None, budget: TimeBudget | None = None) -> PlayResult:
-        """Play every scene of ``job`` within ``budget`` (default: a new one). Calls ``on_scene`` with the name of each that begins.
+    def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:
+        """Play every scene of ``job`` within ``budget`` (default: a new one), after the play of another thread. Calls ``on_scene``
+        when a scene begins.
 
         A scene that crashes or stalls its process does not affect the others, until the budget is exceeded: the scenes that are
         left have then timed out. Raises SystemFault if the sandbox fails or the machine is too busy, and Cancelled if
         ``cancelled`` is set.
         """
-        result, budget = PlayResult(), budget or TimeBudget(self.limits)
+        with self._turn:
+            return self._play(job, on_scene, budget or TimeBudget(self.limits))
+
+    def _play(self, job: Job, on_scene: OnScene, budget: TimeBudget) -> PlayResult:
+        result = PlayResult()
         if not job.scenes:  # the cells alone
             self._play_once(job, budget, result, on_scene)
         while (left := job.without(set(result.scene_ends))).scenes:
@@ -115,10 +122,10 @@ class Sandbox:
         result.scene_ends = {s.name: result.scene_ends[s.name] for s in job.scenes if s.name in result.scene_ends}
         return result
 
-    def _play_once(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None]) -> None:
+    def _play_once(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: OnScene) -> None:
         """Play the job in one child. If the zygote is lost, try again with a second one."""
         for number in range(TRIES):
-            zygote, cpu_s = self.start(), budget.cpu_s
+            zygote = self.start()
             try:
                 played, reusable = self._play_with_libraries(zygote, job, budget, on_scene)
             except ZygoteLost as lost:
@@ -136,12 +143,12 @@ class Sandbox:
             if not reusable or self._plays >= MOST_PLAYS:
                 self.close()
                 self.start()  # warms up while the report is written
-            if _lacked_processor(job, played, budget, budget.cpu_s - cpu_s):
+            if _lacked_processor(job, played, budget):
                 raise _too_busy(budget)
             return
 
     def _play_with_libraries(
-        self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: Callable[[str], None]
+        self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: OnScene
     ) -> tuple[PlayResult, bool]:
         """Play once, or again with each library that the submission turns out to need. Return the last play's result, and whether
         the zygote is reusable.
@@ -169,11 +176,11 @@ class Sandbox:
                 result.scene_ends[scene.name] = SceneEnd(scene=scene.name, ended=Ended.NOT_PLAYED, sentence=sentence)
 
 
-def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget, cpu_s: float) -> bool:
-    """Return whether a process that used ``cpu_s`` reached a wall-clock limit because other programs had the processors."""
+def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget) -> bool:
+    """Return whether the process reached a wall-clock limit because other programs had the processors."""
     budgets = [scene.budget_s for scene in job.scenes if _timed_out(played.scene_ends.get(scene.name))]
     budgets += [job.load_budget_s for cell_end in played.cells.values() if _timed_out(cell_end)]
-    in_scene = budget.starved and budget.cpu_left() > 0 and cpu_s < max(budgets, default=0.0)
+    in_scene = budget.starved and budget.cpu_left() > 0 and played.cpu_s < max(budgets, default=0.0)
     return in_scene or (budget.delayed and bool(budgets))
 
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,12 +35,14 @@ class TimeBudget:
         self.limits = limits
         self.cpu_s = self.waited_s = self.running_s = 0.0
         self._until = time.monotonic() + limits.wall_s
+        self._lock = threading.Lock()
 
     def charge(self, cpu_s: float, waited_s: float, running_s: float) -> None:
         """Add the times of a process that has ended."""
-        self.cpu_s += cpu_s
-        self.waited_s += waited_s
-        self.running_s += running_s
+        with self._lock:
+            self.cpu_s += cpu_s
+            self.waited_s += waited_s
+            self.running_s += running_s
 
     def cpu_left(self) -> float:
         """Return the seconds of CPU time that are left."""

@@ -1,52 +1,61 @@
-"""The sandbox of a worker: besides a guest with all libraries, it has small guests, whose children cost less."""
+"""The sandbox of a worker: besides a guest with all libraries it has small guests, whose children cost less."""
 
-from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 from service.sandbox.isolation import Isolation
 from service.sandbox.job import Cell, Job
-from service.sandbox.result import PlayResult
+from service.sandbox.result import OnScene, PlayResult, ignore
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import LibraryNeeded
 
-SMALL = 2  # a play does not wait until the child of the one before has exited
+SMALL = 2  # so that a second child plays beside the first one, or while that exits
 
 
 class WarmSandbox(Sandbox):
     """A sandbox with SMALL more guests without SciPy and matplotlib, a quarter of the memory to copy and to free for each child.
 
-    They play in turn. A submission that uses one of these libraries, or draws, is played by the guest that has them.
+    They play in turn, also at the same time. The guest that has the libraries plays submissions that use one, and scenes that draw.
     """
 
     def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
         super().__init__(isolation, limits)
-        self._small = [Sandbox(isolation, limits, small=True) for _ in range(SMALL)]
-        for sandbox in self._small:
-            sandbox.cancelled = self.cancelled
+        self.beside = ThreadPoolExecutor(1)  # a thread that stays: a guest ends with the thread that started it
+        self._guests = [Sandbox(isolation, limits, small=True) for _ in range(SMALL)]
+        for guest in self._guests:
+            guest.cancelled = self.cancelled
         self._needing: tuple[Cell, ...] = ()  # the cells of the last submission that used a library
 
     @property
     def replaced(self) -> int:
-        return super().replaced + sum(sandbox.replaced for sandbox in self._small)
+        """The number of guests that have been replaced."""
+        return super().replaced + sum(guest.replaced for guest in self._guests)
 
     def self_test(self) -> None:
-        for sandbox in (*self._small, super()):
-            sandbox.start()
-        for sandbox in (*self._small, super()):
-            sandbox.self_test()
+        """Run the self-test in each guest. All of them import the libraries meanwhile."""
+        self.start()
+        for guest in self._guests:
+            guest.start()
+        for guest in self._guests:
+            guest.self_test()
+        self.identity = self._guests[0].identity
+        super().self_test()
 
-    def play(self, job: Job, on_scene: Callable[[str], None] = lambda scene: None, budget: TimeBudget | None = None) -> PlayResult:
+    def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:
+        """Play every scene of ``job`` in the next small guest, or in the one with the libraries. See ``Sandbox.play``."""
         budget = budget or TimeBudget(self.limits)
         draws = any(spec.dtype == "uint8" for scene in job.scenes for spec in scene.returns.values())
-        if not draws and job.cells != self._needing:
-            small = self._small.pop(0)
-            self._small.append(small)
+        if not draws and job.cells != self._needing and self.self_tested:
+            guest = self._guests.pop(0)
+            self._guests.append(guest)
             try:
-                return small.play(job, on_scene, budget)
+                return guest.play(job, on_scene, budget)
             except LibraryNeeded:
                 self._needing = job.cells
         return super().play(job, on_scene, budget)
 
     def close(self) -> None:
-        for sandbox in (*self._small, super()):
-            sandbox.close()
+        """End all guests."""
+        for guest in self._guests:
+            guest.close()
+        super().close()

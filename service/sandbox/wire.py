@@ -11,7 +11,7 @@ import json
 import math
 import struct
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from service.sandbox import claims
 from service.sandbox.guest.claims import MOST_CLAIMS, MOST_CUT, MOST_IN_ALL, MOST_REPORTED
 from service.sandbox.guest.wire import HEADER
 from service.sandbox.job import Job
-from service.sandbox.result import GUEST_CODES, PlayResult
+from service.sandbox.result import GUEST_CODES, OnScene, PlayResult, ignore
 from service.sandbox.untrusted_text import text
 
 MOST_JSON = 64 * 1024
@@ -45,7 +45,7 @@ class Reader:
     code; only then does it run the submission. ``not_prepared`` says why that code failed. ``done`` is True after its last frame.
     """
 
-    def __init__(self, job: Job, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> None:
+    def __init__(self, job: Job, result: PlayResult, on_scene: OnScene = ignore) -> None:
         self._on_scene = on_scene
         self.result, self.prepared, self.done = result, False, False
         self.started: str | None = None
@@ -96,7 +96,7 @@ class Reader:
             case "start":
                 self.started = self._next(event)
                 self.open_questions = 0 if self._scenes[self.started].drive else 1
-                self._on_scene(self.started)
+                self._on_scene(self.started, self.result)
             case "scene":
                 self._end(event)
             case "cell":

@@ -12,7 +12,7 @@ import socket
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from service.sandbox.guest.zygote import IMPORT, NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
 from service.sandbox.job import Job
-from service.sandbox.result import KEPT_OUTPUT, Cancelled, PlayResult, SystemFault
+from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorWait, TimeBudget, processor_wait
 from service.sandbox.untrusted_text import text
@@ -103,7 +103,7 @@ class Zygote:
                 break
         return b""
 
-    def play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: Callable[[str], None] = lambda scene: None) -> bool:
+    def play(self, job: Job, budget: TimeBudget, result: PlayResult, on_scene: OnScene = ignore) -> bool:
         """Play ``job`` in one child within ``budget`` and add to ``result``. Calls ``on_scene`` with the name of each that begins.
 
         Return False if the play ended abnormally and the zygote should be replaced. Raises Cancelled, LibraryNeeded, or
@@ -137,7 +137,8 @@ class Zygote:
         self._exit_is_unread = session.ended is None
         if session.ended is None and not (session.complete and waited.cpu_s):
             session.ended = self._read_exit()
-        budget.charge(session.ended.cpu_s if session.ended else waited.cpu_s, waited.seconds, time.monotonic() - began)
+        reader.result.cpu_s = session.ended.cpu_s if session.ended else waited.cpu_s
+        budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
         codes = session.ended.codes if session.ended else ()

@@ -37,7 +37,7 @@ OPERATIONS |= {"__getitem__", "__instancecheck__", "__subclasscheck__"}
 
 
 def install() -> None:
-    """Let the children of this process import the names of LIBRARIES instead of these. Make those of USUAL now, for all children."""
+    """Let the children of this process import the names of LIBRARIES instead of these. It makes those in USUAL now."""
     sys.meta_path.insert(0, _finder)
     for name, values in USUAL.items():
         module = importlib.import_module(name)

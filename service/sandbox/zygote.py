@@ -63,7 +63,7 @@ class Zygote:
         """
         other = copy.copy(self)
         other._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        other._identity, other._is_copy, other._cancelled = None, True, cancelled
+        other._identity, other._is_copy, other._cancelled, other._exit_is_unread = None, True, cancelled, False
         with theirs:
             socket.send_fds(self._control, [b"copy"], [theirs.fileno()])
         return other

@@ -15,6 +15,7 @@ from exercises.wheel import wheel
 from service.sandbox.isolation import process_isolation
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
+from service.sandbox.warm_sandbox import WarmSandbox
 from service.store.postgres.server import EmbeddedPostgres
 from service.store.schema import migrate
 from service.store.workers import LEASE_S
@@ -91,6 +92,15 @@ def rigid_body():
 def sandbox():
     """A sandbox at isolation level ``namespaces``, as a server has it where it can."""
     sandbox = Sandbox(choose("namespaces"))
+    sandbox.self_test()
+    yield sandbox
+    sandbox.close()
+
+
+@pytest.fixture(scope="session")
+def warm_sandbox():
+    """The sandbox of a worker."""
+    sandbox = WarmSandbox(choose("namespaces"))
     sandbox.self_test()
     yield sandbox
     sandbox.close()

@@ -147,9 +147,7 @@ class Sandbox:
                 raise _too_busy(budget)
             return
 
-    def _play_with_libraries(
-        self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: OnScene
-    ) -> tuple[PlayResult, bool]:
+    def _play_with_libraries(self, zygote: Zygote, job: Job, budget: TimeBudget, on_scene: OnScene) -> tuple[PlayResult, bool]:
         """Play once, or again with each library that the submission turns out to need. Return the last play's result, and whether
         the zygote is reusable.
 

@@ -1,0 +1,140 @@
+"""A worker's sandbox: small guests in turn, and the guest with SciPy and matplotlib for submissions that need it."""
+
+import threading
+
+import pytest
+
+from ecp.outcome import Ended
+from exercises.assignment import ArraySpec
+from service.sandbox.job import Cell, Job, SceneRequest
+from service.sandbox.result import Cancelled
+
+SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom scipy.integrate import quad"
+PLAYS = """
+import numpy as np
+
+def ask(student, inputs):
+    return {"x": np.asarray(student["f"](), dtype=float)}
+
+def draw(student, inputs):
+    import matplotlib.pyplot
+    figure = matplotlib.pyplot.figure(figsize=(1, 1), dpi=10)
+    figure.canvas.draw()
+    return {"frames": np.asarray(figure.canvas.buffer_rgba())}
+"""
+
+
+def job(source, play="ask", **returns):
+    scene = SceneRequest("one", play, "f", {}, returns or {"x": ArraySpec(())}, 2.0, None)
+    return Job(SETUP, PLAYS, (Cell("cell 1", source),), ("f",), (scene,))
+
+
+def plays(sandbox):
+    """How many plays each of the guests has seen: the small ones, and the one with the libraries."""
+    return sorted(guest._plays for guest in sandbox._guests), sandbox._plays
+
+
+def test_small_guests_play_in_turn(warm_sandbox):
+    small, own = plays(warm_sandbox)
+    for _ in range(4):
+        assert warm_sandbox.play(job("def f():\n    return 1.0")).arrays["one"]["x"] == 1.0
+    assert plays(warm_sandbox) == ([one + 2 for one in small], own)
+
+
+def test_a_submission_that_uses_a_library_is_played_with_it_from_then_on(warm_sandbox):
+    uses = job("print('begun')\ndef f():\n    return quad(np.cos, 0.0, 1.0)[0]")
+    result = warm_sandbox.play(uses)
+    assert result.arrays["one"]["x"] == pytest.approx(0.8414709848) and result.stdout == "begun\n"
+    small, own = plays(warm_sandbox)
+    assert warm_sandbox.play(uses).finished("one") and plays(warm_sandbox) == (small, own + 1)
+    assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one") and plays(warm_sandbox)[1] == own + 1
+
+
+def test_scenes_that_draw_are_played_with_matplotlib_at_once(warm_sandbox):
+    small, own = plays(warm_sandbox)
+    result = warm_sandbox.play(job("def f():\n    pass", "draw", frames=ArraySpec((10, 10, 4), "uint8")))
+    assert result.arrays["one"]["frames"].shape == (10, 10, 4) and plays(warm_sandbox) == (small, own + 1)
+
+
+def test_two_threads_play_at_the_same_time(warm_sandbox):
+    both, seen = threading.Barrier(2, timeout=20), []
+    right = job("import time\ndef f():\n    return 1.0")
+
+    def play():
+        seen.append(warm_sandbox.play(right, lambda scene, so_far: both.wait()))  # returns when both scenes have begun
+
+    threads = [threading.Thread(target=play) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [result.finished("one") for result in seen] == [True, True]
+
+
+def test_two_threads_that_need_the_same_guest_wait_for_each_other(warm_sandbox):
+    uses, seen = job("def f():\n    return quad(np.cos, 0.0, 1.0)[0]"), []
+    threads = [threading.Thread(target=lambda: seen.append(warm_sandbox.play(uses))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [result.finished("one") for result in seen] == [True] * 4
+
+
+def test_every_play_can_be_cancelled(warm_sandbox):
+    cancel = threading.Timer(0.3, warm_sandbox.cancelled.set)
+    cancel.start()
+    try:
+        with pytest.raises(Cancelled):
+            warm_sandbox.play(job("import time\ndef f():\n    time.sleep(5.0)"))
+    finally:
+        cancel.join()
+        warm_sandbox.cancelled.clear()
+    assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
+
+
+def test_a_guest_that_a_submission_crashes_is_replaced_and_counted(warm_sandbox):
+    before = warm_sandbox.replaced
+    result = warm_sandbox.play(job("import ctypes\ndef f():\n    ctypes.string_at(0)"))
+    assert result.scene_ends["one"].ended is Ended.KILLED and warm_sandbox.replaced == before + 1
+    for _ in range(2):
+        assert warm_sandbox.play(job("def f():\n    return 1.0")).finished("one")
+
+
+SLEEPS = """
+import sys, time
+class Stream:
+    write = print
+    def flush(self):
+        time.sleep(1)
+sys.stdout = Stream()
+"""
+ENDINGS = {
+    "keeps its pipes open": "import os\nkept = [os.dup(k) for k in range(1, 5)]",
+    "closes its output": "import os\nos.close(1)\nos.close(2)",
+    "prints at last without flushing": "import sys\nsys.stdout.write('last')",
+    "has a stream that never flushes": SLEEPS,
+}
+
+
+@pytest.mark.parametrize("source", ENDINGS.values(), ids=ENDINGS)
+def test_however_a_child_ends_its_result_is_whole(warm_sandbox, source):
+    result = warm_sandbox.play(job(f"{source}\ndef f():\n    return 1.0"))
+    assert result.finished("one") and result.arrays["one"]["x"] == 1.0 and result.cpu_s > 0
+    assert result.stdout == ("last" if "last" in source else "")
+
+
+LATE = """
+import os, sys
+class Stream:
+    write = print
+    def flush(self):
+        os.write(4, b"J\\x02\\x00\\x00\\x00{}")
+sys.stdout = Stream()
+def f():
+    return 1.0
+"""
+
+
+def test_bytes_after_the_last_frame_are_not_accepted(warm_sandbox):
+    assert warm_sandbox.play(job(LATE)).scene_ends["one"].ended is Ended.PROTOCOL

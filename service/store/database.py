@@ -24,7 +24,6 @@ Values = Mapping[str, Any]
 Row: TypeAlias = Any
 """A named tuple of a query's columns."""
 CONNECT_S = 3
-IDLE = 4  # most connections of a pool that stay open while nobody uses them
 ANSWER_S = 25.0  # longer than statement_timeout, which a frozen server does not enforce
 # Make the server release the locks of a disconnected or frozen client within seconds.
 SERVER_SIDE = {
@@ -111,7 +110,7 @@ class _Number(Loader):
 
 
 class Database(Queries):
-    """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date.
+    """Pool of at most ``connections`` connections to the database at ``url``, whose tables are up to date. They stay open.
 
     A caller waits at most ``wait_s`` seconds for a connection. ``find_loss`` returns the reason why the files
     of an embedded database are lost, or None; no transaction counts as committed while it returns a reason.
@@ -130,7 +129,7 @@ class Database(Queries):
         self._options, self._wait_s = connect_options(name), wait_s
         self._places = asyncio.Semaphore(connections)
         self._idle: list[psycopg.AsyncConnection[Row]] = []
-        self._most_idle = IDLE
+        self._most_idle = connections
 
     async def close(self) -> None:
         """Close the idle connections, and others once they are not used any more."""

@@ -1,5 +1,6 @@
 """A rejected form in a browser without JavaScript: its page again, with the reason beside the field and with what was typed."""
 
+import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from urllib.parse import quote, unquote, urlsplit
@@ -18,8 +19,9 @@ Typed = Mapping[str, Sequence[str]]
 Changes = defaultdict[Element, dict[str, str | None]]
 PAGE = "page"  # the parameter of an action in which a page that answers a form has its own address
 UNTYPED = ("hidden", "file", "password", "submit", "button", "select", "textarea")  # their start tags have nothing that is typed
-ENTER_AGAIN = {"file": " Choose the file again.", "password": " Enter the password again."}  # a page cannot contain them
+ENTER_AGAIN = {"file": "; choose the file again", "password": "; enter the passwords again"}  # a page cannot contain them
 ERROR = Markup('<span class="refused" id="refused" role="alert"{}>{}</span>')
+REFRESH = re.compile(r'<meta http-equiv="refresh"[^>]*>')  # it would ask for the form's address, and discard what was typed
 FOCUS = Markup(' tabindex="-1" autofocus')
 OF_THE_BODY = ("content-length", "content-type", "transfer-encoding")
 OF_THE_SERVER = ("type", "asgi", "http_version", "server", "client", "scheme", "root_path")
@@ -103,7 +105,7 @@ def refill(page: str, path: str, *, address: str, typed: Typed, detail: str, nam
     tags = [(element.start, element.start_stop, element.start_tag(changed)) for element, changed in changes.items()]
     for start, stop, text in sorted([*texts, *tags, (place, place, error)], reverse=True):
         page = page[:start] + text + page[stop:]
-    return page.replace("<title>", "<title>Error: ", 1)
+    return REFRESH.sub("", page).replace("<title>", "<title>Error: ", 1)
 
 
 def _fill(form: Element, typed: Typed, changes: Changes) -> list[tuple[int, int, str]]:

@@ -116,7 +116,17 @@ def test_a_file_is_to_be_chosen_again(visit, tmp_path):
     for _ in range(2):
         field.set_input_files(file)
         page.get_by_role("button", name="Submit").click()
-        assert "Choose the file again." in page.locator("#refused").inner_text()
+        assert "; choose the file again" in page.locator("#refused").inner_text()
+
+
+def test_passwords_are_to_be_entered_again(visit):
+    page = visit("ben", "student", "/account")
+    password, again = page.get_by_label("New password ("), page.get_by_label("Repeat new password")
+    password.fill("a polhode rolls for ben")
+    again.fill("a herpolhode rolls for ben")
+    page.get_by_role("button", name="Save password").click()
+    rejected(page, again, "passwords do not match: type the new password again; enter the passwords again")
+    assert password.input_value() == again.input_value() == ""
 
 
 def test_a_login_that_fails_keeps_the_name(page, server):

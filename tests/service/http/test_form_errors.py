@@ -9,7 +9,7 @@ from service.http.form_errors import refill
 from tests.support.database import entered
 from tests.support.http_client import Browser, call
 
-PAGE = """<!doctype html><html><head><title>T</title></head><body>
+PAGE = """<!doctype html><html><head><title>T</title><noscript><meta http-equiv="refresh" content="2"></noscript></head><body>
 <datalist id="z"><option value="a"><option value="b"></datalist>
 <form method="post" action="/notes"><input type="hidden" name="id" value="7"><button>Remove</button></form>
 <details><summary>More</summary>
@@ -82,7 +82,7 @@ def test_the_error_is_beside_its_field_and_can_be_seen():
     assert {"aria-invalid": "true", "aria-describedby": "refused", "autofocus": ""}.items() <= tags.of("points").items()
     assert tags.text["refused"] == "wrong & <bad>"
     assert re.search(r'name="points"[^>]* aria-invalid[^>]*></label><span class="refused"', page)
-    assert '<details open="">' in page and "<title>Error: T</title>" in page
+    assert '<details open="">' in page and "<title>Error: T</title>" in page and "refresh" not in page
 
 
 @pytest.mark.parametrize("name", ["", "unknown", "id", "do"])
@@ -101,7 +101,7 @@ def test_the_form_is_that_which_was_sent():
 
 def test_what_no_page_can_contain_is_asked_for():
     page = shown("/files", typed={"secret": ["hunter2"]}, name="file")
-    assert Tags(page).text["refused"] == "wrong & <bad> Choose the file again. Enter the password again." and "hunter2" not in page
+    assert Tags(page).text["refused"] == "wrong & <bad>; choose the file again; enter the passwords again" and "hunter2" not in page
 
 
 def test_the_forms_then_say_where_their_page_is():

@@ -24,6 +24,7 @@ from service.http.live import ChangeFeed, Listener
 from service.http.templating import ENVIRONMENT
 from service.pages import (
     account,
+    api_reference,
     class_tabs,
     course,
     course_settings,
@@ -46,13 +47,14 @@ from service.store.submissions import register
 log = logging.getLogger(__name__)
 ROUTERS = (
     health.router,
+    submissions.catalogue,
+    kit.router,
     submissions.router,
     history.router,
-    feedback.router,
     events.router,
     figures.router,
+    feedback.router,
     device_login.router,
-    kit.router,
 )
 PAGES = (
     course.router,
@@ -70,6 +72,7 @@ PAGES = (
     login.router,
     account.router,
     oidc.router,
+    api_reference.router,
 )
 ENVIRONMENT.globals["csrf"] = forms.csrf_field
 ALLOWED = ["Authorization", "Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"]
@@ -100,10 +103,8 @@ def create_app(settings: Settings, find_loss: Callable[[], str | None] = lambda:
         app.include_router(router)
     for router in PAGES:
         app.include_router(router, include_in_schema=False, dependencies=[Depends(course_settings.use_course_zone)])
-    swagger = StaticFiles(packages=[("fastapi_swagger", "resources")])
-    own = StaticFiles(directory=Path(__file__).parent / "pages" / "static")
-    for path, files in (("/static/swagger", swagger), ("/static", own)):
-        app.mount(path, GZipMiddleware(files, compresslevel=6))  # pages are not: compression can leak a form's token
+    files = StaticFiles(directory=Path(__file__).parent / "pages" / "static")
+    app.mount("/static", GZipMiddleware(files, compresslevel=6))  # pages are not: compression can leak a form's token
     app.include_router(course.others, include_in_schema=False)
     return app
 

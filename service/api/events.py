@@ -15,7 +15,7 @@ from service.store import records
 from service.store.database import is_outage
 from service.store.records import SubmissionRecord
 
-router = APIRouter()
+router = APIRouter(tags=["Submissions"])
 LONGEST_S = 3600.0
 
 
@@ -25,7 +25,7 @@ async def events(
     database: Db,
     listener: Held[Listener],
     renderer: Held[Renderer],
-    last_event_id: Annotated[str | None, Header()] = None,
+    last_event_id: Annotated[str | None, Header(description="The last event that was received.")] = None,
 ) -> AsyncIterator[ServerSentEvent]:
     """Send ``queued`` with its position, ``running`` with scene k of n, then ``graded`` or ``faulted``, and close the stream.
 

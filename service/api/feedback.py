@@ -19,7 +19,7 @@ from service.store.course.comments import Comment
 from service.store.course.regrade_requests import RegradeRequest, RequestRejected
 from service.store.records import SubmissionRecord
 
-router = APIRouter(route_class=SmallBody)
+router = APIRouter(route_class=SmallBody, tags=["Feedback"])
 STORED = PERSON | {404: "not-found"}
 SENT = STORED | {408: "timed-out", 413: "too-large", 422: "invalid-request"}
 

@@ -18,7 +18,7 @@ from service.http.state import Db, Held
 from service.store import sweeps
 from service.store.records import SubmissionRecord, find_artefact, store_artefacts
 
-router = APIRouter()
+router = APIRouter(tags=["Figures"])
 SWEEP_WAIT_S = 50.0
 NOT_MODIFIED = {304: {"description": "Not modified"}}
 PICTURE = PERSON | {404: "not-found", 422: "invalid-request", 503: ("assignment-broken", "busy")}

@@ -13,7 +13,7 @@ from service.http.state import Db, Held
 from service.store.database import Database, DatabaseLost, is_loss
 from service.store.schema import MISSING_TABLES
 
-router = APIRouter()
+router = APIRouter(tags=["Health and metrics"])
 CACHED_S = 1.0
 
 _WORKERS = """

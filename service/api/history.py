@@ -17,7 +17,7 @@ from service.http.state import Db
 from service.store.course import deadlines
 from service.store.history import PastSubmission, past_submissions
 
-router = APIRouter()
+router = APIRouter(tags=["Submissions"])
 
 
 @router.get(

@@ -11,7 +11,7 @@ from service.http.errors import Problem
 from service.http.openapi import media, problems
 from service.http.requests import PublicAddress
 
-router = APIRouter()
+router = APIRouter(tags=["Assignments"])
 WHEEL, NOTEBOOK = "application/zip", "application/x-ipynb+json"
 
 

@@ -36,10 +36,13 @@ from service.store.database import is_loss, is_outage
 from service.store.records import NewSubmission, SubmissionRecord
 from service.store.submissions import Accepted, KeyReused, SubmissionRejected, TooManyOpen, accept
 
-router = APIRouter()
+catalogue = APIRouter(tags=["Assignments"])
+router = APIRouter(tags=["Submissions"])
 LONGEST_WAIT_S = 60.0
 OPEN_RETRY_S = 10
 SHARED = 10  # times as many open submissions for the person that all users of a server without logins share
+Prefer = Annotated[str | None, Header(description="`wait=SECONDS` (at most 60), `no-repeat`, or both.")]
+Key = Annotated[str | None, Header(max_length=200, description="A request with a known key returns the submission of the first.")]
 
 
 async def find_assignment(slug: str) -> Assignment:
@@ -74,13 +77,13 @@ Assigned = Annotated[Assignment, Depends(find_assignment)]
 Submission = Annotated[SubmissionRecord, Depends(_submission)]
 
 
-@router.get("/v1/assignments", responses=problems({}))
+@catalogue.get("/v1/assignments", responses=problems({}))
 async def list_assignments() -> list[answers.Named]:
     """Return slug, title and version of every assignment."""
     return [answers.Named(slug=a.slug, title=a.title, version=a.version) for a in assignments().values()]
 
 
-@router.get("/v1/assignments/{slug}", responses=problems({404: "not-found", 503: "assignment-broken"}))
+@catalogue.get("/v1/assignments/{slug}", responses=problems({404: "not-found", 503: "assignment-broken"}))
 async def show_assignment(assignment: Assigned) -> answers.Described:
     """Return the exercises with their functions and checks; each check has its tolerance, the reason
     for it, and ``hidden``.
@@ -158,7 +161,7 @@ SUBMIT_PROBLEMS: dict[int, Kinds] = {
 }
 
 
-async def _may_repeat(request: Request, prefer: Annotated[str | None, Header()] = None) -> bool:
+async def _may_repeat(request: Request, prefer: Prefer = None) -> bool:
     """Return whether a submission that repeats the person's last one is stored too.
 
     A program says no with ``Prefer: no-repeat``. A page's form says yes with ``again`` in its address.
@@ -177,7 +180,7 @@ async def store_submission(
     workers: Held[WorkerStatus],
     large: Held[parse_submission.LargeBodies],
     repeat: Annotated[bool, Depends(_may_repeat)],
-    idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
+    idempotency_key: Key = None,
 ) -> Accepted:
     """Store the submission in the body and queue its grading; unless ``repeat``, only if it differs from the last one.
 
@@ -221,7 +224,7 @@ async def submit(
     accepted: Stored,
     database: Db,
     listener: Held[Listener],
-    prefer: Annotated[str | None, Header()] = None,
+    prefer: Prefer = None,
 ) -> JSONResponse:
     """Store a submission and queue its grading: return 202, or 200 if it is graded within ``Prefer:
     wait=SECONDS``.

@@ -16,7 +16,7 @@ from service.http.requests import PublicAddress, SmallBody
 from service.http.state import Config, Db, Held
 from service.store.course import tokens
 
-router = APIRouter(route_class=SmallBody)
+router = APIRouter(route_class=SmallBody, tags=["Login and account"])
 INTERVAL_S = 2
 LONGEST_LABEL = 60
 

@@ -49,6 +49,7 @@ async def checked_public_form(request: Request, person: OptionalUser, cookies: B
         form = await request.form(max_files=1, max_fields=200)
     except Exception as error:
         raise Problem(400, "invalid-request", f"the form cannot be parsed: {error}") from error
+    request.state.form = form  # for the page with an error
     if not hmac.compare_digest(raw_field(form, FIELD).encode(), csrf_token(person, cookies).encode()):
         await form.close()
         raise Problem(403, "not-allowed", STALE)

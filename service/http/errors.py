@@ -12,6 +12,7 @@ from fastapi.responses import JSONResponse, Response
 from procrastinate.exceptions import ConnectorException
 from starlette.exceptions import HTTPException
 
+from service.http.form_errors import page_with_error
 from service.http.templating import templates
 from service.store.database import DatabaseLost, is_loss, is_outage
 
@@ -98,7 +99,7 @@ def _encodable(text: str) -> str:
 
 async def _problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, Problem)
-    return _respond(request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None)
+    return await _respond(request, error, [{"pointer": error.pointer, "detail": error.detail}] if error.pointer else None)
 
 
 def wants_page(request: Request) -> bool:
@@ -106,26 +107,31 @@ def wants_page(request: Request) -> bool:
     return not request.url.path.startswith("/v1/") and "text/html" in request.headers.get("accept", "")
 
 
-def _respond(
+async def _respond(
     request: Request, problem: Problem, errors: list[dict[str, str]] | None = None, more: Mapping[str, str] | None = None
 ) -> Response:
     headers = {**problem.headers(), **(more or {})}
     if not wants_page(request):
         return problem_response(problem.status, problem.kind, problem.detail, errors, **headers)
-    context = {"title": PAGE_TITLES.get(problem.kind, "Error"), "detail": _encodable(problem.detail)}
+    detail = _encodable(problem.detail)
+    page = await page_with_error(request, problem.status, detail, errors[0]["pointer"] if errors else None)
+    if page is not None:
+        page.headers.update(headers)
+        return page
+    context = {"title": PAGE_TITLES.get(problem.kind, "Error"), "detail": detail}
     return templates.TemplateResponse(request, "problem.html", context, status_code=problem.status, headers=headers)
 
 
 async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     kind, detail = BY_STATUS.get(error.status_code, "invalid-request"), f"{error.detail}: {request.method} {request.url.path}"
-    return _respond(request, Problem(error.status_code, kind, detail), more=error.headers)
+    return await _respond(request, Problem(error.status_code, kind, detail), more=error.headers)
 
 
 async def _validation(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors = [{"pointer": "/" + "/".join(map(str, e["loc"][1:])), "detail": e["msg"]} for e in error.errors()]
-    return _respond(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
+    return await _respond(request, Problem(422, "invalid-request", errors[0]["detail"] if errors else "invalid"), errors)
 
 
 async def _outage(logged: dict[str, float], request: Request, error: Exception) -> Response:
@@ -142,8 +148,8 @@ async def _outage(logged: dict[str, float], request: Request, error: Exception) 
         detail = (
             "this server has lost its database, and nothing can be stored until the course staff has restored it: keep your work"
         )
-        return _respond(request, Problem(503, "database-lost", detail, retry_after=60))
-    return _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
+        return await _respond(request, Problem(503, "database-lost", detail, retry_after=60))
+    return await _respond(request, Problem(503, "busy", "the database does not respond: try again in a moment"))
 
 
 def internal_error() -> JSONResponse:

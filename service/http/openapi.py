@@ -1,14 +1,13 @@
-"""The OpenAPI document, with the media types of responses and errors as problems, and its page."""
+"""The OpenAPI document, with the media types of responses and errors as problems."""
 
 from collections.abc import Mapping
 from typing import Any
 
-from fastapi import FastAPI, Request, Response
+from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 
 from service.http.errors import PROBLEM_TYPE, TITLES
-from service.http.templating import templates
 
 JSON = "application/json"
 Kinds = str | tuple[str, ...]
@@ -59,7 +58,7 @@ def also(status: int, description: str, model: type[BaseModel]) -> Responses:
 
 
 def install(app: FastAPI) -> None:
-    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it, and a page that shows it."""
+    """Give ``app`` a document in which 422 is a problem too, and only on routes that declare it."""
 
     def document() -> dict[str, Any]:
         if not app.openapi_schema:
@@ -73,9 +72,5 @@ def install(app: FastAPI) -> None:
             schemas["Problem"] = PROBLEM
             app.openapi_schema = made
         return app.openapi_schema
-
-    @app.get("/docs", include_in_schema=False)
-    async def page(request: Request) -> Response:
-        return templates.TemplateResponse(request, "api.html")
 
     app.openapi = document  # type: ignore[method-assign]

@@ -11,7 +11,7 @@ from service.auth.identity import Person
 from service.auth.passwords import PasswordChecker
 from service.auth.rate_limit import BY_NAME, LoginRateLimiter
 from service.auth.roles import CurrentUser
-from service.http.errors import Problem, wants_page
+from service.http.errors import Problem
 from service.http.state import Config, Db, Held
 from service.http.templating import templates
 from service.settings import Settings
@@ -33,23 +33,12 @@ async def show(request: Request, person: CurrentUser, settings: Config, database
 
 @router.post("/account/password")
 async def set_password(
-    request: Request,
-    person: CurrentUser,
-    form: Form,
-    settings: Config,
-    database: Db,
-    checker: Held[PasswordChecker],
-    limits: Held[LoginRateLimiter],
+    person: CurrentUser, form: Form, database: Db, checker: Held[PasswordChecker], limits: Held[LoginRateLimiter]
 ) -> Response:
     """Set or change the password and log out every other browser. A change needs the current password."""
     _check_account(person)
-    try:
-        await _check_current_password(database, checker, limits, person.name, raw_field(form, "present"))
-        stored = await checker.hash(_new_password(form, person.name))
-    except Problem as problem:
-        if not wants_page(request):
-            raise
-        return await _page(request, person, settings, database, problem)
+    await _check_current_password(database, checker, limits, person.name, raw_field(form, "present"))
+    stored = await checker.hash(_new_password(form, person.name))
     async with database.begin() as connection:
         await people.add_person(connection, person.name)  # the proxy may name a person that the course does not know yet
         await credentials.set_password(connection, person.name, stored, by=person.name, but=person.session)
@@ -101,7 +90,7 @@ async def _check_current_password(
             await checker.check(name, password)
         except Problem as problem:
             if problem.status == 401:
-                raise Problem(401, "nobody", "the current password is wrong: try again") from None
+                raise Problem(401, "nobody", "the current password is wrong: try again", "/present") from None
             raise
 
 
@@ -115,9 +104,7 @@ def _new_password(form: Form, name: str) -> str:
         raise Problem(422, "invalid-request", str(error), "/password") from None
 
 
-async def _page(
-    request: Request, person: Person, settings: Settings, database: Db, problem: Problem | None = None, done: str | None = None
-) -> Response:
+async def _page(request: Request, person: Person, settings: Settings, database: Db, done: str | None = None) -> Response:
     about, rows = None, []
     if not person.single_user:
         about = await credentials.about(database, person.name)
@@ -131,8 +118,6 @@ async def _page(
         "provider": settings.oidc_issuer and settings.oidc_name,
         "shortest": passwords.SHORTEST,
         "longest": passwords.LONGEST,
-        "error": problem and problem.detail,
         "done": done,
     }
-    status, headers = (problem.status, problem.headers()) if problem else (200, {})
-    return templates.TemplateResponse(request, "account.html", context, status_code=status, headers=headers)
+    return templates.TemplateResponse(request, "account.html", context)

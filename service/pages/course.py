@@ -15,7 +15,7 @@ from service.api.history import list_own
 from service.api.release import visible_row
 from service.api.submissions import Assigned, Stored
 from service.auth import forms
-from service.auth.identity import COOKIE, STAFF
+from service.auth.identity import STAFF
 from service.auth.roles import CurrentUser, OptionalUser, Staff
 from service.formats.grade_row import total_percent
 from service.http.errors import Problem
@@ -76,7 +76,7 @@ async def own_submissions(
     context = {"assignment": assignment, "person": person.name, "history": history}
     context["late_penalty"] = (await course_settings.read(database)).late_penalty
     context["same"] = next((s for s in history.submissions if str(s.id) == same), None)
-    context |= {"best": best, "last": last, "most": assignment.max_points(), "session": COOKIE in request.cookies}
+    context |= {"best": best, "last": last, "most": assignment.max_points()}
     return templates.TemplateResponse(request, "submissions.html", context)
 
 

@@ -105,5 +105,5 @@ def _run_to_json(run: Row, lease_s: float) -> dict[str, Any]:
     if run.scene_s > LONG_S and run.phase in ("starting", "playing"):
         where = "in one scene" if run.scene else "before its first scene"
         progress["stuck"] = f"{format_seconds(run.scene_s)} {where}: possibly an endless loop; the time limit will stop it"
-    columns = ("grading", "kind", "number", "preview", "submission", "person", "assignment", "worker")
+    columns = ("grading", "kind", "number", "preview", "submission", "person", "full_name", "assignment", "worker")
     return {name: getattr(run, name) for name in columns} | progress

@@ -101,7 +101,7 @@ MOST_PLACES = 200
 
 _PLACES = f"""
 SELECT j.position, j.total, a.id AS grading, a.kind, a.number, a.preview, a.requested_at, s.id AS submission, p.name AS person,
-    x.slug AS assignment
+    p.full_name, x.slug AS assignment
 FROM (
     SELECT (args->>'attempt')::uuid AS grading, row_number() OVER (ORDER BY priority DESC, id) AS position,
         count(*) OVER () AS total
@@ -113,7 +113,7 @@ ORDER BY j.position
 
 _GOING = """
 SELECT run.worker, run.phase, run.scene, run.scenes, a.id AS grading, a.kind, a.number, a.preview, s.id AS submission,
-    p.name AS person, x.slug AS assignment, extract(epoch FROM now() - run.started_at) AS running_s,
+    p.name AS person, p.full_name, x.slug AS assignment, extract(epoch FROM now() - run.started_at) AS running_s,
     extract(epoch FROM now() - run.scene_at) AS scene_s, extract(epoch FROM now() - run.heartbeat_at) AS silent_s
 FROM run JOIN grading a ON a.id = run.grading_id JOIN submission s ON s.id = a.submission_id JOIN person p ON p.id = s.person_id
     JOIN assignment x ON x.id = s.assignment_id
@@ -131,7 +131,7 @@ _HAS_REPORT = """EXISTS (
 """
 
 _FAULTS = f"""
-SELECT s.id AS submission, p.name AS person, x.slug AS assignment, r.fault, r.cancelled_by, r.finished_at
+SELECT s.id AS submission, p.name AS person, p.full_name, x.slug AS assignment, r.fault, r.cancelled_by, r.finished_at
 FROM submission s JOIN person p ON p.id = s.person_id JOIN assignment x ON x.id = s.assignment_id JOIN {LAST}
 WHERE r.fault IS NOT NULL AND NOT {_HAS_REPORT}
 ORDER BY r.finished_at DESC LIMIT 50

@@ -97,6 +97,12 @@ def test_pages_that_answer_to_forms(page, server, url, paths, scheme, tmp_path):
     page.get_by_role("button", name="Save extension").click()
     page.get_by_role("alert").first.wait_for()
     found += wrong(page)
+    for what, label in (("course settings", "Time zone"), ("settings", "Name")):
+        page.goto(server.url + paths[what])
+        page.get_by_label(label).fill("nothing of that name")
+        page.get_by_label(label).evaluate("field => field.form.submit()")  # as without JavaScript
+        page.locator("#refused").wait_for()
+        found += wrong(page)
     roster = tmp_path / "class.csv"
     roster.write_text("name,role,full_name\nzoe,student,Zoë Ågård\nann,former,\n")
     page.goto(server.url + paths["people"])

@@ -287,7 +287,9 @@ def test_a_deadline_and_an_extension_are_set_and_taken_back(seen_by, server):
 def test_points_by_hand_are_read_by_the_student_and_withdrawn(seen_by, sent, server):
     prof, ann = seen_by("prof", f"/submissions/{sent['ann']}"), seen_by("ann")
     prof.get_by_text("Override score").click()
+    assert prof.get_by_label("Points").get_attribute("max") == "2"
     prof.get_by_label("Check").select_option("2-energy")
+    assert prof.get_by_label("Points of 1").get_attribute("max") == "1"
     prof.get_by_label("Points").fill("1")
     prof.get_by_label("Reason (shown to the student)").fill("the sign convention was not told in the notebook")
     prof.get_by_role("button", name="Save override").click()

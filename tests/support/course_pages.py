@@ -67,7 +67,7 @@ async def _fill(database, url, sandbox, source, texts):
         "regrade": f"/regrades/{regrade}",
     }
     paths |= {"waiting": f"/submissions/{going}", "applied": f"/regrades/{decided}", "attempts": BASE, "reference": "/reference"}
-    paths |= {"person": f"/person?name={quote(name)}", "search": "/search?q=a", "course settings": "/settings"}
+    paths |= {"person": f"/person?name={quote(name)}", "search": "/search?q=a", "course settings": "/settings", "api": "/docs"}
     return paths | {"problem": "/submissions/none", "nobody": f"{BASE}/class/submissions?check=2-energy&state=timeout"}
 
 

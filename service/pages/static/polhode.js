@@ -7,6 +7,7 @@
 //   form[data-saved=TEXT]  is sent in the background: an error appears beside its field and nothing typed is lost; then TEXT is announced.
 //                          If a file is the answer, it is downloaded, and data-downloaded takes the form's place
 //   form[data-drop]        takes a file that is dropped on it; a [data-question] in the page that answers is shown in it, with the file kept
+//   select[data-limits=NAME] sets the maximum of the field NAME to data-max of the chosen option, and shows it in the form's [data-limit]
 //   form[data-lines]       takes cell and line from a click on a line of the source
 //   canvas[data-motion]    motion player, see player.js
 // Letter shortcuts work only outside form fields and without Ctrl, Alt or Meta. The "?" dialog turns them off.
@@ -250,6 +251,13 @@ for (const form of all("form[data-drop]")) {
   });
 }
 
+function limit(select) {
+  const most = select.selectedOptions[0]?.dataset.max;
+  if (most === undefined) return;
+  select.form.elements[select.dataset.limits].max = most;
+  select.form.querySelector("[data-limit]").textContent = `of ${most}`;
+}
+
 // ---- comments on lines
 
 function pickLine(line) {
@@ -275,6 +283,7 @@ function reveal() {
 
 function prepare(root) {
   for (const one of all("[data-js]", root)) one.hidden = false;
+  for (const select of all("select[data-limits]", root)) limit(select);
   for (const table of all("table[data-grid]", root)) enterGrid(table);
   for (const row of all("[data-rows] > tbody > tr, [data-rows] > li", root)) row.tabIndex = -1;
   for (const list of all("[data-rows]", root)) {
@@ -289,6 +298,7 @@ document.body.append(help);
 document.addEventListener("keydown", onKeydown);
 document.addEventListener("click", event => { if (!event.target.closest("a")) pickLine(event.target.closest("[data-cell] [data-line]")); });
 document.addEventListener("input", event => { if (event.target.matches?.("input[data-filter]")) filter(event.target); });
+document.addEventListener("change", event => { if (event.target.matches?.("select[data-limits]")) limit(event.target); });
 document.addEventListener("submit", event => {
   const question = event.submitter?.dataset.confirm;
   if (question && !confirm(question)) event.preventDefault();

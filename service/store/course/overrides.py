@@ -119,7 +119,8 @@ def _validate(before: Row, outcome: Row | None, check: str | None, points: float
         raise OverrideRejected("invalid-request", f"the report has no counted check {check[:80]}", "/check")
     most = max(before.max_score, before.total) if outcome is None else outcome.points
     if not 0 <= points <= most:
-        raise OverrideRejected("invalid-request", f"points must be from 0 to {most}", "/points")
+        what = "the submission" if outcome is None else f"the check {check}"
+        raise OverrideRejected("invalid-request", f"the points of {what} must be from 0 to {most:g}", "/points")
     if not 0 < len(reason) <= LONGEST_REASON:
         raise OverrideRejected(
             "invalid-request", f"give a reason of at most {LONGEST_REASON} characters: the student reads it", "/reason"

@@ -163,6 +163,17 @@ def test_students_are_kept_out(server, url, people):
     assert people["prof"].send(f"/queue/{sent}/retry", "/audit")[0] == 403, "without the token of a form"
 
 
+def test_people_have_their_names_beside_their_login_names(server, url, people):
+    sql(url, "UPDATE person SET full_name = 'Ben Ængström' WHERE name = 'ben'")
+    sent = post(server, people["ben"], LOOP)
+    named = re.compile(f'<a href="/submissions/{sent}">Ben Ængström</a> <span class="quiet">ben</span>, rigid-body')
+    open_page = people["tutor"].open("/queue")[1]
+    assert len(named.findall(open_page)) == 1 and 'aria-label="Cancel the grading of Ben Ængström"' in open_page
+    assert people["tutor"].send(f"/queue/{grading_of(url, sent)}/cancel", "/queue")[0] == 303
+    failed = people["tutor"].open("/queue")[1].partition('id="faults"')[2]
+    assert named.search(failed) and 'aria-label="Retry grading the submission of Ben Ængström"' in failed
+
+
 @pytest.mark.slow
 def test_a_regrade_by_a_real_worker(server, url, people, worker):
     sent = post(server, people["ben"], GOOD)

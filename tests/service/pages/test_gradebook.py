@@ -52,7 +52,7 @@ NOBODY = StudentRow("", "", "", "", 0, None, None, None, None, None, False, "", 
 def test_the_course_tells_who_has_submitted_and_what_waits(looks):
     status, page, headers = looks("prof", "/")
     assert status == 200 and "<b>4/5</b> submitted" in page and "1 being graded" in page
-    assert "<b>0</b> median of 36 points" in tile(page, "Rigid-Body") and "nothing to do" in tile(page, "Integrators")
+    assert "<b>0</b> median of 36 + 6 bonus points" in tile(page, "Rigid-Body") and "nothing to do" in tile(page, "Integrators")
     assert "default-src 'self'" in headers["content-security-policy"] and not re.search(r"\sstyle=|\son[a-z]+=", page)
     own = looks("ann", "/")[1]
     assert "<b>2</b> of 36 + 6 bonus points" in tile(own, "Rigid-Body") and "not submitted" in tile(own, "Integrators")
@@ -249,7 +249,7 @@ async def _many(database, count):
 
 def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):
     page = looks("ben", OWN)[1]
-    assert "<dd>1</dd>" in page and "best 0 of 2" in page
+    assert "<dd>1</dd>" in page and "best 0, last 0, of 36 + 6 bonus" in page
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, most="2")[0] == 200
     status, page, _ = looks("ben", f"{OWN}/submissions", at=OWN, files={"file": ("mine.py", b"def euler_eqs(t, w, I): pass")})
     assert status == 200 and "mine.py" in page and "queued" in page

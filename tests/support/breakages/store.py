@@ -139,8 +139,8 @@ STORE = [
     Breakage(
         "a withdrawn override still counts",
         "service/store/records.py",
-        "WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL",
-        "WHERE o.submission_id = s.id",
+        'WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL)"',
+        'WHERE o.submission_id = s.id)"',
         ("tests/service/store/course/test_overrides.py",),
     ),
     Breakage(

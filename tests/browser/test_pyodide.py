@@ -130,7 +130,7 @@ def test_a_submission_is_graded_and_its_report_is_read(python, how):
     python(how, f'open("mine.py", "w").write({source})\nreport = ecp.submit(file="mine.py", exercises=["2"])')
     assert python(how, "report.summary()") == "5 of 5 points (public checks: 3 of 3)"
     assert python(how, 'report.drawn(report.figures[0].name)[:4] == b"\\x89PNG"') == "true"
-    assert "5 of 5" in python(how, "repr(ecp.submissions())")
+    assert "5 of 36 + 6 bonus" in python(how, "repr(ecp.submissions())")
     again = 'ecp.submit(file="mine.py", exercises=["2"]).remark.startswith("Not submitted again")'
     assert python(how, again) == "true"
 

@@ -34,6 +34,7 @@ PAGES = (
     "/assignments/rigid-body/class/students?sort=activity",
     "/assignments/rigid-body/class/checks",
     "/assignments/rigid-body/class/settings",
+    "/assignments/rigid-body/class/submissions",
     "/assignments/rigid-body/class/submissions?check=2-energy&state=not-pass",
     "/assignments/rigid-body/regrades",
     "/assignments/rigid-body/grades.csv",

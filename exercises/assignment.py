@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 from ecp.checks import Arrays, Check
 from ecp.exercise import Exercise, points
 from ecp.outcome import Diagnosis, SweepResult
+from ecp.report import out_of
 
 Inputs = Mapping[str, Any]
 Answers = Mapping[str, tuple[Inputs, Arrays]]
@@ -250,9 +252,15 @@ class Assignment:
         chosen = [e for e in self.exercises if numbers is None or e.number in numbers]
         return points(chosen, self.exercises, written, self.names)
 
-    def bonus_points(self) -> int:
-        """Return the points of optional functions, which ``max_points()`` leaves out."""
-        return sum(check.points for check in self.checks()) - self.max_points()
+    def bonus_points(self, numbers: Collection[str] | None = None) -> int:
+        """Return the points of the optional functions of these exercises (default: all), which ``max_points`` leaves out."""
+        chosen = [c for e in self.exercises if numbers is None or e.number in numbers for c in e.checks]
+        return sum(check.points for check in chosen) - self.max_points(numbers)
+
+    @cached_property
+    def out_of(self) -> str:
+        """Return the points of the assignment, with those of optional functions apart: "36 + 6 bonus"."""
+        return out_of(self.max_points(), self.bonus_points())
 
     def names(self, scene: str) -> set[str]:
         """Return the names of a submission that a scene, and those it comes after, cannot be played without."""

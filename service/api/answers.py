@@ -177,10 +177,13 @@ class History(BaseModel):
     """A person's submissions to an assignment, newest first, the ids of the best and the last, and the person's own rules.
 
     ``due_at`` is the deadline with an extension, if it is ``extended``; with ``grace_s`` seconds more it is ``over``.
-    ``used`` counts the submissions towards ``submission_limit``.
+    ``used`` counts the submissions towards ``submission_limit``. ``max_points`` are those of the assignment without optional
+    functions, which are worth ``bonus_points``.
     """
 
     assignment: str
+    max_points: int
+    bonus_points: int
     submissions: list[Past]
     best: UUID | None
     last: UUID | None

@@ -32,6 +32,8 @@ async def list_own(assignment: Assigned, person: Reader, database: Db) -> answer
     best = max(graded, key=lambda one: one.final or 0, default=None)  # the newest of equals
     return answers.History(
         assignment=assignment.slug,
+        max_points=assignment.max_points(),
+        bonus_points=assignment.bonus_points(),
         submissions=await asyncio.to_thread(_answers, found),
         best=best and best.id,
         last=found[0].id if found else None,

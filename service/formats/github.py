@@ -137,7 +137,7 @@ def _row(file: GradedFile) -> str:
     wrong = [outcome for outcome in report.outcomes() if outcome.counted and outcome.verdict is not Verdict.PASS]
     found = Counter(cause.code for outcome in wrong for cause in outcome.diagnosis)
     most_common = code(found.most_common(1)[0][0]) if found else ""
-    return f"| {name} | {mark} | {report.score} of {report.most} | {most_common} |\n"
+    return f"| {name} | {mark} | {report.score} of {report.out_of} | {most_common} |\n"
 
 
 def _details(file: GradedFile) -> str:

@@ -57,7 +57,7 @@ def _row(file: GradedFile, checks: Sequence[str], address: str) -> str:
         return f'<tr>{name}<td>{points}</td><td class="none" colspan="{len(checks)}">{escape(file.why)}</td></tr>'
     verdicts = {outcome.id: outcome.verdict for outcome in file.report.outcomes()}
     cells = [f'<td class="{v.value}">{MARKS[v]}</td>' if (v := verdicts.get(id)) else "<td></td>" for id in checks]
-    return f"<tr>{name}<td>{file.report.score}/{file.report.most}</td>{''.join(cells)}</tr>"
+    return f"<tr>{name}<td>{file.report.score} of {file.report.out_of}</td>{''.join(cells)}</tr>"
 
 
 def _page(title: str, body: str) -> str:

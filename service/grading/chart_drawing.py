@@ -80,7 +80,7 @@ def _style() -> Iterator[None]:
 
 @_style()
 def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Sequence[SweptPoint]], whose: str = "class") -> bytes:
-    """Draw the same chart with the points of many submissions."""
+    """Draw the same chart with the points of many submissions, of which each method has its mark, named in a key above."""
     points = [p for p in document["points"] if p["scene"] == scene]
     of_lines = {name: [p for p in points if p["line"] in lines] for name, lines in FAMILIES.items()}
     families = {name: found for name, found in of_lines.items() if found}
@@ -92,18 +92,22 @@ def draw_class(document: dict[str, Any], scene: str, submissions: Sequence[Seque
         for own in _methods(points).values():
             axes.loglog([p[column] for p in own], _errors(own, scene), color=GREY, marker=".", ms=3, lw=0.7)
         _draw_front(axes, points, scene, column)
-        for number, swept in enumerate(submissions):
-            _draw_own(axes, swept, column, whose if number == 0 else "", small=len(submissions) > 1)
+        _draw_own(axes, submissions, column)
     relative = points or any(map(_unit_s, submissions))
     steps = any(p.step for own in submissions for p in own)
     label = "error at the end of the run, relative" if steps else "largest error over the run, relative"
     label = "largest error of ω or R" if points else label
-    by_time.set(xlabel=f"CPU time / {'that of DOP853 at rtol 1e-11' if relative else 's'}", title=scene)
+    by_time.set(xlabel=f"CPU time / {'that of DOP853 at rtol 1e-11' if relative else 's'}")
+    canvas.suptitle(scene, fontsize=9)
     by_calls.set(xlabel=CALLS)
     for axes in (by_time, by_calls):
         axes.set(ylim=ERROR_RANGE, ylabel=label)
         least, most = axes.get_xlim()
         axes.set_xlim(least / (most / least) ** 0.2, most)  # room for the names left of the front
+    marks, methods = by_calls.get_legend_handles_labels()
+    if methods:  # names beside the curves would cover each other where many submissions are alike
+        names = [f"{whose}, {method}" for method in methods]
+        by_time.legend(marks, names, ncols=2, loc="lower left", bbox_to_anchor=(0, 1), frameon=False, labelcolor=YOURS)
     for number, (name, own) in enumerate(families.items()):
         axes = canvas.add_subplot(grid[2 + number // 2, number % 2], sharey=by_time)
         axes.set_xlim(by_time.get_xlim())
@@ -210,28 +214,24 @@ def _draw_front(axes: Any, points: list[dict[str, Any]], scene: str, column: str
             free = at
 
 
-def _draw_own(axes: Any, yours: Sequence[SweptPoint], column: str, whose: str, *, small: bool) -> None:
-    """Draw the points of a submission with open marks.
+def _draw_own(axes: Any, submissions: Sequence[Sequence[SweptPoint]], column: str) -> None:
+    """Draw the points of submissions with open marks, a mark and a line style for each method.
 
-    CPU time is relative to its own run of the notebook's setting; steppers, which have no such run, have theirs in seconds.
+    CPU time is relative to a submission's own run of the notebook's setting; steppers, which have no such run, have theirs in
+    seconds.
     """
-    unit = _unit_s(yours) or (1.0 if all(p.step for p in yours) else None)
-    if column == "ratio" and not unit:
-        return
-    for number, method in enumerate(dict.fromkeys(p.method for p in yours)):
-        points = [p for p in yours if p.method == method and p.error is not None]
-        errors = [max(p.error or 0.0, LEAST) for p in points]
-        style: dict[str, Any] = {
-            "color": YOURS,
-            "marker": MARKS[number % len(MARKS)],
-            "mfc": "none",
-            "ls": STYLES[number % len(STYLES)],
-        }
-        style |= {"ms": 3, "lw": 0.4, "alpha": 0.5} if small else {"ms": 6, "lw": 1.4}
-        costs = [float(p.calls) if column == "calls" else max(p.seconds, LEAST_S) / max(unit or 1.0, LEAST_S) for p in points]
-        axes.loglog(costs, errors, **style)
-        if whose and points:
-            axes.annotate(f"{whose}, {method}", (costs[0], errors[0]), (6, 2), textcoords="offset points", color=YOURS, fontsize=8)
+    size: dict[str, Any] = {"ms": 3, "lw": 0.4, "alpha": 0.5} if len(submissions) > 1 else {"ms": 6, "lw": 1.4}
+    for number, method in enumerate(dict.fromkeys(p.method for swept in submissions for p in swept)):
+        mark, line, label = MARKS[number % len(MARKS)], STYLES[number % len(STYLES)], method
+        for swept in submissions:
+            unit = _unit_s(swept) or (1.0 if all(p.step for p in swept) else None)
+            points = [p for p in swept if p.method == method and p.error is not None]
+            if not points or (column == "ratio" and not unit):
+                continue
+            costs = [float(p.calls) if column == "calls" else max(p.seconds, LEAST_S) / max(unit or 1.0, LEAST_S) for p in points]
+            errors = [max(p.error or 0.0, LEAST) for p in points]
+            axes.loglog(costs, errors, color=YOURS, marker=mark, mfc="none", ls=line, label=label, **size)
+            label = ""
 
 
 def _unit_s(yours: Sequence[SweptPoint]) -> float | None:

@@ -127,7 +127,9 @@ def _grade(
         provenance=Provenance(seed, versions(assignment.packages), sandbox.isolation.name, motions=crossed.how, chains=chains.used),
         not_attempted=missed,
     )
-    report.total = assignment.max_points([e.number for e in asked], result.defined)
+    numbers = [e.number for e in asked]
+    report.total = assignment.max_points(numbers, result.defined)
+    report.max_points, report.bonus_points = assignment.max_points(numbers), assignment.bonus_points(numbers)
     return Graded(report, covered, shown, budget.cpu_s)
 
 

@@ -38,7 +38,8 @@ def neutralize_bidi(value: object) -> str:
     Markup stays Markup.
     """
     shown = value if isinstance(value, str) else str(value)
-    return shown.translate(_REPLACED) if _BIDI.search(shown) else shown
+    # The controls are not printable, and isprintable() is much faster than the search.
+    return shown if shown.isprintable() or not _BIDI.search(shown) else shown.translate(_REPLACED)
 
 
 ENVIRONMENT = Environment(

@@ -9,7 +9,6 @@ from markupsafe import Markup
 
 from service.http.templating import ZONE
 from service.store.course.gradebook import StudentRow
-from service.store.database import Row
 
 WIDE, HIGH = 360, 200  # view box of a chart
 LEFT, RIGHT, TOP, BOTTOM = 30, 8, 30, 34  # its margins; the numbers of the axes and their titles stand there
@@ -47,26 +46,22 @@ def distribution(students: Iterable[StudentRow], most: int) -> Markup | None:
     return _svg(alt, marks)
 
 
-def progress(sent: Sequence[Row], students: int, most: int, due_at: datetime | None) -> Markup | None:
-    """Return how many of ``students`` had submitted, and had all ``most`` points, at each time. None without a submission.
+def progress(students: Sequence[StudentRow], most: int, due_at: datetime | None) -> Markup | None:
+    """Return how many students had submitted, and had all ``most`` points, at each time. None without a submission.
 
-    ``sent`` are all submissions as ``progress.of_class`` returns them. The x axis is linear in time, the curves are steps.
+    The x axis is linear in time, the curves are steps.
     """
-    if not sent:
+    first = sorted(s.sent_at[0] for s in students if s.sent_at)
+    if not first:
         return None
-    until = max([sent[-1].submitted_at, *([min(due_at, datetime.now(UTC))] if due_at else [])])
-    start, seconds = sent[0].submitted_at, max((until - sent[0].submitted_at).total_seconds(), 3600.0)
+    full = sorted(at for s in students if (at := _all_points_at(s, most)) is not None)
+    until = max([s.sent_at[-1] for s in students if s.sent_at] + ([min(due_at, datetime.now(UTC))] if due_at else []))
+    start, seconds = first[0], max((until - first[0]).total_seconds(), 3600.0)
     across = (WIDE - LEFT - RIGHT - NAMES) / seconds
 
     def x(at: datetime) -> float:
         return LEFT + across * (at - start).total_seconds()
 
-    first: dict[str, datetime] = {}
-    full: dict[str, datetime] = {}
-    for row in sent:
-        first.setdefault(row.name, row.submitted_at)
-        if row.points is not None and row.points >= most:
-            full.setdefault(row.name, row.submitted_at)
     marks = [_axes("", "students")]
     for place, at in (("start", start), ("middle", start + (until - start) / 2), ("end", until)):
         marks.append(_TEXT.format(x(at), HIGH - BOTTOM + 13, f"{place} quiet", at.astimezone(ZONE.get()).strftime("%d %b %H:%M")))
@@ -79,8 +74,8 @@ def progress(sent: Sequence[Row], students: int, most: int, due_at: datetime | N
     ends = []
     for name, reached, kind in (("submitted", first, "line"), ("all points", full, "line pass")):
         y, path = float(HIGH - BOTTOM), f"M{LEFT} {HIGH - BOTTOM}"
-        for count, at in enumerate(sorted(reached.values()), start=1):
-            y = HIGH - BOTTOM - _height(count, students)
+        for count, at in enumerate(reached, start=1):
+            y = HIGH - BOTTOM - _height(count, len(students))
             path += f"H{x(at):.1f}V{y:.1f}"
         marks.append(_PATH.format(f"{path}H{x(until):.1f}", kind))
         ends.append((y, f"{len(reached)} {name}", kind))
@@ -88,9 +83,14 @@ def progress(sent: Sequence[Row], students: int, most: int, due_at: datetime | N
     lower = max(lower, upper + 12)
     for y, (text, kind) in ((upper, upper_text), (min(lower, HIGH - BOTTOM + 2.0), lower_text)):
         marks.append(_TEXT.format(x(until) + 4, y + 4, kind.replace("line", "name"), text))
-    marks += [_TEXT.format(LEFT - 4, HIGH - BOTTOM - _height(n, students) + 4, "end quiet", n) for n in {0, students}]
-    alt = f"{len(first)} of {students} students submitted from {start:%Y-%m-%d} to {until:%Y-%m-%d}; {len(full)} have all points."
-    return _svg(alt, marks)
+    marks += [_TEXT.format(LEFT - 4, HIGH - BOTTOM - _height(n, len(students)) + 4, "end quiet", n) for n in {0, len(students)}]
+    who = f"{len(first)} of {len(students)} students submitted"
+    return _svg(f"{who} from {start:%Y-%m-%d} to {until:%Y-%m-%d}; {len(full)} have all points.", marks)
+
+
+def _all_points_at(student: StudentRow, most: int) -> datetime | None:
+    sent = zip(student.sent_at, student.earned, strict=True)
+    return next((at for at, points in sent if points is not None and points >= most), None)
 
 
 def _height(count: int, most: int) -> float:

@@ -1,31 +1,26 @@
-"""Class statistics: results and margins by check, common diagnoses, submissions per student.
+"""Class statistics: results and margins by check, submissions per student, activity.
 
 Every student counts once, with their counted submission.
 """
 
 import math
+from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from datetime import datetime
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from statistics import median
-
-from markupsafe import Markup
 
 from ecp.checks import Check
 from exercises.assignment import Assignment
 from service.grading import result
-from service.store.course.gradebook import Cell, StudentRow
+from service.store.course.gradebook import StudentRow
 from service.store.database import Row
 
 SMALL_MARGIN = 3.0  # a passed check with a smaller margin suggests that the tolerance is too tight
 DECADES = range(-4, 13)  # bins of log10(margin); the first and last bins include everything beyond
 EMPTY = "<td></td>"
-CELLS = {
-    (state, overridden): f'<td class="{state}">{mark}{"*" if overridden else ""}</td>'
-    for state, mark in result.MARKS.items()
-    for overridden in (False, True)
-}
+CELLS = {f"{state}{star}": f'<td class="{state}">{mark}{star}</td>' for state, mark in result.MARKS.items() for star in ("", "*")}
 
 
 @dataclass(frozen=True)
@@ -69,35 +64,10 @@ class CheckStats:
         return median([*self.margins, *[math.inf] * self.exact])
 
 
-@dataclass
-class DiagnosisStats:
-    """A diagnosis with the number of students that got it and the checks it explains."""
-
-    code: str
-    sentence: str
-    students: int = 0
-    checks: set[str] = field(default_factory=set)
-
-
-def by_check(assignment: Assignment, students: Sequence[StudentRow]) -> list[CheckStats]:
-    """Return the statistics of every check, in the assignment's order."""
+def by_check(assignment: Assignment, outcomes: Mapping[str, Row]) -> list[CheckStats]:
+    """Return the statistics of every check, in the assignment's order, from ``outcomes.by_check``."""
     found = [(e.number, c) for e in assignment.exercises for c in e.checks]
-    return [_check(check, number, assignment.hidden(check), _cells(students, check.id)) for number, check in found]
-
-
-def by_cause(students: Iterable[StudentRow]) -> list[DiagnosisStats]:
-    """Return the diagnoses, most common first. A student counts once for each."""
-    found: dict[tuple[str, str], DiagnosisStats] = {}
-    for student in students:
-        checks_by_cause: dict[tuple[str, str], set[str]] = {}
-        for id, cell in student.cells.items():
-            for cause in cell.causes if cell.shown != "pass" else ():
-                checks_by_cause.setdefault(cause, set()).add(id)
-        for cause, checks in checks_by_cause.items():
-            stats = found.setdefault(cause, DiagnosisStats(*cause))
-            stats.students += 1
-            stats.checks |= checks
-    return sorted(found.values(), key=lambda stats: (-stats.students, stats.code, stats.sentence))
+    return [_check(check, number, assignment.hidden(check), outcomes.get(check.id)) for number, check in found]
 
 
 def submission_counts(students: Iterable[StudentRow]) -> list[tuple[int, int]]:
@@ -105,23 +75,10 @@ def submission_counts(students: Iterable[StudentRow]) -> list[tuple[int, int]]:
     return sorted(Counter(s.submissions for s in students).items())
 
 
-@dataclass(frozen=True)
-class Activity:
-    """When a student last submitted, and whether two or more graded submissions brought no points beyond the first."""
-
-    last_at: datetime
-    no_gain: bool
-
-
-def activity(sent: Iterable[Row], most: int) -> dict[str, Activity]:
-    """Return by login name the activity of all who submitted: ``sent`` has their submissions, oldest first, of ``most`` points."""
-    points: dict[str, list[float]] = {}
-    last: dict[str, datetime] = {}
-    for one in sent:
-        last[one.name] = one.submitted_at
-        if one.points is not None:
-            points.setdefault(one.name, []).append(one.points)
-    return {name: Activity(at, len(got := points.get(name, [])) > 1 and max(got) <= got[0] < most) for name, at in last.items()}
+def has_no_gain(student: StudentRow, most: int) -> bool:
+    """Return whether two or more graded submissions brought the student no points of ``most`` beyond the first of them."""
+    earned = [points for points in student.earned if points is not None]
+    return len(earned) > 1 and max(earned) <= earned[0] < most
 
 
 def equal_names(students: Iterable[StudentRow]) -> set[str]:
@@ -129,33 +86,24 @@ def equal_names(students: Iterable[StudentRow]) -> set[str]:
     return {name for name, count in Counter(s.display_name for s in students).items() if count > 1}
 
 
-def row(student: StudentRow, ids: Iterable[str]) -> Markup:
-    """Return a student's table cells as HTML.
+def cells(outcomes: Mapping[str, str], ids: Iterable[str]) -> list[str]:
+    """Return a student's table cells as HTML; ``outcomes`` has the state by check id, with "*" if it is an override's.
 
     A template would be too slow for tens of thousands of cells.
     """
-    return Markup("".join([_cell(student.cells.get(id)) for id in ids]))  # noqa: S704 - all cells are of CELLS
+    return [CELLS[outcomes[id]] if id in outcomes else EMPTY for id in ids]
 
 
-def _cell(cell: Cell | None) -> str:
-    return EMPTY if cell is None or not cell.counted else CELLS[cell.shown, cell.given is not None]
+def passed(column: Sequence[str]) -> tuple[int, int]:
+    """Return the numbers of students who passed the check with these cells, and of those it was made for."""
+    return column.count(CELLS["pass"]) + column.count(CELLS["pass*"]), len(column) - column.count(EMPTY)
 
 
-def passed(students: Sequence[StudentRow], ids: Iterable[str]) -> list[tuple[int, int]]:
-    """Return for each check the numbers of students who passed, and of those it was made for."""
-    found = [[c.shown == "pass" for s in students if (c := s.cells.get(id)) is not None and c.counted] for id in ids]
-    return [(sum(one), len(one)) for one in found]
-
-
-def _cells(students: Iterable[StudentRow], id: str) -> list[Cell]:
-    return [cell for s in students if (cell := s.cells.get(id)) is not None and cell.counted]
-
-
-def _check(check: Check, exercise: str, hidden: bool, cells: Sequence[Cell]) -> CheckStats:
-    margins = [c.margin for c in cells if c.margin is not None and c.margin > 0]
-    exact = sum(c.state == "pass" and c.margin is None for c in cells)
-    passed = [c.margin for c in cells if c.margin is not None and c.state == "pass"]
-    causes = Counter(sentence for c in cells if c.shown != "pass" for _, sentence in c.causes[:1])
-    bins = Counter(min(max(math.floor(math.log10(m)), DECADES[0]), DECADES[-1]) for m in margins)
-    states, counts = Counter(c.shown for c in cells), [bins[decade] for decade in DECADES]
-    return CheckStats(check, exercise, hidden, states, causes, margins, exact, min(passed, default=None), counts)
+def _check(check: Check, exercise: str, hidden: bool, outcomes: Row | None) -> CheckStats:
+    if outcomes is None:
+        return CheckStats(check, exercise, hidden, Counter(), Counter(), [], 0, None, [0] * len(DECADES))
+    margins = sorted(outcomes.margins or [])
+    edges = [0, *(bisect_left(margins, 10.0**decade) for decade in DECADES[1:]), len(margins)]
+    bins = [end - start for start, end in pairwise(edges)]
+    states, causes = Counter(outcomes.states.split()), Counter(outcomes.causes or [])
+    return CheckStats(check, exercise, hidden, states, causes, margins, outcomes.exact, outcomes.smallest, bins)

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
+from markupsafe import Markup
 from pydantic import BaseModel, Field
 
 from exercises.assignment import Assignment
@@ -16,8 +17,7 @@ from service.http.state import Db
 from service.http.templating import templates
 from service.pages import class_charts, class_stats
 from service.store import sweeps
-from service.store.course import deadlines, gradebook, progress
-from service.store.course.gradebook import StudentRow
+from service.store.course import deadlines, gradebook, outcomes
 
 router = APIRouter()
 
@@ -34,7 +34,7 @@ class SubmissionFilter(BaseModel):
 async def overview(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show what the class has submitted: points, progress, the most common causes of failures, and exports."""
     slug, most = assignment.slug, assignment.max_points()
-    students, rules = await gradebook.student_rows(database, slug), await gradebook.rules(database, slug)
+    students, rules = await gradebook.students(database, slug), await gradebook.rules(database, slug)
     points = [s.final for s in students if s.final is not None]
     return _page(
         request,
@@ -43,8 +43,8 @@ async def overview(request: Request, person: Staff, assignment: Assigned, databa
         rules=rules,
         median=median(points) if points else None,
         distribution=class_charts.distribution(students, most),
-        progress=class_charts.progress(await progress.of_class(database, slug), rules.students, most, rules.due_at),
-        causes=class_stats.by_cause(students),
+        progress=class_charts.progress(students, most, rules.due_at),
+        causes=await outcomes.by_cause(database, gradebook.graded(students)),
         submission_counts=class_stats.submission_counts(students),
         extensions=await deadlines.extensions(database, slug),
         swept=await sweeps.count(database, students) if assignment.sweep is not None else None,
@@ -61,24 +61,25 @@ async def show_students(
     show: Literal["all", "no-gain"] = "all",
 ) -> Response:
     """Show the results of all students by check, or of those whose later submissions brought no points."""
-    everyone = await gradebook.student_rows(database, assignment.slug)
-    activity = class_stats.activity(await progress.of_class(database, assignment.slug), assignment.max_points())
-    no_gain = [s for s in everyone if s.name in activity and activity[s.name].no_gain]
-    students = no_gain if show == "no-gain" else list(everyone)
+    everyone = await gradebook.students(database, assignment.slug)
+    most = assignment.max_points()
+    no_gain = {s.name for s in everyone if class_stats.has_no_gain(s, most)}
+    students = [s for s in everyone if show == "all" or s.name in no_gain]
     if sort in ("points", "worst"):
         students.sort(key=lambda s: -1 if s.final is None else s.final, reverse=sort == "points")
     elif sort == "activity":
-        students.sort(key=lambda s: activity[s.name].last_at.timestamp() if s.name in activity else 0.0, reverse=True)
-    ids = [c.id for c in assignment.checks()]
+        students.sort(key=lambda s: s.sent_at[-1].timestamp() if s.sent_at else 0.0, reverse=True)
+    ids, found = [c.id for c in assignment.checks()], await outcomes.by_student(database, gradebook.graded(everyone))
+    cells = [class_stats.cells(found.get(s.grading, {}), ids) for s in students]
     page = _page(
         request,
         "class_students.html",
         assignment,
-        students=[(s, activity.get(s.name), class_stats.row(s, ids)) for s in students],
+        students=[(s, Markup("".join(row))) for s, row in zip(students, cells, strict=True)],  # noqa: S704 - of class_stats.CELLS
         equal_names=class_stats.equal_names(everyone),
         total=len(everyone),
-        no_gain=len(no_gain),
-        passed=class_stats.passed(students, ids),
+        no_gain=no_gain,
+        passed=[class_stats.passed(column) for column in zip(*cells, strict=True)],
         sort=sort,
         show=show,
     )
@@ -88,7 +89,8 @@ async def show_students(
 @router.get("/assignments/{slug}/class/checks", response_class=HTMLResponse)
 async def show_checks(request: Request, person: Staff, assignment: Assigned, database: Db) -> Response:
     """Show the results, margins and most common causes by check."""
-    checks = class_stats.by_check(assignment, await gradebook.student_rows(database, assignment.slug))
+    students = await gradebook.students(database, assignment.slug)
+    checks = class_stats.by_check(assignment, await outcomes.by_check(database, gradebook.graded(students)))
     return _page(
         request,
         "class_checks.html",
@@ -105,15 +107,23 @@ async def show_submissions(
     request: Request, person: Staff, assignment: Assigned, database: Db, selection: Annotated[SubmissionFilter, Query()]
 ) -> Response:
     """Show the counted submissions that match a check, its state or a cause."""
-    check, state, cause = selection.check, selection.state, selection.cause
-    students = await gradebook.student_rows(database, assignment.slug)
-    found = [s for s in students if _matches(s, check, state, cause)]
+    check, state, cause = (
+        None if one is None else one.replace("\x00", "") for one in (selection.check, selection.state, selection.cause)
+    )
+    students = found = await gradebook.students(database, assignment.slug)
+    matching = {}
+    if state == "none" and check is None:
+        found = [s for s in students if s.submission is None]
+    elif check is not None or state is not None or cause is not None:
+        matching = await outcomes.matching(database, gradebook.graded(students), check, state, cause)
+        found = [s for s in students if s.grading in matching]
     label = next((c.label for c in assignment.checks() if c.id == check), check)
     return _page(
         request,
         "class_submissions.html",
         assignment,
         students=found,
+        matching=matching,
         total=len(students),
         equal_names=class_stats.equal_names(students),
         check=check,
@@ -151,18 +161,3 @@ def _compressed(request: Request, page: Response) -> Response:
         return page
     headers = {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
     return HTMLResponse(gzip.compress(bytes(page.body), 3), page.status_code, headers)
-
-
-def _matches(student: StudentRow, check: str | None, state: str | None, cause: str | None) -> bool:
-    """Return whether a student matches.
-
-    ``state`` is a check state, "none" (no submission) or "not-pass" (any state but pass).
-    """
-    if state == "none" and check is None:
-        return student.submission is None
-    cells = [cell for id, cell in student.cells.items() if check in (None, id) and (cell.counted or check is None)]
-    if state is not None:
-        cells = [c for c in cells if (c.shown != "pass" if state == "not-pass" else c.shown == state)]
-    if cause is not None:
-        cells = [c for c in cells if c.shown != "pass" and cause in (sentence for _, sentence in c.causes)]
-    return bool(cells) or (check is state is cause is None)

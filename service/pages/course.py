@@ -49,9 +49,8 @@ async def index(request: Request, person: CurrentUser, database: Db, workers: He
         "overview": overview,
         "weights": sum(row.weight for row in overview),
         "medians": await progress.medians(database) if staff else {},
-        "standings": {} if staff else await progress.own(database, person.name),
         "most": {slug: one.max_points() for slug, one in assignments().items()},
-        "bonus": {slug: one.bonus_points() for slug, one in assignments().items()},
+        "standings": {} if staff else await progress.own(database, person.name),
         "isolation": isolation or reason or "no worker is running",
     }
     return templates.TemplateResponse(request, "index.html", context)

@@ -71,9 +71,12 @@ def _report_context(stored: SubmissionRecord, commented: Sequence[comments.Comme
     scene_ends = stored.report.scene_ends if stored.report else []
     shown = cells(stored.submission, scene_ends, commented)
     places = {cell.name: cell.place for cell in shown}
-    assignment = assignments().get(stored.assignment)
+    assignment, report = assignments().get(stored.assignment), stored.report
+    if assignment and report and report.max_points is None:  # stored before polhode recorded it
+        report.max_points, report.bonus_points = assignment.max_points(stored.exercises), assignment.bonus_points(stored.exercises)
     return {
         "title": assignment.title if assignment else stored.assignment,
+        "out_of": assignment.out_of if assignment else report and report.out_of,
         "cells": shown,
         "lines": sum(len(cell.lines) for cell in shown),
         "stops": [

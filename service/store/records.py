@@ -74,12 +74,15 @@ class SubmissionRecord:
 def points(given: str, grading: str, score: str) -> str:
     """Return a lateral subquery, named by ``given``, with the ``points`` of a grading of submission ``s``
     after overrides, and whether any override is in force, ``overridden``. An override from before the check lost
-    points counts at most what the check is worth."""
+    counts at most what the check is worth. Few submissions have an override, so points are only added up for these."""
+    overridden = "EXISTS (SELECT FROM override o WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL)"
     return f"""LATERAL (
-    SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
-        {score} + coalesce(sum(least(o.points, v.points) - v.earned), 0)) AS points, count(o.id) > 0 AS overridden
-    FROM override o LEFT JOIN outcome v ON v.grading_id = {grading} AND v.check_id = o.check_id AND v.counted
-    WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
+    SELECT {overridden} AS overridden, CASE WHEN {overridden} THEN (
+        SELECT coalesce(max(o.points) FILTER (WHERE o.check_id IS NULL),
+            {score} + coalesce(sum(least(o.points, v.points) - v.earned), 0))
+        FROM override o LEFT JOIN outcome v ON v.grading_id = {grading} AND v.check_id = o.check_id AND v.counted
+        WHERE o.submission_id = s.id AND o.withdrawn_at IS NULL
+    ) ELSE {score} END AS points
 ) {given} ON true"""
 
 
@@ -94,11 +97,18 @@ LATERAL (
     WHERE a.submission_id = s.id AND NOT a.preview ORDER BY r.score IS NOT NULL DESC, a.number DESC LIMIT 1
 ) shown ON true
 LEFT JOIN {points("given", "shown.grading", "shown.score")}
-LEFT JOIN LATERAL (
-    SELECT phase, scene, scenes FROM run
-    WHERE run.grading_id = shown.grading AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
-) going ON true
 """
+
+# The submissions ``s`` of assignment ``:slug`` and person ``:person``, each of which may be null for all, with the grading shown as
+# in SHOWN. Joins of whole tables: a lateral join would look up each of a class's thousands of submissions.
+EACH_SHOWN = """(
+    SELECT DISTINCT ON (s.id) s.id, s.assignment_id, s.person_id, s.filename, s.submitted_at, s.late, a.id AS grading, r.fault,
+        r.score, r.max_score, r.grading_id IS NOT NULL AS finished, r.finished_at, r.version
+    FROM submission s JOIN grading a ON a.submission_id = s.id AND NOT a.preview LEFT JOIN result r ON r.grading_id = a.id
+    WHERE (CAST(:slug AS text) IS NULL OR s.assignment_id = (SELECT id FROM assignment WHERE slug = :slug))
+        AND (CAST(:person AS text) IS NULL OR s.person_id = (SELECT id FROM person WHERE name = :person))
+    ORDER BY s.id, r.score IS NOT NULL DESC, a.number DESC
+) s"""
 
 # The last grading with its result, if it has one. Preview gradings do not count.
 LAST = """
@@ -106,21 +116,31 @@ LATERAL (SELECT * FROM grading WHERE submission_id = s.id AND NOT preview ORDER 
     JOIN result r ON r.grading_id = a.id
 """
 
-STATUS = """CASE WHEN shown.fault IS NOT NULL THEN 'faulted' WHEN shown.finished THEN 'graded'
-    WHEN going.phase IS NULL THEN 'queued' ELSE 'running' END AS status"""
+
+def status(shown: str) -> str:
+    """Return an expression with the status of the grading shown, a row named by ``shown``."""
+    return f"""CASE WHEN {shown}.fault IS NOT NULL THEN 'faulted' WHEN {shown}.finished THEN 'graded'
+    WHEN EXISTS (SELECT FROM run WHERE run.grading_id = {shown}.grading AND ended_at IS NULL) THEN 'running'
+    ELSE 'queued' END AS status"""
+
+
+STATUS = status("shown")
 
 # A later deadline, for everyone or for one person, clears lateness; an earlier one never adds it.
-LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
+_IS_LATE = """(s.late AND coalesce(s.submitted_at > greatest(x.due_at, (
     SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id AND x.due_at IS NOT NULL
-)), false)) AS late"""
+)), false))"""
+LATE = f"{_IS_LATE} AS late"
 
 # The points ``cut.penalty`` that submission ``s`` to assignment ``x`` loses for being late: of its points after overrides a share
 # for each day or part of a day after the person's deadline, up to the limit. None if it is not late or not graded.
 PENALTY = f"""LATERAL (
-    SELECT round(given.points * CAST(least(k.late_penalty_limit, k.late_penalty * ceil(extract(epoch FROM s.submitted_at - greatest(
-        x.due_at, (SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id))) / 86400)
-    ) AS numeric), 2) AS penalty
-    FROM course k, (SELECT {LATE}) it WHERE k.id = x.course_id AND it.late
+    SELECT CASE WHEN {_IS_LATE} THEN (
+        SELECT round(given.points * CAST(least(k.late_penalty_limit, k.late_penalty * ceil(extract(epoch FROM s.submitted_at
+            - greatest(x.due_at, (SELECT e.due_at FROM extension e WHERE e.assignment_id = x.id AND e.person_id = s.person_id))
+        ) / 86400)) AS numeric), 2)
+        FROM course k WHERE k.id = x.course_id
+    ) END AS penalty
 ) cut ON true"""
 
 # Points after the late penalty.
@@ -165,7 +185,12 @@ ORDER BY s.submitted_at DESC LIMIT :most
 
 _STATE = f"""
 SELECT s.id, shown.finished, shown.score, shown.max_score, shown.total, shown.grading, shown.number, going.phase, going.scene,
-    going.scenes, {STATUS} FROM submission s JOIN {SHOWN} WHERE s.id = :id
+    going.scenes, {STATUS}
+FROM submission s JOIN {SHOWN} LEFT JOIN LATERAL (
+    SELECT phase, scene, scenes FROM run
+    WHERE run.grading_id = shown.grading AND NOT shown.finished AND ended_at IS NULL ORDER BY started_at DESC LIMIT 1
+) going ON true
+WHERE s.id = :id
 """
 
 _POSITIONS = """

@@ -130,7 +130,7 @@ def test_a_submission_is_graded_and_its_report_is_read(python, how):
     python(how, f'open("mine.py", "w").write({source})\nreport = ecp.submit(file="mine.py", exercises=["2"])')
     assert python(how, "report.summary()") == "5 of 5 points (public checks: 3 of 3)"
     assert python(how, 'report.drawn(report.figures[0].name)[:4] == b"\\x89PNG"') == "true"
-    assert "5 of 5" in python(how, "repr(ecp.submissions())")
+    assert "5 of 36 + 6 bonus" in python(how, "repr(ecp.submissions())")
     again = 'ecp.submit(file="mine.py", exercises=["2"]).remark.startswith("Not submitted again")'
     assert python(how, again) == "true"
 
@@ -157,4 +157,4 @@ def test_the_checks_of_a_cell_are_those_of_the_server(python, pyodide):
     if not pyodide[1]:
         pytest.skip("npm's Pyodide has no numpy: name a folder with a complete Pyodide in POLHODE_PYODIDE")
     assert python("wait", 'ecp.check("2").summary()') == "3 of 3 public checks ✓"
-    assert python("wait", "ecp.submit(euler_eqs).summary()").startswith("5 of 36 points")
+    assert python("wait", "ecp.submit(euler_eqs).summary()").startswith("5 of 36 + 6 bonus points")

@@ -20,13 +20,13 @@ def server(url):
 def test_scores_are_held_back_and_released(seen_by, server, url):
     path = f"/submissions/{run(url, lambda database: hand_in(database, 'ann', {'2-energy': '✗', '2-momentum': '✓'}))}"
     ann, prof = seen_by("ann", "student", path), seen_by("prof", "instructor", f"{BASE}/class/settings")
-    assert "1 of 2 points" in " ".join(ann.locator("main").inner_text().split())
+    assert "1 of 36 + 6 bonus points" in " ".join(ann.locator("main").inner_text().split())
     prof.get_by_label("Scores and reports").select_option("manually")
     prof.get_by_role("button", name="Save release").click()
     prof.get_by_role("button", name="Release scores now").wait_for()
     ann.reload()
     ann.get_by_text("have not been released yet").wait_for()
-    assert "1 of 2" not in ann.locator("main").inner_text() and not ann.locator(".outcomes").count()
+    assert "1 of 36" not in ann.locator("main").inner_text() and not ann.locator(".outcomes").count()
 
     prof.goto(f"{server.url}/settings")
     prof.get_by_label("Time zone").fill("Europe/Berlin")
@@ -45,4 +45,4 @@ def test_scores_are_held_back_and_released(seen_by, server, url):
     prof.get_by_role("button", name="Withdraw the release of scores").wait_for()
     ann.reload()
     shown = " ".join(ann.locator("main").inner_text().split())
-    assert "1 of 2 points" in shown and ("CET" in shown or "CEST" in shown or "Berlin" in shown)
+    assert "1 of 36 + 6 bonus points" in shown and ("CET" in shown or "CEST" in shown or "Berlin" in shown)

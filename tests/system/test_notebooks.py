@@ -172,7 +172,7 @@ def test_attempts_tell_what_changed(new_server, tmp_path, play, database_url):
     )
     newest, first = shown(found).split("\n")
     flips = r"(5 checks ✗ → ✓|4 checks ✗ → ✓; 1 check – → ✓)"  # a wrong equation may keep the solver busy beyond its time
-    assert re.search(rf"  5 of 5  best, latest  lines \+1 −1; {flips}$", newest) and "0 of 5" in first
+    assert re.search(rf"  5 of 36 \+ 6 bonus  best, latest  lines \+1 −1; {flips}$", newest) and "0 of 36 + 6 bonus" in first
     listed = fetch(server, "/assignments/rigid-body")
     assert listed.count('scope="row"') == 2 and re.search(flips, listed) and "(best)" in listed
     server.stop()

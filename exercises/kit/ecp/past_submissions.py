@@ -8,6 +8,7 @@ from typing import Any
 from ecp import course
 from ecp.http import CONTACT_S, call
 from ecp.identity import authorization
+from ecp.report import out_of
 from ecp.report_html import fragment
 
 
@@ -16,7 +17,7 @@ class Submissions:
     """A student's submissions to an assignment, newest first, and the ids of the best and the latest one.
 
     ``submissions`` are the objects of the server's JSON answer. ``address`` is the address of the
-    assignment's page.
+    assignment's page. ``out_of`` are the assignment's points, as in a report; "" from a server that does not send them.
     """
 
     assignment: str
@@ -24,6 +25,7 @@ class Submissions:
     best: str | None
     last: str | None
     address: str
+    out_of: str = ""
 
     def __len__(self) -> int:
         return len(self.submissions)
@@ -49,7 +51,7 @@ class Submissions:
         when = f"{at:%Y-%m-%d %H:%M}{' late' if one['late'] else ''}"
         points = one.get("points", one["score"])
         graded = "" if points == one["score"] else f" (graded {one['score']})"
-        most = one.get("total", one["max_score"])
+        most = self.out_of or one.get("total", one["max_score"])
         score = one["status"] if one["score"] is None else f"{points} of {most}{graded}"
         note = ", ".join(word for word, id in (("best", self.best), ("latest", self.last)) if id == one["id"])
         changed = one["changed"] or {}
@@ -65,7 +67,8 @@ def submissions(server: str | None = None, assignment: str | None = None) -> Sub
     slug = course.assignment(assignment)
     where = course.server(server, slug)
     found = own(where, slug)
-    return Submissions(found["assignment"], found["submissions"], found["best"], found["last"], f"{where}/assignments/{slug}")
+    of = out_of(found["max_points"], found["bonus_points"]) if "max_points" in found else ""
+    return Submissions(found["assignment"], found["submissions"], found["best"], found["last"], f"{where}/assignments/{slug}", of)
 
 
 def own(server: str, slug: str) -> dict[str, Any]:

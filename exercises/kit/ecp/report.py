@@ -34,6 +34,11 @@ class Provenance:
     phases_ms: dict[str, float] = field(default_factory=dict)
 
 
+def out_of(points: int, bonus: int) -> str:
+    """Return the points that a submission can have, those of optional functions apart: "36 + 6 bonus", without a bonus "36"."""
+    return f"{points} + {bonus} bonus" if bonus else str(points)
+
+
 def no_picture(name: str) -> bytes | None:
     """Return None: outside a notebook a report has no pictures."""
     return None
@@ -44,7 +49,9 @@ class Report:
     """All outcomes of one grading. A passed check earns its points, one unless the author says otherwise.
 
     ``total`` is the number of points of every exercise that was to be graded, including those
-    ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it.
+    ``not_attempted`` (their numbers); it is None in a report stored before polhode recorded it. ``max_points`` is the part of these
+    exercises without optional functions, and ``bonus_points`` that of all optional functions, written or not; a report from before
+    polhode recorded them, and a local one, has None.
 
     ``repr`` is the ✓/✗ lines, ``print(report)`` adds the causes. Only in a notebook it has pictures, which
     ``drawn`` draws or fetches (PNG or SVG by name), the bundle that was ``sent``, the ``address`` of its page,
@@ -63,6 +70,8 @@ class Report:
     sweep: SweepResult | None = None
     notebook_checks: list[NotebookCheck] = field(default_factory=list)
     total: int | None = None
+    max_points: int | None = None
+    bonus_points: int | None = None
     not_attempted: list[str] = field(default_factory=list)
     local: bool = field(default=False, metadata={"local_only": True}, compare=False)
     weighted: bool = field(default=False, metadata={"local_only": True}, compare=False)
@@ -87,6 +96,11 @@ class Report:
     def most(self) -> int:
         """Return ``total``, or the points of the attempted exercises if it is not known."""
         return self.max_score if self.total is None else self.total
+
+    @property
+    def out_of(self) -> str:
+        """Return the points there are, with those of optional functions apart: "36 + 6 bonus"."""
+        return str(self.most) if self.max_points is None else out_of(self.max_points, self.bonus_points or 0)
 
     @property
     def passed(self) -> bool:
@@ -125,7 +139,7 @@ class Report:
         if self.local:
             points = f"{self.score} of {self.most} {'points of the public checks' if self.weighted else 'public checks ✓'}"
         else:
-            of = f"{self.most} points" if self.total is not None else f"{self.most} points of the attempted exercises"
+            of = f"{self.out_of} points{' of the attempted exercises' if self.total is None and self.max_points is None else ''}"
             public = [o for o in self.outcomes() if o.counted and not o.hidden]
             passed = sum(o.verdict is Verdict.PASS for o in public)
             points = f"{self.score} of {of} (public checks: {passed} of {len(public)})"

@@ -58,12 +58,14 @@ def _omega(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
     run, exact = seen[0], truth[0]
     left, right = canvas.subplots(1, 2)
     _components(left, run, exact)
-    for (name, observable), color in zip((("T / J", kinetic_energy), ("|L| / (kg m²/s)", momentum_norm)), COLORS, strict=False):
-        values, true = observable(run["w"], BODY), observable(exact["w"], BODY)
+    observables = (("T / J", kinetic_energy), ("|L| / (kg m²/s)", momentum_norm))
+    yours, trues = ([observable(motion["w"], BODY) for _, observable in observables] for motion in (run, exact))
+    for (name, _), values, true, color in zip(observables, yours, trues, COLORS, strict=False):
         drift = np.abs(values / true[0] - 1).max()
         right.plot(run["t"], values, color=color, label=f"{name}, drift {drift:.2g}")
         right.plot(exact["t"], true, **EXACT)
     right.set(xlabel="t / s", ylim=(0, None))
+    _keep_exact_in_view(right, run["t"], np.array(yours), np.array(trues), 0.0)
     legend_above(right, 1)
 
 
@@ -71,8 +73,22 @@ def _components(axes: Any, run: Arrays, exact: Arrays) -> None:
     for i in range(3):
         axes.plot(run["t"], run["w"][i], color=COLORS[i], label=f"ω{'₁₂₃'[i]}")
         axes.plot(exact["t"], exact["w"][i], **EXACT, label="exact" if i == 2 else None)
+    _keep_exact_in_view(axes, run["t"], run["w"], exact["w"])
     axes.set(xlabel="t / s", ylabel="rad/s")
     legend_above(axes)
+
+
+def _keep_exact_in_view(axes: Any, t: Any, yours: Any, exact: Any, least: float = np.inf) -> None:
+    """Limit the y axis to the exact values and half their range on both sides if the student's, (..., n), go farther.
+
+    A line marks the time at which they leave. ``least`` is a value that the axis shows too.
+    """
+    low, high = min(float(exact.min()), least), float(exact.max())
+    room = 0.5 * (high - low)
+    inside = ((low - room <= yours) & (yours <= high + room)).reshape(-1, len(t)).all(axis=0)
+    if not inside.all() and room > 0:
+        axes.set_ylim(low if low == least else low - room, high + room)
+        axes.axvline(t[int(inside.argmin())], color=GREY, lw=1, label="yours leaves the axes")
 
 
 def _residual(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
@@ -107,6 +123,13 @@ def _precession(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> No
     _components(left, run, exact)
     circle.plot(run["w"][0], run["w"][1], color=COLORS[0], label="yours")
     circle.plot(exact["w"][0], exact["w"][1], **EXACT, label="exact")
+    reach = 1.6 * float(np.abs(exact["w"][:2]).max())
+    inside = (np.abs(run["w"][:2]) <= reach).all(axis=0)
+    if not inside.all():
+        circle.set(xlim=(-reach, reach), ylim=(-reach, reach))
+        circle.plot(
+            *run["w"][:2, max(int(inside.argmin()) - 1, 0)], "x", color=COLORS[2], ms=9, mew=2, label="yours leaves the axes"
+        )
     circle.set(xlabel="ω₁ / (rad/s)", ylabel="ω₂ / (rad/s)", aspect="equal")
     if np.isfinite(run["w"]).all():
         rate = turning_rate(run["t"], run["w"], exact["w"], SYMMETRIC_RATE)
@@ -120,6 +143,7 @@ def _growth(canvas: "Canvas", seen: list[Arrays], truth: list[Arrays]) -> None:
         axes.semilogy(SPIN * run["t"], transverse(run["w"], k, SPIN), color=COLORS[k], label=f"spin about ê{'₁₂₃'[k]}")
         axes.semilogy(SPIN * exact["t"], transverse(exact["w"], k, SPIN), **EXACT)
     axes.axhline(NUDGE * np.sqrt(2), color="0.7", lw=0.8)
+    axes.set_ylim(max(axes.get_ylim()[0], 1e-3 * NUDGE), min(axes.get_ylim()[1], 10.0))
     axes.set(xlabel="turn angle nt / rad", ylabel="transverse |ω| / n")
     legend_above(axes)
 

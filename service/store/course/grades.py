@@ -7,23 +7,33 @@ from exercises.catalogue import assignments
 from service.formats.grade_row import GradeRow
 from service.store.course.people import COURSE, IS_PERSON
 from service.store.database import Database, Row
-from service.store.records import FINAL, LATE, OWN_DEADLINE, PENALTY, SCORES_RELEASED, SHOWN, STATUS
+from service.store.records import EACH_SHOWN, FINAL, LATE, OWN_DEADLINE, PENALTY, SCORES_RELEASED, SHOWN, STATUS, points, status
 
 BATCH = 25  # submissions with reports: some megabytes at most
 AUDIT_BATCH = 2000  # short rows
 
-# Each person's counted submission: the one with the most points after the late penalty; of equal ones, or if none is graded, the
-# newest.
-BEST = f"""
-SELECT DISTINCT ON (s.assignment_id, s.person_id) s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE},
-    shown.grading, shown.score, shown.max_score, shown.version, shown.finished_at, given.points, given.overridden, {STATUS},
-    coalesce(cut.penalty, 0) AS penalty, {FINAL} AS final, {SCORES_RELEASED},
-    count(*) OVER (PARTITION BY s.assignment_id, s.person_id) AS submissions
-FROM submission s JOIN assignment x ON x.id = s.assignment_id AND coalesce(x.slug = CAST(:slug AS text), true) JOIN {SHOWN}
+# Every submission with its points, before and after the late penalty.
+SENT = f"""
+SELECT s.assignment_id, s.person_id, s.id, s.filename, s.submitted_at, {LATE}, s.grading, s.score, s.max_score, s.version,
+    s.finished_at, given.points, given.overridden, {status("s")}, coalesce(cut.penalty, 0) AS penalty, {FINAL} AS final,
+    {SCORES_RELEASED}
+FROM {EACH_SHOWN} JOIN assignment x ON x.id = s.assignment_id LEFT JOIN {points("given", "s.grading", "s.score")}
     LEFT JOIN {PENALTY}
-WHERE CAST(:person AS text) IS NULL OR s.person_id = (SELECT p.id FROM person p WHERE p.name = :person)
-ORDER BY s.assignment_id, s.person_id, {FINAL} DESC NULLS LAST, s.submitted_at DESC, s.id
 """
+
+
+def best(sent: str) -> str:
+    """Return a query of each person's counted submission of those ``sent``: the one with the most points after the late penalty.
+
+    Of equal ones, or if none is graded, the newest counts.
+    """
+    return f"""
+SELECT DISTINCT ON (assignment_id, person_id) *, count(*) OVER (PARTITION BY assignment_id, person_id) AS submissions FROM {sent}
+ORDER BY assignment_id, person_id, final DESC NULLS LAST, submitted_at DESC, id
+"""
+
+
+BEST = best(f"({SENT}) sent")
 
 _GRADES = f"""
 WITH best AS MATERIALIZED ({BEST})
@@ -73,7 +83,8 @@ WHERE c.slug = :course AND {IS_PERSON} ORDER BY p.name
 async def grades(database: Database, slug: str | None = None, person: str | None = None) -> list[GradeRow]:
     """Return a row per student, or of one person: of one assignment with check states, or of all assignments without."""
     values = {"slug": slug, "person": person, "course": COURSE, "detailed": slug is not None}
-    return [_row(found) for found in await database.rows(_GRADES, values)]
+    most = {slug: assignment.max_points() for slug, assignment in assignments().items()}
+    return [_row(found, most.get(found.slug)) for found in await database.rows(_GRADES, values)]
 
 
 async def submissions(database: Database, slug: str) -> AsyncIterator[Sequence[Row]]:
@@ -102,7 +113,7 @@ async def roster(database: Database) -> Sequence[Row]:
     return await database.rows(_ROSTER, {"course": COURSE})
 
 
-def _row(found: Row) -> GradeRow:
+def _row(found: Row, most: int | None) -> GradeRow:
     assignment = assignments().get(found.slug)
     same = {name: getattr(found, name) for name in ("full_name", "email", "student_id", "submitted_at", "late", "score", "points")}
     given = {check: points for check, points in (found.given or {}).items() if check in (found.checks or {})}
@@ -110,7 +121,7 @@ def _row(found: Row) -> GradeRow:
     return GradeRow(
         assignment=found.slug,
         title=assignment.title if assignment else found.slug,
-        max_points=assignment.max_points() if assignment else found.max_score or 0,
+        max_points=found.max_score or 0 if most is None else most,
         student=found.name,
         due_at=found.due_at,
         status=found.status or "none",

@@ -59,7 +59,7 @@ def test_the_table_links_every_page_and_tells_every_verdict(written):
     assert len(links) == len(set(links)) == 4 and all((written / unquote(link)).is_file() for link in links)
     assert "4 files: 1 all ✓, 1 not all ✓, 1 no submission, 1 not graded" in text
     assert text.count(">✓</td>") == 5 + 2 and text.count(">✗</td>") == 3
-    assert "<td>5/5</td>" in text and "<td>2/5</td>" in text
+    assert "<td>5 of 5</td>" in text and "<td>2 of 5</td>" in text
     assert '<td></td><td class="none" colspan="5">not graded: the guest went away</td>' in text
 
 

@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from ecp.outcome import SweptPoint
 from exercises.catalogue import find
 from service.cli.__main__ import main
 from service.grading import chart_drawing, charts
@@ -170,6 +171,13 @@ def test_names_beside_curves_do_not_overlap_and_stay_at_the_axes(heights):
     assert len(places) == len(heights) and places[0] >= 0 and places[-1] <= 1
     gap = chart_drawing.GAP / (axes.get_position().height * 3.0 * 72)
     assert all(b - a > 0.999 * gap for a, b in itertools.pairwise(places))
+
+
+def test_the_key_of_a_class_names_each_method_once():
+    methods = [SweptPoint(method, 1e-11, 1000, 1e-10, 0.01) for method in ("DOP853", "RK45")]
+    drawn = chart_drawing.draw_class(charts.load_work_precision(), "exercise 2", [methods, methods[:1], methods[1:]]).decode()
+    assert [drawn.count(f">class, {method}<") for method in ("DOP853", "RK45")] == [1, 1]
+    assert ">class, " not in chart_drawing.draw_class(charts.load_work_precision(), "exercise 2", []).decode()
 
 
 @pytest.mark.slow

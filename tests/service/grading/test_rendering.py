@@ -82,6 +82,19 @@ def test_the_figures_show_what_the_courses_captions_say(rigid_body, graded):
     assert np.ptp(tip[2]) < 1e-9 and np.ptp(np.hypot(tip[0], tip[1])) < 1e-9, "a circle around the vertical"
 
 
+def test_a_motion_that_diverges_leaves_the_exact_one_in_view(rigid_body, graded):
+    grown = {s: dict(arrays) for s, arrays in graded.arrays.items() if {"t", "w"} <= arrays.keys()}
+    for arrays in grown.values():
+        late = np.maximum(arrays["t"] - 0.5 * arrays["t"][-1], 0)
+        arrays["w"] = arrays["w"] * np.exp(80 * late / arrays["t"][-1])
+    for name in ("omega", "precession"):
+        for axes, right in zip(drawn(rigid_body, name, grown), drawn(rigid_body, name, graded.arrays), strict=True):
+            exact = [line.get_ydata() for line in right.lines if line.get_color() == "0.25"]
+            (least, most), room = axes.get_ylim(), 1.1 * max(np.abs(ys).max() for ys in exact)
+            assert all(least <= ys.min() and ys.max() <= most for ys in exact) and most < 2 * room, name
+            assert "yours leaves the axes" in colours(axes) and "yours leaves the axes" not in colours(right), name
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
 def test_a_figure_of_any_numbers_can_be_drawn(rigid_body, graded, value):
     for name in ("omega", "precession", "cone"):

@@ -81,14 +81,17 @@ def test_a_late_penalty_reaches_every_export_the_api_and_the_pages(server, url, 
         assert (listed["points"], listed["penalty"], listed["final"]) == (2, penalty, final)
         one = json.loads(call(server, f"/v1/submissions/{listed['id']}", **ann)[2])
         assert (one["penalty"], one["final"], one["report"]["score"]) == (penalty, final, 2)
-        assert f"<b>{final} of 2 points</b> after a late penalty of {penalty}" in looks("ann", f"/submissions/{listed['id']}")[1]
+        assert (
+            f"<b>{final} of 36 + 6 bonus points</b> after a late penalty of {penalty}"
+            in looks("ann", f"/submissions/{listed['id']}")[1]
+        )
         assert f">{final}</a> late" in looks("prof", f"{OWN}/class/students")[1]
         assert f">{final}</a> of 36 + 6 bonus, late (−{penalty})" in looks("prof", "/person?name=ann")[1]
         median = (final + 2) / 2
-        assert f"<b>{median:g}</b> median of 36 points" in looks("prof", "/")[1]
+        assert f"<b>{median:g}</b> median of 36 + 6 bonus points" in looks("prof", "/")[1]
         overview = looks("prof", f"{OWN}/class")[1]
         assert f"<b>{median:g}</b> median of 36" in overview and f"median {median:g} of 36, from {final} to 2" in overview
-        assert f'<td class="one-line">{final} of 36</td>' in looks("prof", f"{OWN}/class/submissions")[1]
+        assert f'<td class="one-line">{final} of 36 + 6 bonus</td>' in looks("prof", f"{OWN}/class/submissions")[1]
         ordered = [looks("prof", f"{OWN}/class/students?sort={by}")[1] for by in ("points", "worst")]
         assert ordered[0].index("/person?name=ben") < ordered[0].index("/person?name=ann")
         assert ordered[1].index("/person?name=ann") < ordered[1].index("/person?name=ben")

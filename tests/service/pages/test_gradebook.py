@@ -6,7 +6,7 @@ import re
 import urllib.parse
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import pytest
 
@@ -14,8 +14,8 @@ from ecp.document import document
 from ecp.outcome import Diagnosis, SweepResult, SweptPoint
 from service.grading import charts
 from service.pages import class_charts, class_stats
-from service.store.course import people
-from service.store.course.gradebook import Cell, StudentRow, student_rows
+from service.store.course import outcomes, people
+from service.store.course.gradebook import StudentRow, graded, students
 from service.store.database import Database
 from service.store.records import store_artefacts
 from tests.support.database import new_database, run, sql
@@ -46,19 +46,13 @@ def url(postgres):
     return url
 
 
-class Sent(NamedTuple):
-    name: str
-    submitted_at: datetime
-    points: float | None
-
-
 NOBODY = StudentRow("", "", "", "", 0, None, None, None, None, None, False, "", None, None, 0.0, None, None, False, None)
 
 
 def test_the_course_tells_who_has_submitted_and_what_waits(looks):
     status, page, headers = looks("prof", "/")
     assert status == 200 and "<b>4/5</b> submitted" in page and "1 being graded" in page
-    assert "<b>0</b> median of 36 points" in tile(page, "Rigid-Body") and "nothing to do" in tile(page, "Integrators")
+    assert "<b>0</b> median of 36 + 6 bonus points" in tile(page, "Rigid-Body") and "nothing to do" in tile(page, "Integrators")
     assert "default-src 'self'" in headers["content-security-policy"] and not re.search(r"\sstyle=|\son[a-z]+=", page)
     own = looks("ann", "/")[1]
     assert "<b>2</b> of 36 + 6 bonus points" in tile(own, "Rigid-Body") and "not submitted" in tile(own, "Integrators")
@@ -100,13 +94,20 @@ def test_students_are_sorted_and_those_who_gain_nothing_are_found(looks, url):
     assert names("?show=no-gain") == [] and "No such students." in looks("helper", f"{STUDENTS}?show=no-gain")[1]
 
 
-def test_activity_is_the_last_submission_and_no_gain_needs_two_graded_ones():
-    day = [datetime(2026, 1, k, tzinfo=UTC) for k in range(1, 5)]
-    sent = {"same": [3, 3], "less": [3, 1], "more": [3, None, 4], "once": [3, None], "full": [9, 9], "late gain": [0, 0, 1]}
-    rows = [Sent(name, at, points) for name, all_ in sent.items() for at, points in zip(day, all_, strict=False)]
-    found = class_stats.activity(rows, 9)
-    assert {name for name, one in found.items() if one.no_gain} == {"same", "less"}
-    assert found["more"].last_at == day[2] and found["once"].last_at == day[1]
+def test_no_gain_needs_two_graded_submissions_and_points_to_gain():
+    earned = {
+        "same": [3, 3],
+        "less": [3, 1],
+        "more": [3, None, 4],
+        "once": [3, None],
+        "full": [9, 9],
+        "late gain": [0, 0, 1],
+        "": [],
+    }
+    assert [name for name, points in earned.items() if class_stats.has_no_gain(replace(NOBODY, earned=points), 9)] == [
+        "same",
+        "less",
+    ]
 
 
 def test_equal_names_are_told_apart_by_their_logins(looks, url):
@@ -144,9 +145,11 @@ def test_every_student_is_in_one_bar_of_the_distribution(most):
 
 def test_nothing_runs_out_of_the_progress_chart():
     first = datetime(2026, 1, 1, tzinfo=UTC)
-    assert class_charts.progress([], 3, 9, None) is None
+    assert class_charts.progress([NOBODY], 9, None) is None
+    ann = replace(NOBODY, sent_at=[first, first + timedelta(hours=2)], earned=[3, 9])
+    class_ = [ann, replace(NOBODY, sent_at=[first], earned=[None]), NOBODY]
     for due in (None, first - timedelta(days=1), first + timedelta(hours=1), datetime(2999, 1, 1, tzinfo=UTC)):
-        drawn = str(class_charts.progress([Sent("ann", first, 9), Sent("ben", first, None)], 3, 9, due))
+        drawn = str(class_charts.progress(class_, 9, due))
         edges = [float(x) for x in re.findall(r'[MH ](?:x\d?=")?(\d+\.?\d*)', " ".join(re.findall(r'd="[^"]+"', drawn)))]
         assert ">2 submitted<" in drawn and ">1 all points<" in drawn and max(edges) <= class_charts.WIDE
 
@@ -222,19 +225,21 @@ def test_who_may_not_and_forms_without_their_token(looks, server):
         assert status == 403 and "reload the page" in page
 
 
-def test_a_page_asks_as_often_however_large_the_class_is(looks, url, monkeypatch):
+def test_a_page_asks_as_often_however_large_the_class_is(url, monkeypatch):
     """No query per row: counted at the gradebook, whose rows make the page."""
     asked = []
     rows = Database.rows
     monkeypatch.setattr(Database, "rows", lambda self, query, values=None: asked.append(query) or rows(self, query, values))
-    counts = []
+
+    async def read(database):
+        class_ = await students(database, "rigid-body")
+        return class_, class_stats.by_check(ASSIGNMENT, await outcomes.by_check(database, graded(class_)))
+
     for more in (0, 12):
         run(url, lambda database, more=more: _many(database, more))
         asked.clear()
-        class_ = run(url, lambda database: student_rows(database, "rigid-body"))
-        counts.append(len(asked))
-        assert len(class_) == 5 + more and class_stats.by_check(ASSIGNMENT, class_)[5].count == 3 + more
-    assert counts == [3, 3]
+        class_, checks = run(url, read)
+        assert len(class_) == 5 + more and checks[5].count == 3 + more and len(asked) == 2
 
 
 async def _many(database, count):
@@ -244,7 +249,7 @@ async def _many(database, count):
 
 def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):
     page = looks("ben", OWN)[1]
-    assert "<dd>1</dd>" in page and "best 0 of 2" in page
+    assert "<dd>1</dd>" in page and "best 0, last 0, of 36 + 6 bonus" in page
     assert looks("prof", "/assignments/rigid-body/rules", at=SETTINGS, most="2")[0] == 200
     status, page, _ = looks("ben", f"{OWN}/submissions", at=OWN, files={"file": ("mine.py", b"def euler_eqs(t, w, I): pass")})
     assert status == 200 and "mine.py" in page and "queued" in page
@@ -256,16 +261,25 @@ def test_a_file_is_submitted_on_the_page_of_the_assignment(looks, url):
 
 
 @pytest.mark.parametrize(
-    ("margins", "median"),
+    ("margins", "exact", "smallest", "median"),
     [
-        ([2.0, 8.0, 1e-13], 2.0),
-        ([2.0, None, None, 1e-13], math.inf),
-        ([2.0, None, 1e-13], 2.0),
-        ([None, None, 1e-13], None),
-        ([1e-13, 1e-3, 1e-1], 1e-3),
-        ([], None),
+        ([2.0, 8.0, 1e-13], 0, 2.0, 2.0),
+        ([2.0, 1e-13], 2, 2.0, math.inf),
+        ([2.0, 1e-13], 1, 2.0, 2.0),
+        ([1e-13], 2, None, None),
+        ([1e-13, 1e-3, 1e-1], 0, None, 1e-3),
+        (None, 0, None, None),
     ],
 )
-def test_a_check_passed_without_deviation_counts_in_the_median_margin(margins, median):
-    cells = [Cell("pass" if margin is None or margin > 1 else "fail", True, margin) for margin in margins]
-    assert class_stats._check(ASSIGNMENT.exercises[0].checks[0], "1", False, cells).median_margin == median
+def test_a_check_passed_without_deviation_counts_in_the_median_margin(margins, exact, smallest, median):
+    check = ASSIGNMENT.exercises[0].checks[0]
+    found = SimpleNamespace(states="pass fail", margins=margins, causes=None, exact=exact, smallest=smallest)
+    assert class_stats.by_check(ASSIGNMENT, {check.id: found})[0].median_margin == median
+
+
+def test_margins_are_counted_by_decade_and_the_outermost_bins_have_all_beyond():
+    check = ASSIGNMENT.exercises[0].checks[0]
+    margins = [1e-99, 1e-4, 0.5, 1.0, 9.99, 10.0, 1e12, 1e99]
+    found = SimpleNamespace(states="pass", margins=margins, causes=None, exact=0, smallest=1.0)
+    bins = dict(zip(class_stats.DECADES, class_stats.by_check(ASSIGNMENT, {check.id: found})[0].bins, strict=True))
+    assert {decade: count for decade, count in bins.items() if count} == {-4: 2, -1: 1, 0: 2, 1: 1, 12: 2}

@@ -47,10 +47,8 @@ def test_a_preview_tells_who_gains_and_who_loses_and_only_an_instructor_applies(
     grade_open(url, {his: "-+?"})
     page = prof.open(where)[1]
     assert "2 of 2 graded" in page and "Version 1 → 2" in page and "1 gain, 1 lose, 0 keep their points" in page
-    assert row_of(page, "ann") == "ann 1 of 3 → 2 of 3 ✗ → ✓ (failed, now passed) c2"
-    assert row_of(page, "Ben Ek").startswith(
-        "Ben Ek ben 3 of 3 → 1 of 3 ✓ → ✗ (passed, now failed) c1 ✓ → – (passed, now not measured) c3"
-    )
+    assert row_of(page, "ann") == "ann 1 → 2 ✗ → ✓ (failed, now passed) c2"
+    assert row_of(page, "Ben Ek").startswith("Ben Ek ben 3 → 1 ✓ → ✗ (passed, now failed) c1 ✓ → – (passed, now not measured) c3")
     assert ann.open(where)[0] == 403 and ann.json(f"/v1/submissions/{hers}")["report"]["score"] == 1
     assert tutor.send(f"{where}/apply", where)[0] == ann.send(f"{where}/apply", "/")[0] == 403
     assert prof.send(f"{where}/apply", where) == (303, where)
@@ -97,12 +95,14 @@ def test_points_by_hand_are_told_to_the_student_with_name_and_reason(server, url
     reason = "Her figure shows it <b>&</b> more.\nSee you."
     assert prof.send(give, own, check="c2", points="1", reason=reason, seen="0") == (303, f"{own}#points")
     page = ann.open(own)[1]
-    assert "2 of 3 (graded 1)" in page and "Her figure shows it &lt;b&gt;&amp;&lt;/b&gt; more." in page and "prof " in page
+    assert (
+        "2 of 36 + 6 bonus (graded 1)" in page and "Her figure shows it &lt;b&gt;&amp;&lt;/b&gt; more." in page and "prof " in page
+    )
     told = ann.json(f"/v1/submissions/{id}")
     assert told["points"] == 2 and told["report"]["score"] == 1
     (one,) = told["overrides"]
     assert (one["check"], one["points"], one["by"]) == ("c2", 1, "prof") and one["at"] and one["reason"].endswith("See you.")
-    assert "2 of 3</span> (graded 1)" in ann.open("/assignments/rigid-body")[1]
+    assert "2 of 36 + 6 bonus</span> (graded 1)" in ann.open("/assignments/rigid-body")[1]
     listed = ann.json("/v1/assignments/rigid-body/submissions")["submissions"][0]
     assert (listed["points"], listed["score"]) == (2, 1)
     stale = people["prof2"].send(give, own, check="c2", points="0", reason="no", seen="0")
@@ -123,7 +123,9 @@ def test_an_override_may_be_a_fraction_and_the_whole_of_exercises_left_out(serve
         assert prof.send(f"{own}/overrides", own, check=check, points=points, reason="by mouth")[0] == 303
         assert run(url, lambda d: records.read(d, id)).points == stored
         shown = people["ann"].open(own)[1]
-        assert f"{stored} of 36" in shown and re.search(r"<td>\d of 36 points</td>", shown), "the gradings have the same maximum"
+        assert f"{stored} of 36 + 6 bonus" in shown and re.search(r"<td>\d of 36 \+ 6 bonus points</td>", shown), (
+            "the gradings have the same maximum"
+        )
     assert prof.send(f"{own}/overrides", own, check="", points="37", reason="by mouth")[0] == 422
 
 
@@ -133,11 +135,11 @@ def test_pages_show_what_a_check_of_several_points_is_worth_and_earned(server, u
     own, prof = f"/submissions/{id}", people["prof"]
     page = prof.open(own)[1]
     assert "12 of 16 inputs are right: 3 of 4 points" in page and '<span class="badge">3 of 4 points</span>' in page
-    assert "4 of 5 points (public checks: 1 of 2)" in page and "<td>4 of 5 points, version 1</td>" in page
+    assert "4 of 36 + 6 bonus points (public checks: 1 of 2)" in page and "<td>4 of 36 + 6 bonus points, version 1</td>" in page
     assert '<optgroup label="1 Title 1"><option value="c1" data-max="4">c1 (c1, 4 points)</option>' in page
     assert '<option value="c2" data-max="1">c2 (c2, 1 point)</option>' in page
     assert prof.send(f"{own}/overrides", own, check="c1", points="4", reason="the rest is right too") == (303, f"{own}#points")
-    assert "5 of 5 (graded 4)" in people["ann"].open(own)[1]
+    assert "5 of 36 + 6 bonus (graded 4)" in people["ann"].open(own)[1]
     told = people["ann"].json(f"/v1/submissions/{id}")
     listed = [(o["points"], o["earned"]) for e in told["report"]["exercises"] for o in e["outcomes"]]
     assert (listed, told["points"], told["report"]["score"]) == ([(4, 3), (1, 1)], 5, 4)

@@ -475,12 +475,12 @@ def test_pictures_and_motions_of_one_grading_come_from_the_same_arrays(server, a
 
 def test_points_are_out_of_all_there_are(server, url, ann):
     id = graded(url, "ann", "+-", total=36, not_attempted=["1", "6"])
-    summary = "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"
+    summary = "1 of 36 + 6 bonus points (public checks: 1 of 2); not attempted: exercises 1, 6"
     assert summary in call(server, f"/submissions/{id}", ann)[2]
     newest = json.loads(call(server, SLUG, ann)[2])["submissions"][0]
     assert (newest["score"], newest["max_score"], newest["total"]) == (1, 2, 36)
     for page in ("/", "/assignments/rigid-body", f"/submissions/{id}"):
-        assert "✗ 1 of 36</span>" in call(server, page, ann)[2], page
+        assert "✗ 1 of 36 + 6 bonus</span>" in call(server, page, ann)[2], page
     assert '"total":36' in call(server, f"/v1/submissions/{id}/events", ann)[2].replace(" ", "")
 
 
@@ -499,4 +499,4 @@ def test_the_page_states_each_cause_once_above_the_lines_that_refer_to_it(server
 )
 def test_points_of_an_assignment_without_any_have_no_verdict(points, total, shown):
     macros = ENVIRONMENT.get_template("macros.html").module
-    assert macros.points({"points": points, "max_score": total, "total": total}) == shown
+    assert macros.points({"points": points, "max_score": total, "total": total}, total) == shown

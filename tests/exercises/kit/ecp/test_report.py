@@ -31,6 +31,8 @@ def test_a_report_passes_if_every_check_that_counts_does_and_there_is_one(verdic
         ({"total": 2}, "1 of 2 points (public checks: 1 of 2)"),
         ({"total": 9, "not_attempted": ["6"]}, "1 of 9 points (public checks: 1 of 2); not attempted: exercise 6"),
         ({"total": 36, "not_attempted": ["1", "6"]}, "1 of 36 points (public checks: 1 of 2); not attempted: exercises 1, 6"),
+        ({"total": 40, "max_points": 36, "bonus_points": 6}, "1 of 36 + 6 bonus points (public checks: 1 of 2)"),
+        ({"total": 36, "max_points": 36, "bonus_points": 0}, "1 of 36 points (public checks: 1 of 2)"),
         ({"total": 9, "local": True, "weighted": True}, "1 of 9 points of the public checks"),
         ({"total": 7, "not_attempted": ["6"], "local": True}, "1 of 7 public checks ✓; not attempted: exercise 6"),
     ],

@@ -8,15 +8,14 @@ import pytest
 from service.store import queue_overview
 from service.store.course import deadlines, gradebook, people
 from tests.support.database import run, sql
-from tests.support.reports import SLIP
-from tests.support.submissions import grade, hand_in
+from tests.support.submissions import hand_in
 
 GOOD, BAD = {"2-energy": "✓", "2-momentum": "✓"}, {"2-energy": "✓", "2-momentum": ("✗", 1e-3)}
 NOW = datetime.now(UTC)
 
 
 def standing(url, name):
-    return next(s for s in run(url, lambda database: gradebook.student_rows(database, "rigid-body")) if s.name == name)
+    return next(s for s in run(url, lambda database: gradebook.students(database, "rigid-body")) if s.name == name)
 
 
 def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(database_url):
@@ -32,6 +31,7 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
     counts = run(database_url, fill)
     ann, zoe = standing(database_url, "ann"), standing(database_url, "zoe")
     assert (ann.submission, ann.points, ann.max_score, ann.submissions, ann.status) == (counts, 2, 2, 4, "graded")
+    assert ann.earned == [2, 2, 1, None] and ann.sent_at == sorted(ann.sent_at) and (zoe.earned, zoe.sent_at) == ([], [])
     assert (zoe.submission, zoe.points, zoe.submissions, zoe.status, zoe.display_name) == (
         None,
         None,
@@ -39,21 +39,10 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
         "no submission",
         "Zoe Adams",
     )
-    told = [s.name for s in run(database_url, lambda database: gradebook.student_rows(database, "rigid-body"))]
+    told = [s.name for s in run(database_url, lambda database: gradebook.students(database, "rigid-body"))]
     assert told == ["ann", "zoe"]
     row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))
     assert (row.submitted, row.students, row.open, row.faults, row.regrades) == (1, 2, 1, 0, 0)
-
-
-def test_the_states_of_checks(database_url):
-    marks = {"2-energy": "✓", "2-momentum": ("✗", 0.5), "2-motion": "⏱", "2-pointwise": "!", "2-secret": "–"}
-    run(database_url, lambda database: hand_in(database, "ann", marks))
-    cells = standing(database_url, "ann").cells
-    assert {id: cell.state for id, cell in cells.items()} == {
-        "2-energy": "pass", "2-momentum": "fail", "2-motion": "timeout", "2-pointwise": "error", "2-secret": "unmeasured",
-    }  # fmt: skip
-    assert cells["2-momentum"].causes == ((SLIP.code, SLIP.sentence),) and cells["2-momentum"].margin == 0.5
-    assert cells["2-energy"].causes == ()
 
 
 def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(database_url):
@@ -68,31 +57,12 @@ def test_reports_from_before_get_the_states_that_are_written_with_a_new_one(data
     assert sorted(sql(database_url, "SELECT * FROM outcome")) == sorted(written) and len(written) == 5
 
 
-def test_what_is_graded_while_a_class_is_read(database_url):
-    async def read(database):
-        id, asked = await hand_in(database, "ann", None), database.rows
-
-        async def rows(query, values=None):
-            found = await asked(query, values)
-            if "array_agg(margin)" in str(query):
-                await grade(database, id, {"2-energy": "✗"})
-            return found
-
-        database.rows = rows
-        return await gradebook.student_rows(database, "rigid-body")
-
-    (ann,) = [s for s in run(database_url, read) if s.name == "ann"]
-    assert (ann.status, ann.cells) == ("queued", {})
-    (ann,) = [s for s in run(database_url, lambda d: gradebook.student_rows(d, "rigid-body")) if s.name == "ann"]
-    assert (ann.status, ann.cells["2-energy"].state) == ("graded", "fail")
-
-
 def test_points_given_count_instead(database_url):
     id = run(database_url, lambda database: hand_in(database, "ann", BAD))
     give = "INSERT INTO override (submission_id, check_id, points, reason, given_by) VALUES (%s, %s, %s, 'because', 'prof')"
     sql(database_url, give, id, "2-momentum", 1)
     ann = standing(database_url, "ann")
-    assert (ann.score, ann.points, ann.overridden, ann.cells["2-momentum"].shown) == (1, 2, True, "pass")
+    assert (ann.score, ann.points, ann.overridden) == (1, 2, True)
     sql(database_url, give, id, None, 0)
     assert standing(database_url, "ann").points == 0
     sql(database_url, "UPDATE override SET withdrawn_at = now()")

@@ -17,7 +17,7 @@ from ecp.judge import Verdict
 from ecp.outcome import Diagnosis, Ended, ExerciseReport, Outcome, SceneEnd
 from ecp.report import Provenance, Report, pictures
 from exercises import packages
-from exercises.assignment import ArraySpec, Assignment, Inputs, Scene
+from exercises.assignment import ArraySpec, Assignment, Inputs, Recorded, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
@@ -25,7 +25,7 @@ from service.grading.crosscheck import CrossCheck, PlayedJob, SecondChild, cross
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
 from service.grading.submission import Submission
-from service.sandbox.job import Job, SceneRequest
+from service.sandbox.job import Job, Kept, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault
 from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import TimeBudget
@@ -169,7 +169,7 @@ def truth(scene: Scene, inputs: Inputs) -> Arrays:
 
 def job_of(submission: Submission, assignment: Assignment, scenes: Sequence[Scene], inputs: Mapping[str, Inputs]) -> Job:
     """Return the sandbox job of a submission's cells and these scenes."""
-    marks = {s.name: {"recorded": s.recorded.marks} for s in scenes if s.recorded and s.recorded.marks}
+    marks = {s.name: {"recorded": _marks(s.recorded)} for s in scenes if s.recorded and s.recorded.marks}
     requests = tuple(
         SceneRequest(
             s.name,
@@ -189,6 +189,11 @@ def job_of(submission: Submission, assignment: Assignment, scenes: Sequence[Scen
     cells = with_published(submission.cells(), assignment.published) if assignment.published else submission.cells()
     job = Job(assignment.setup, assignment.plays, cells, functions, requests, variables=variables, data=data)
     return job if assignment.load_s is None else replace(job, load_budget_s=assignment.load_s)
+
+
+@functools.cache
+def _marks(recorded: Recorded) -> Kept:
+    return Kept.of(recorded.marks)
 
 
 @functools.cache

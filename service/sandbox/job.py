@@ -2,6 +2,7 @@
 
 import base64
 import functools
+import hashlib
 import json
 import marshal
 from collections.abc import Callable, Mapping
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from exercises.assignment import ArraySpec, Ask
-from service.sandbox.guest.wire import FILES, LENGTH, NUMBERS
+from service.sandbox.guest.wire import FILES, KEPT, LENGTH, NUMBERS
 
 LOAD_BUDGET_S = 10.0
 SHORT = 20  # numbers that are sent as digits
@@ -66,6 +67,23 @@ class ReferenceFunctions:
 
 
 @dataclass(frozen=True)
+class Kept:
+    """A part of jobs that is the same for many submissions. A guest can keep it, and then reads its ``name`` instead."""
+
+    name: str
+    value: Any = field(compare=False)
+
+    @classmethod
+    def of(cls, value: Any) -> "Kept":
+        """Return ``value`` with a name of its own."""
+        return cls(hashlib.sha256(json.dumps(value, default=_listed).encode()).hexdigest(), value)
+
+    def encode(self) -> bytes:
+        """Return the value as the guest reads it."""
+        return _encoded(self.value)
+
+
+@dataclass(frozen=True)
 class Job:
     """One submission's cells, the assignment's setup and plays as source text, and the scenes in order.
 
@@ -90,8 +108,17 @@ class Job:
         """Return this job without the scenes in ``done``."""
         return replace(self, scenes=tuple(s for s in self.scenes if s.name not in done))
 
-    def encode(self) -> bytes:
-        """Return the job as the guest reads it: a length and JSON."""
+    @property
+    def kept(self) -> list[Kept]:
+        """The parts that a guest can keep."""
+        return [*self._code(), *(value for s in self.scenes for value in s.inputs.values() if isinstance(value, Kept))]
+
+    def _code(self) -> tuple[Kept, Kept]:
+        setup = "" if any(cell.published for cell in self.cells) else self.setup  # it is one of the published cells
+        return _compiled(setup, FILES["setup"]), _compiled(self.plays, FILES["plays"])
+
+    def encode(self, *, kept: bool = False) -> bytes:
+        """Return the job as the guest reads it: a length and JSON. With ``kept`` it names the parts that the guest keeps."""
         scenes = [
             {"name": s.name, "play": s.play, "function": s.function, "inputs": s.inputs, "budget_s": s.budget_s, "after": s.after}
             | {
@@ -103,13 +130,11 @@ class Job:
             }
             for s in self.scenes
         ]
-        setup = "" if any(cell.published for cell in self.cells) else self.setup  # it is one of the published cells
+        setup, plays = self._code()
         document = {
             "setup": setup,
-            "setup_code": _compiled(setup, FILES["setup"]),
-            "plays": self.plays,
+            "plays": plays,
             "needed_cells": self.needed_cells,
-            "plays_code": _compiled(self.plays, FILES["plays"]),
             "cells": [[c.name, c.source, c.published] for c in self.cells],
             "functions": self.functions,
             "variables": self.variables,
@@ -117,7 +142,7 @@ class Job:
             "scenes": scenes,
             "reference": self.reference.names if self.reference else (),
         }
-        return _encoded(document)
+        return _encoded(document, _named if kept else _listed)
 
     def encode_reference(self) -> bytes:
         """Return the job of the process with the reference functions."""
@@ -126,20 +151,27 @@ class Job:
 
 
 @functools.lru_cache(maxsize=64)
-def _compiled(source: str, name: str) -> str:
-    """Return a source's code as text, or an empty string if it is invalid: the guest, the same interpreter, then reports that."""
+def _compiled(source: str, name: str) -> Kept:
+    """Return a source and its code as text, empty if the source is invalid: the guest, the same interpreter, then reports that."""
     try:
-        return base64.b64encode(marshal.dumps(compile(source, name, "exec"))).decode()
+        code = base64.b64encode(marshal.dumps(compile(source, name, "exec"))).decode()
     except (SyntaxError, ValueError):
-        return ""
+        code = ""
+    return Kept.of({"source": source, "code": code})
 
 
-def _encoded(document: Any) -> bytes:
-    text = json.dumps(document, default=_listed).encode()
+def _encoded(document: Any, default: Callable[[Any], Any] | None = None) -> bytes:
+    text = json.dumps(document, default=default or _listed).encode()
     return LENGTH.pack(len(text)) + text
 
 
+def _named(value: Any) -> Any:
+    return {KEPT: value.name} if isinstance(value, Kept) else _listed(value)
+
+
 def _listed(value: Any) -> Any:
+    if isinstance(value, Kept):
+        return value.value
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.size > SHORT:
         return {NUMBERS: base64.b64encode(value.tobytes()).decode(), "shape": value.shape}  # a tenth of the time of their digits
     if isinstance(value, np.ndarray | np.generic):

@@ -40,6 +40,7 @@ class Sandbox:
         self.zygotes = 0  # started so far
         self.self_tested = False
         self.identity: Identity | None = None  # what the guest of the self-test reported
+        self.keeps = False  # whether a guest gets what several jobs have in common only once
         self._turn = threading.Lock()
         self.beside: Executor | None = None  # for a play beside another one, if there are guests for both
         self.cancelled = threading.Event()  # another thread sets it to end the current play; the guest stays warm
@@ -51,7 +52,7 @@ class Sandbox:
             self.zygotes += 1
             command, environment = self.isolation.command, self.isolation.environment
             process, self._first = self._first or GuestProcess(command, environment, libraries=not self._small), None
-            self._zygote = Zygote(process, self.cancelled)
+            self._zygote = Zygote(process, self.cancelled, keeps=self.keeps)
         return self._zygote
 
     @property

@@ -22,8 +22,9 @@ class WarmSandbox(Sandbox):
         super().__init__(isolation, limits)
         self.beside = ThreadPoolExecutor(1)  # a thread that stays: a guest ends with the thread that started it
         self._guests = [Sandbox(isolation, limits, small=True) for _ in range(SMALL)]
+        self.keeps = True
         for guest in self._guests:
-            guest.cancelled = self.cancelled
+            guest.cancelled, guest.keeps = self.cancelled, True
         self._needing: tuple[Cell, ...] = ()  # the cells of the last submission that used a library
 
     @property

@@ -16,10 +16,10 @@ from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
-from service.sandbox.guest.zygote import IMPORT, NEEDED, PLAY, READY, REAPED
+from service.sandbox.guest.zygote import IMPORT, KEEP, NEEDED, PLAY, READY, REAPED
 from service.sandbox.guest_process import GuestProcess
 from service.sandbox.identity import Identity
-from service.sandbox.job import Job
+from service.sandbox.job import Job, Kept
 from service.sandbox.result import KEPT_OUTPUT, Cancelled, OnScene, PlayResult, SystemFault, ignore
 from service.sandbox.session import ChildExit, PlaySession
 from service.sandbox.time_budget import ProcessorWait, TimeBudget, processor_wait
@@ -45,12 +45,14 @@ class LibraryNeeded(Exception):
 
 class Zygote:
     """A zygote in the process ``started``. Children can read its folder, which holds the job's data files during a play.
+    If it ``keeps`` parts of jobs, it gets each of them once.
 
     Another thread may set ``cancelled`` to end a play. The zygote goes on.
     """
 
-    def __init__(self, started: GuestProcess, cancelled: threading.Event) -> None:
+    def __init__(self, started: GuestProcess, cancelled: threading.Event, *, keeps: bool = False) -> None:
         self._started, self._control = started, started.control
+        self._keeps, self._kept = keeps, frozenset[Kept]()
         self._cancelled = cancelled
         self.imported, self._is_copy = started.imported, False
         self._identity: Identity | None = None  # known once it is ready
@@ -110,12 +112,29 @@ class Zygote:
         ZygoteLost if the zygote does not answer: kill it, and try again with another.
         """
         self.wait_ready()
+        if self._keeps:
+            self._keep(job)
         with self._data_files(job) if job.data else contextlib.nullcontext():
             return self._play(job, budget, Reader(job, result, on_scene))
 
+    def _keep(self, job: Job) -> None:
+        for kept in set(job.kept) - self._kept:
+            if self._exit_is_unread:
+                self._read_exit()
+            fd = _file(kept.encode())
+            try:
+                socket.send_fds(self._control, [KEEP + kept.name.encode()], [fd])
+            except OSError as error:
+                raise ZygoteLost(f"the sandbox process does not answer: {error}") from error
+            finally:
+                os.close(fd)
+            if self._message() != READY:
+                raise ZygoteLost("the sandbox process stopped while it read what it should keep")
+            self._kept |= {kept}
+
     def _play(self, job: Job, budget: TimeBudget, reader: Reader) -> bool:
         (job_r, job_w), (result_r, result_w), (output_r, output_w) = os.pipe(), os.pipe(), os.pipe()
-        theirs, encoded = [job_r, result_w, output_w], job.encode()
+        theirs, encoded = [job_r, result_w, output_w], job.encode(kept=self._keeps)
         with FileIO(job_w, "w") as questions, FileIO(result_r) as answers, FileIO(output_r) as printed:
             try:
                 unsent = _write_first(questions, encoded)

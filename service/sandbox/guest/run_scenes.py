@@ -70,7 +70,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
     try:
-        plays, unchanged = _load_plays(job["plays"], code(job, "plays"))
+        plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
         student = prepare(code(job, "setup"))
         reference = None if calls_fd is None else Reference(calls_fd, job["reference"])
     except BaseException as error:
@@ -83,10 +83,10 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
 
 def code(job: dict[str, Any], name: str) -> types.CodeType:
     """Return the code of the ``setup`` or the ``plays`` of a job."""
-    if text := job[f"{name}_code"]:
+    if text := job[name]["code"]:
         compiled: types.CodeType = marshal.loads(base64.b64decode(text))  # noqa: S302 -- from the host
         return compiled
-    return compile(job[name], FILES[name], "exec")
+    return compile(job[name]["source"], FILES[name], "exec")
 
 
 class Reference:

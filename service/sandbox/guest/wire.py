@@ -19,6 +19,7 @@ CHUNK = 1 << 16
 FILES = {"setup": "Setup", "plays": "plays.py"}  # names of compiled texts in tracebacks
 CLOCK_FACTOR = 4  # a budget's wall-clock limit, in units of its CPU limit: the machine may be loaded, the code may sleep
 NUMBERS = "float64"  # key of an object that stands for an array: its bytes, and its "shape"
+KEPT = "kept by name"  # key of an object that stands for a value that this guest keeps, and its name
 MALFORMED = 98  # exit code of the process with the reference functions when it reads an invalid frame
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]
 Layout = tuple[tuple[str, tuple[int, ...], slice], ...]
@@ -59,8 +60,18 @@ def _layout(head: bytes) -> Layout:
     return tuple(found)
 
 
+_kept: dict[str, Any] = {}
+
+
+def keep(name: str, fd: int) -> None:
+    """Read a value as ``Questions.job`` does and keep it for the jobs that contain its name."""
+    _kept[name] = Questions(fd).job()
+
+
 def _lists(value: dict[str, Any]) -> Any:
-    """Return the numbers that the host has sent as bytes as nested lists, and any other object as it is."""
+    """Return numbers that the host has sent as bytes as nested lists, a kept value for its name, any other object as it is."""
+    if KEPT in value:
+        return _kept[value[KEPT]]
     if NUMBERS not in value:
         return value
     return np.frombuffer(base64.b64decode(value[NUMBERS]), "<f8").reshape(value["shape"]).tolist()

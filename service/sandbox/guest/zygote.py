@@ -7,7 +7,8 @@ with which the host can kill the child, and after the child's exit its wait stat
 descriptor, a job of reference functions, a second child holds these and answers calls of the first one (calls.py): it gets the
 same layers and limits, its pidfd and wait status are returned too, and it does not survive the first. The zygote's first message is
 READY and its identity as JSON. With a single descriptor, a control socket, it forks a copy of itself that obeys that socket.
-A zygote that imports SciPy and matplotlib later does so when it receives IMPORT and the name of one, and answers READY.
+A zygote that imports SciPy and matplotlib later does so when it receives IMPORT and the name of one, and answers READY. With KEEP,
+a name and the descriptor of a value, it keeps that for the jobs that contain the name, and answers READY.
 """
 
 import gc
@@ -41,7 +42,7 @@ MODULES = {
     "scipy": ("scipy.integrate", "scipy.linalg", "scipy.optimize", "scipy.spatial.transform"),
     "matplotlib": ("matplotlib.animation", "matplotlib.backends.backend_agg", "matplotlib.pyplot", "mpl_toolkits.mplot3d.art3d"),
 }
-IMPORT = b"import "
+IMPORT, KEEP = b"import ", b"keep "
 LATER = "libraries-later"
 
 
@@ -87,7 +88,7 @@ def _obey(control: socket.socket, prepared: Any) -> None:
 
     spare = _Spare(prepared)
     while True:
-        play, fds, _, _ = socket.recv_fds(control, 64, 4)
+        play, fds, _, _ = socket.recv_fds(control, 128, 4)
         if play.startswith(IMPORT):
             library = play.removeprefix(IMPORT).decode()
             sys.modules["guest.unused_libraries"].remove(library)
@@ -101,6 +102,13 @@ def _obey(control: socket.socket, prepared: Any) -> None:
             continue
         if not fds:
             return
+        if play.startswith(KEEP):
+            sys.modules["guest.wire"].keep(play.removeprefix(KEEP).decode(), fds[0])
+            os.close(fds[0])
+            spare.end()
+            spare = _Spare(prepared)
+            control.send(READY)
+            continue
         if len(fds) == 1:
             if middle := os.fork():
                 os.waitpid(middle, 0)

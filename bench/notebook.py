@@ -12,8 +12,8 @@ from exercises.catalogue import find
 from service.grading.grader import Grader
 from service.grading.rendering import pack
 from service.grading.submission import Submission
-from service.sandbox.sandbox import Sandbox
 from service.sandbox.select import choose
+from service.sandbox.warm_sandbox import WarmSandbox
 
 RIGID_BODY = find("rigid-body")
 FILE = RIGID_BODY.folder / "samples" / "right_course_notebook.ipynb"
@@ -22,7 +22,7 @@ TIMES = 5
 
 def main() -> None:
     """Measure and print one line per measurement. Grading and executing alternate."""
-    grader = Grader(Sandbox(choose()))
+    grader = Grader(WarmSandbox(choose()))
     grader.ready()
     RIGID_BODY.prepare()  # as a server does
     graded, plain, shown = [], [], []

@@ -17,8 +17,9 @@ import numpy as np
 from exercises.assignment import ArraySpec
 from exercises.catalogue import find
 from exercises.rigid_body import host_integration
-from service.grading.crosscheck import PlayedJob, cross_check
+from service.grading.crosscheck import cross_check
 from service.grading.grade import draw_inputs, truth
+from service.grading.second_child import PlayedJob, SecondChild
 from service.sandbox import session
 from service.sandbox.guest.wire import CLOCK_FACTOR
 from service.sandbox.isolation import process_isolation
@@ -173,7 +174,8 @@ def _probe(sandbox: Sandbox, job: Job, inputs, truths) -> None:
     alone = replace(job, scenes=job.scenes[:1])
     result = sandbox.play(alone)
     played = PlayedJob(alone, inputs, truths, result, TimeBudget(sandbox.limits))
-    checked = cross_check(find("rigid-body"), played, [], sandbox, 1)
+    with SecondChild(find("rigid-body"), [], sandbox, 1) as second:
+        checked = cross_check(find("rigid-body"), played, second, sandbox)
     assert not checked.unsteady and result.finished("probes")
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from ecp.checks import Check
 from exercises.assignment import Assignment
-from service.grading.crosscheck import CrossCheck, PlayedJob
+from service.grading.crosscheck import CrossCheck
+from service.grading.second_child import PlayedJob
 from service.sandbox.job import Job, ReferenceFunctions
 
 Play = Callable[[Job], tuple[PlayedJob, CrossCheck]]

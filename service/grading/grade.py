@@ -21,9 +21,10 @@ from exercises.assignment import ArraySpec, Assignment, Inputs, Recorded, Scene
 from exercises.validation_cells import ReportedLine
 from service.grading.author_errors import author_errors, play
 from service.grading.chains import play_chains, with_used
-from service.grading.crosscheck import CrossCheck, PlayedJob, SecondChild, cross_check, may_be_spared
+from service.grading.crosscheck import CrossCheck, cross_check, may_be_spared
 from service.grading.published import with_published
 from service.grading.reproduction import diagnose_question
+from service.grading.second_child import PlayedJob, SecondChild
 from service.grading.submission import Submission
 from service.sandbox.job import Job, Kept, SceneRequest
 from service.sandbox.result import PlayResult, SystemFault

@@ -1,12 +1,13 @@
 """A worker's sandbox: small guests in turn, and the guest with SciPy and matplotlib for submissions that need it."""
 
 import threading
+from dataclasses import replace
 
 import pytest
 
 from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
-from service.sandbox.job import Cell, Job, SceneRequest
+from service.sandbox.job import Cell, Job, Kept, SceneRequest
 from service.sandbox.result import Cancelled
 
 SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom scipy.integrate import quad"
@@ -79,6 +80,32 @@ def test_two_threads_that_need_the_same_guest_wait_for_each_other(warm_sandbox):
     for thread in threads:
         thread.join()
     assert [result.finished("one") for result in seen] == [True] * 4
+
+
+def test_parts_of_jobs_are_sent_once_and_again_to_a_guest_that_replaces_another(warm_sandbox, monkeypatch):
+    values, sent, encode = Kept.of([1.5] * 1000), [], Kept.encode
+    monkeypatch.setattr(Kept, "encode", lambda kept: sent.append(kept) or encode(kept))
+    plays = "def ask(student, inputs):\n    return {'x': student['np'].asarray(sum(inputs['values']) * student['f']())}"
+    asked = SceneRequest("one", "ask", "f", {"values": values}, {"x": ArraySpec(())}, 2.0, None)
+    right = Job(SETUP, plays, (Cell("cell 1", "def f():\n    return 2.0"),), ("f",), (asked,))
+    assert values.name.encode() in right.encode(kept=True) and len(right.encode(kept=True)) < len(right.encode()) - 4000
+    for _ in range(6):
+        assert warm_sandbox.play(right).arrays["one"]["x"] == 3000.0
+    assert sent.count(values) == 2  # once to each small guest
+    crash = replace(right, cells=(Cell("cell 1", "import ctypes\ndef f():\n    ctypes.string_at(0)"),))
+    assert warm_sandbox.play(crash).scene_ends["one"].ended is Ended.KILLED
+    for _ in range(2):
+        assert warm_sandbox.play(right).arrays["one"]["x"] == 3000.0
+    assert sent.count(values) == 3
+
+
+def test_a_submission_that_changes_what_its_guest_keeps_does_not_change_it_for_the_next(warm_sandbox):
+    plays = "import numpy as np\ndef ask(student, inputs):\n    return {'x': np.asarray(student['f'](inputs['values']))}"
+    asked = SceneRequest("one", "ask", "f", {"values": Kept.of([1.5] * 30)}, {"x": ArraySpec(())}, 2.0, None)
+    for source in ("def f(values):\n    values.append(9.0)\n    return sum(values)", "def f(values):\n    return sum(values)"):
+        right = Job(SETUP, plays, (Cell("cell 1", source),), ("f",), (asked,))
+        found = [float(warm_sandbox.play(right).arrays["one"]["x"]) for _ in range(2)]
+    assert found == [45.0, 45.0]
 
 
 def test_every_play_can_be_cancelled(warm_sandbox):

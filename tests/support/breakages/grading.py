@@ -6,20 +6,20 @@ GRADING = [
     Breakage(
         "no second child is asked the same questions",
         "service/grading/crosscheck.py",
-        "checked.unsteady, answers = _ask_again(assignment, played, sandbox, rng, along)",
-        "answers = _ask_again(assignment, played, sandbox, rng, along)[1]",
+        "checked.unsteady, answers = second.compare(played)",
+        "answers = second.compare(played)[1]",
         ("tests/service/grading/test_crosscheck.py::test_answers_that_differ_in_the_last_bits_are_found",),
     ),
     Breakage(
         "the second child gets the questions in the same order",
-        "service/grading/crosscheck.py",
+        "service/grading/second_child.py",
         "rng.permutation(_length(inputs))",
         "np.arange(_length(inputs))",
         ("tests/service/grading/test_crosscheck.py::test_answers_that_differ_in_the_last_bits_are_found",),
     ),
     Breakage(
         "a function that depends on a cell left out in the second child fails",
-        "service/grading/crosscheck.py",
+        "service/grading/second_child.py",
         "        if needed_cells:  #",
         "        if False:  #",
         ("tests/service/grading/test_crosscheck.py::test_a_right_function_may_depend_on_cells_that_do_not_name_what_they_change",),
@@ -27,7 +27,7 @@ GRADING = [
     Breakage(
         "a motion without its probes is believed",
         "service/grading/crosscheck.py",
-        "_discard(result, scene.name, Ended.NOT_PLAYED, NOT_FINISHED.format(proof))",
+        "discard(result, scene.name, Ended.NOT_PLAYED, NOT_FINISHED.format(proof))",
         "continue",
         ("tests/service/grading/test_crosscheck.py::test_a_motion_is_not_believed_if_its_function_was_not_asked_again",),
     ),

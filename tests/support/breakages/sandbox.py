@@ -195,7 +195,7 @@ SANDBOX = [
     Breakage(
         "a submission that uses a library does not get it",
         "service/sandbox/zygote.py",
-        "if name not in self.imported and code in session.ended.codes]:",
+        "if name not in self.imported and code in codes]:",
         "if False]:",
         ("tests/service/sandbox/guest/test_unused_libraries.py",),
     ),
@@ -328,7 +328,7 @@ SANDBOX = [
     Breakage(
         "each process of a grading has its own CPU time",
         "service/sandbox/zygote.py",
-        "budget.charge(session.ended.cpu_s, waited.seconds, time.monotonic() - began)",
+        "budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)",
         "budget.charge(0.0, waited.seconds, time.monotonic() - began)",
         ("tests/service/sandbox/test_time_budget.py::test_processes_that_compute_share_one_limit_of_CPU_time",),
     ),

@@ -39,7 +39,6 @@ class WarmSandbox(Sandbox):
             guest.start()
         for guest in self._guests:
             guest.self_test()
-        self.identity = self._guests[0].identity
         super().self_test()
 
     def play(self, job: Job, on_scene: OnScene = ignore, budget: TimeBudget | None = None) -> PlayResult:

@@ -1,1 +1,1 @@
-"""Worker processes that take jobs from the queue and grade them, each with one warm guest."""
+"""Worker processes that take jobs from the queue and grade them, each with three warm guests."""

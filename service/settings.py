@@ -27,7 +27,7 @@ class Settings(BaseSettings):
     allow_root_guest: bool = Field(
         False, description="Grade even if a server that runs as root cannot run submissions as another user."
     )
-    workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each keeps three warm guests (150 MB).")
+    workers: int = Field(os.cpu_count() or 1, ge=0, description="Number of worker processes; each has three warm guests (150 MB).")
     drain: float = Field(3.0, ge=0, description="Seconds a stopping worker may finish its grading before queueing it again.")
     submission_kib: int = Field(
         256, ge=1, le=32768, description="Largest source of a submission in KiB, of a notebook without its outputs."

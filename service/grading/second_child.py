@@ -37,7 +37,8 @@ class PlayedJob:
 class SecondChild:
     """The child that answers the questions of a played job again, in another order, with points ``along`` motions among them.
 
-    These are exact motions of the scenes ``spared``. Leave the context only when the child has exited.
+    The scenes ``spared`` are motions that need not be played if the answers along their exact motions suffice. Leaving the context
+    waits until a child that was started beside the first one has exited.
     """
 
     def __init__(self, assignment: Assignment, spared: Sequence[SceneRequest], sandbox: Sandbox, seed: int) -> None:
@@ -57,15 +58,16 @@ class SecondChild:
 
     def start(self, played: PlayedJob) -> None:
         """Start it beside the first child if that has answered every question, and the sandbox has a guest for a second one."""
-        if self._running is None and self._sandbox.beside is not None and set(self._questions(played)) == self._all(played):
+        asked = self._all(played)
+        if self._running is None and self._sandbox.beside is not None and asked and set(self._questions(played)) == asked:
             self._prepare(played)
             self._running = self._sandbox.beside.submit(self._play, played, self._again, needed_cells=True)
 
     def compare(self, played: PlayedJob) -> tuple[set[str], dict[str, Arrays]]:
         """Return the scenes of ``played`` whose answers differ when repeated, and the answers to the points along motions."""
         result, other = played.result, PlayResult()
-        if self._running is None or set(self._asked) != set(self._questions(played)):
-            self._running = None
+        running = self._running if set(self._asked) == set(self._questions(played)) else None
+        if running is None:  # not started, or the first child has lost answers since
             self._prepare(played)
 
         def parts(name: str, second: Arrays) -> list[Arrays]:
@@ -79,8 +81,8 @@ class SecondChild:
 
         for needed_cells in TRIES:
             if left := [p for p in self._again if p.name not in other.arrays]:
-                running, self._running = self._running, None
                 other.add(running.result() if running else self._play(played, left, needed_cells=needed_cells))
+                running = None
             if needed_cells:  # a difference may come from a cell that was left out
                 other.arrays = {name: found for name, found in other.arrays.items() if agrees(name, found)}
         unsteady, answers = set[str](), dict[str, Arrays]()

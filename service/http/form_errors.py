@@ -3,6 +3,7 @@
 import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from html import unescape
 from urllib.parse import quote, unquote, urlsplit
 
 from fastapi import Request
@@ -17,22 +18,24 @@ from service.settings import Settings
 
 Typed = Mapping[str, Sequence[str]]
 Changes = defaultdict[Element, dict[str, str | None]]
-PAGE = "page"  # the parameter of an action in which a page that answers a form has its own address
+PAGE = "page"  # query parameter of a form's action: the address of the page that shows the form
 UNTYPED = ("hidden", "file", "password", "submit", "button", "select", "textarea")  # their start tags have nothing that is typed
 ENTER_AGAIN = {"file": "; choose the file again", "password": "; enter the passwords again"}  # a page cannot contain them
 ERROR = Markup('<span class="refused" id="refused" role="alert"{}>{}</span>')
 REFRESH = re.compile(r'<meta http-equiv="refresh"[^>]*>')  # it would ask for the form's address, and discard what was typed
 FOCUS = Markup(' tabindex="-1" autofocus')
-OF_THE_BODY = ("content-length", "content-type", "transfer-encoding")
+NOT_OF_THE_PAGE = re.compile(r"accept-encoding|content-(length|type)|if-.*|range|transfer-encoding")
+MOST_PAGE = 1 << 19  # characters; parsing a longer page would keep other requests waiting
 OF_THE_SERVER = ("type", "asgi", "http_version", "server", "client", "scheme", "root_path")
 
 
 async def page_with_error(request: Request, status: int, detail: str, pointer: str | None) -> Response | None:
     """Return the page from which a form was sent with ``detail`` beside the field ``pointer``, or None if that is impossible."""
-    address = _address(request)
-    if request.method != "POST" or not 400 <= status < 500 or not address:
+    if request.method != "POST" or not 400 <= status < 500 or not (address := _address(request)):
         return None
     page, cookies = await _get(request, address)
+    if len(page) > MOST_PAGE or f'action="{request.url.path}' not in page:
+        return None
     form: FormData = getattr(request.state, "form", FormData())
     typed = {name: [_encodable(value) for value in form.getlist(name) if isinstance(value, str)] for name in form}
     name = (pointer or "").removeprefix("/")
@@ -51,7 +54,10 @@ def _encodable(text: str) -> str:
 def _address(request: Request) -> str:
     """Return path and query of the page with the form, "" if it is of another server or not known."""
     settings: Settings = request.app.state.held[Settings]
-    page = urlsplit(request.query_params.get(PAGE) or request.headers.get("referer", ""))
+    try:
+        page = urlsplit(request.query_params.get(PAGE) or request.headers.get("referer", ""))
+    except ValueError:
+        return ""
     own = ("", request.headers.get("host"), urlsplit(settings.public_url or "").netloc)
     if page.netloc not in own or not page.path.startswith("/"):
         return ""
@@ -61,7 +67,7 @@ def _address(request: Request) -> str:
 async def _get(request: Request, address: str) -> tuple[str, list[tuple[bytes, bytes]]]:
     """Return the page at ``address`` as the sender of the request sees it and the cookies that it sets; "" if it is no page."""
     path, _, query = address.partition("?")
-    headers = [(name, value) for name, value in request.headers.raw if name.decode("latin-1") not in OF_THE_BODY]
+    headers = [(name, value) for name, value in request.headers.raw if not NOT_OF_THE_PAGE.fullmatch(name.decode("latin-1"))]
     scope = {key: request.scope[key] for key in OF_THE_SERVER if key in request.scope}
     scope |= {"method": "GET", "path": unquote(path), "raw_path": path.encode(), "query_string": query.encode(), "headers": headers}
     received: list[Message] = [{"type": "http.disconnect"}, {"type": "http.request"}]  # the first ends a stream of events
@@ -99,7 +105,7 @@ def refill(page: str, path: str, *, address: str, typed: Typed, detail: str, nam
     for option in parsed.options:
         choice = next((one for one in option.around if one in form.controls), None)
         if choice is not None and typed.get(choice.name):
-            value = option.attributes.get("value", page[option.start_stop : option.content_stop])
+            value = option.attributes.get("value", unescape(page[option.start_stop : option.content_stop]).strip())
             changes[option]["selected"] = "" if value in typed[choice.name] else None
     place, error = _explain(form, name, detail, changes)
     tags = [(element.start, element.start_stop, element.start_tag(changed)) for element, changed in changes.items()]

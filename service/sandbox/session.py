@@ -79,7 +79,7 @@ class PlaySession:
     output: bytearray = field(default_factory=bytearray)
     stopped: Ended | None = None
     ended: ChildExit | None = None
-    _open: int = 2  # pipes that the child has not closed
+    _open_pipes: int = 2  # pipes that the child has not closed
     _received: int = 0
     _printed: int = 0
 
@@ -113,7 +113,7 @@ class PlaySession:
     @property
     def complete(self) -> bool:
         """Whether the child has sent its last frame and closed its pipes. It only has to exit, which takes the kernel a while."""
-        return self.reader.done and not self._open and self.stopped is None and self.job.reference is None
+        return self.reader.done and not self._open_pipes and self.stopped is None and self.job.reference is None
 
     def _step(self) -> None:
         """Wait until an end is ready, and read from it or write to it."""
@@ -127,7 +127,7 @@ class PlaySession:
                 self._write_some()
             elif not self._read_from(key.fileobj):
                 self._selector.unregister(key.fileobj)
-                self._open -= key.fileobj is not self.control
+                self._open_pipes -= key.fileobj is not self.control
 
     def _drive(self, scene: str) -> None:
         """Run the scene's driver and keep its result, unless the scene ends first."""
@@ -162,7 +162,7 @@ class PlaySession:
         self._step()
 
     def _write_some(self) -> None:
-        """Write what fits of ``_unsent``, or nothing if the child has closed the pipe."""
+        """Write what fits of ``unsent``, or nothing if the child has closed the pipe."""
         try:
             self.unsent = self.unsent[self.questions.write(self.unsent[:CHUNK]) or 0 :]
         except BrokenPipeError:

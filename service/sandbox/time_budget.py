@@ -44,6 +44,11 @@ class TimeBudget:
             self.waited_s += waited_s
             self.running_s += running_s
 
+    def extend(self, wall_s: float) -> None:
+        """Add elapsed time that the submission has not used."""
+        with self._lock:
+            self._until += wall_s
+
     def cpu_left(self) -> float:
         """Return the seconds of CPU time that are left."""
         return max(0.0, self.limits.cpu_s - self.cpu_s)

@@ -1,5 +1,6 @@
 """The sandbox of a worker: besides a guest with all libraries it has small guests, whose children cost less."""
 
+from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 
 from service.sandbox.isolation import Isolation
@@ -9,23 +10,24 @@ from service.sandbox.sandbox import Sandbox
 from service.sandbox.time_budget import DEFAULT_LIMITS, TimeBudget, TimeLimits
 from service.sandbox.zygote import LibraryNeeded
 
-SMALL = 2  # so that a second child plays beside the first one, or while that exits
+SMALL_GUESTS = 2  # so that a second child plays beside the first one, or while that exits
 
 
 class WarmSandbox(Sandbox):
-    """A sandbox with SMALL more guests without SciPy and matplotlib, a quarter of the memory to copy and to free for each child.
+    """A sandbox with two small guests without SciPy and matplotlib besides the one that has them.
 
-    They play in turn, also at the same time. The guest that has the libraries plays submissions that use one, and scenes that draw.
+    Successive plays alternate between the small guests, so two plays can run at the same time. A child of a small guest copies and
+    frees a quarter of the memory. The guest with the libraries plays submissions that use one, and scenes that draw.
     """
 
     def __init__(self, isolation: Isolation, limits: TimeLimits = DEFAULT_LIMITS) -> None:
         super().__init__(isolation, limits)
         self.beside = ThreadPoolExecutor(1)  # a thread that stays: a guest ends with the thread that started it
-        self._guests = [Sandbox(isolation, limits, small=True) for _ in range(SMALL)]
+        self._guests = [Sandbox(isolation, limits, small=True) for _ in range(SMALL_GUESTS)]
         self.keeps = True
         for guest in self._guests:
             guest.cancelled, guest.keeps = self.cancelled, True
-        self._needing: tuple[Cell, ...] = ()  # the cells of the last submission that used a library
+        self._with_library = deque[tuple[Cell, ...]](maxlen=8)  # cells of the last plays that used one
 
     @property
     def replaced(self) -> int:
@@ -45,13 +47,13 @@ class WarmSandbox(Sandbox):
         """Play every scene of ``job`` in the next small guest, or in the one with the libraries. See ``Sandbox.play``."""
         budget = budget or TimeBudget(self.limits)
         draws = any(spec.dtype == "uint8" for scene in job.scenes for spec in scene.returns.values())
-        if not draws and job.cells != self._needing and self.self_tested:
+        if not draws and job.cells not in self._with_library and self.self_tested:
             guest = self._guests.pop(0)
             self._guests.append(guest)
             try:
                 return guest.play(job, on_scene, budget)
             except LibraryNeeded:
-                self._needing = job.cells
+                self._with_library.append(job.cells)
         return super().play(job, on_scene, budget)
 
     def close(self) -> None:

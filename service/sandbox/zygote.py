@@ -156,13 +156,14 @@ class Zygote:
         self._exit_is_unread = session.ended is None
         if session.ended is None and not (session.complete and waited.cpu_s):
             session.ended = self._read_exit()
+        codes = session.ended.codes if session.ended else ()
+        if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in codes]:
+            budget.extend(time.monotonic() - began)  # this guest lacks the library: its time is not the submission's
+            raise LibraryNeeded(needed[0])
         reader.result.cpu_s = session.ended.cpu_s if session.ended else waited.cpu_s
         budget.charge(reader.result.cpu_s, waited.seconds, time.monotonic() - began)
         if self._cancelled.is_set():
             raise Cancelled
-        codes = session.ended.codes if session.ended else ()
-        if needed := [name for name, code in NEEDED.items() if name not in self.imported and code in codes]:
-            raise LibraryNeeded(needed[0])
         reader.result.stdout = text(session.output.decode(errors="replace"), KEPT_OUTPUT)
         session.record_end(reader.result)
         return not session.abnormal

@@ -28,7 +28,7 @@ from .claims import Recorder
 from .ipython_stubs import install_stubs
 from .magics import DEFINITIONS, last_name, needed_sources, pieces, runnable, statements
 from .seal import Seal, in_place, names_used, private_modules
-from .wire import CLOCK_FACTOR, FILES, Questions, Writer
+from .wire import CLOCK_FACTOR, FILES, Questions, Writer, forget
 
 Names = dict[str, Any]
 
@@ -69,6 +69,7 @@ def run(job_fd: int, result_fd: int, calls_fd: int | None = None) -> None:
     """
     questions, write = Questions(job_fd), Writer(result_fd)
     job = questions.job()
+    forget()
     try:
         plays, unchanged = _load_plays(job["plays"]["source"], code(job, "plays"))
         student = prepare(code(job, "setup"))

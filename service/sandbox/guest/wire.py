@@ -68,6 +68,11 @@ def keep(name: str, fd: int) -> None:
     _kept[name] = Questions(fd).job()
 
 
+def forget() -> None:
+    """Keep nothing any more: a submission must not read the parts of other assignments' jobs."""
+    _kept.clear()
+
+
 def _lists(value: dict[str, Any]) -> Any:
     """Return numbers that the host has sent as bytes as nested lists, a kept value for its name, any other object as it is."""
     if KEPT in value:

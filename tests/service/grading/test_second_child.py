@@ -82,3 +82,18 @@ def test_it_ends_with_a_cancelled_grading(rigid_body, warm_sandbox, beside):
         grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"], on_progress=cancel)
     warm_sandbox.cancelled.clear()
     assert grade(Submission(RIGHT), rigid_body, warm_sandbox, 5, ["2"]).report.passed
+
+
+def test_a_grading_waits_for_a_second_child_whose_answers_it_does_not_use(rigid_body, warm_sandbox, beside):
+    """Else that child would hold a guest that the next submission needs."""
+    source = LATER.format("import os; os.write(4, b'no frame')").replace("calls = []", "import time\ncalls = []") + (
+        "right = euler_eqs\ndef euler_eqs(t, w, I):\n    if len(calls) == 100: time.sleep(1.0)\n    return right(t, w, I)\n"
+    )
+    grade(Submission(source), rigid_body, warm_sandbox, 5, ["2"])
+    assert beside.submitted == 1 and not any(guest._turn.locked() for guest in warm_sandbox._guests)
+
+
+def test_without_questions_to_repeat_there_is_none(rigid_body, warm_sandbox, beside):
+    source = "def box_moments(m, a, b, c):\n    return m / 12 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])\n"
+    grade(Submission(source), rigid_body, warm_sandbox, 5, ["1"])
+    assert beside.submitted == 0

@@ -139,12 +139,28 @@ def test_a_rejected_form_is_on_its_page_also_the_second_time(prof, server):
 
 @pytest.mark.parametrize(
     "referer",
-    ["", "http://example.org/settings", "{}/queue/events", "{}/openapi.json", "{}/people", "{}/none", "{}/submissions/none", "//x"],
+    [
+        "",
+        "http://example.org/settings",
+        "{}/queue/events",
+        "{}/openapi.json",
+        "{}/people",
+        "{}/none",
+        "{}/submissions/none",
+        "//x",
+        "http://[",
+    ],
 )
 def test_otherwise_the_error_is_a_page(prof, server, referer):
     """Without a page, from another server, from what is no page (one of them has no end), from one without this form."""
     status, page = settings(prof, server, referer)
     assert status == 422 and "<h1>Invalid request</h1>" in page and "no time zone Mars/Phobos" in page
+
+
+def test_a_page_that_is_compressed_for_browsers_can_be_read(prof, server):
+    status, page = settings(prof, server, "{}/assignments/rigid-body/class/students", **{"Accept-Encoding": "gzip"})
+    del prof.headers["Accept-Encoding"]
+    assert status == 422 and "no time zone Mars/Phobos" in page
 
 
 def test_an_expired_form_is_shown_again_with_a_new_token(prof, server):

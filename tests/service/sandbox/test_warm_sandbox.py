@@ -9,6 +9,7 @@ from ecp.outcome import Ended
 from exercises.assignment import ArraySpec
 from service.sandbox.job import Cell, Job, Kept, SceneRequest
 from service.sandbox.result import Cancelled
+from service.sandbox.time_budget import TimeBudget, TimeLimits
 
 SETUP = "import numpy as np\nimport matplotlib.pyplot as plt\nfrom scipy.integrate import quad"
 PLAYS = """
@@ -106,6 +107,24 @@ def test_a_submission_that_changes_what_its_guest_keeps_does_not_change_it_for_t
         right = Job(SETUP, plays, (Cell("cell 1", source),), ("f",), (asked,))
         found = [float(warm_sandbox.play(right).arrays["one"]["x"]) for _ in range(2)]
     assert found == [45.0, 45.0]
+
+
+def test_a_submission_does_not_see_what_its_guest_keeps_for_others(warm_sandbox):
+    other = SceneRequest("one", "ask", "f", {"values": Kept.of("of another assignment")}, {"x": ArraySpec(())}, 2.0, None)
+    right = job("def f():\n    return 1.0")
+    for _ in range(2):
+        assert warm_sandbox.play(replace(right, scenes=(other,))).finished("one")
+    spying = "import sys\nprint(sys.modules['guest.wire']._kept)\ndef f():\n    return 1.0"
+    for _ in range(2):
+        result = warm_sandbox.play(job(spying))
+        assert result.finished("one") and result.stdout == "{}\n"
+
+
+def test_the_time_in_a_guest_without_the_library_is_not_the_submissions(warm_sandbox):
+    budget = TimeBudget(TimeLimits(60.0, 120.0))
+    slow = "import time\nbegun = time.process_time()\nwhile time.process_time() < begun + 0.5: pass\n"
+    result = warm_sandbox.play(job(f"{slow}def f():\n    return quad(np.cos, 0.0, 1.0)[0]"), budget=budget)
+    assert result.finished("one") and 0.5 < budget.cpu_s < 0.95
 
 
 def test_every_play_can_be_cancelled(warm_sandbox):

@@ -11,7 +11,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tarfile
 import tempfile
 import time
 import tomllib
@@ -71,8 +70,7 @@ def build(version: str) -> tuple[Path, Path]:
     run(BIN / "python", "-m", "hatchling", "build", "-d", DIST)
     wheel, sdist = DIST / f"polhode-{version}-py3-none-any.whl", DIST / f"polhode-{version}.tar.gz"
     with tempfile.TemporaryDirectory() as folder:
-        with tarfile.open(sdist) as archive:
-            archive.extractall(folder, filter="data")
+        run("tar", "-xzf", sdist, "-C", folder)  # tarfile has no filter before Python 3.11.4
         run(
             BIN / "python",
             "-m",

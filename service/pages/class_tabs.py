@@ -118,7 +118,7 @@ async def show_submissions(
         matching = await outcomes.matching(database, gradebook.graded(students), check, state, cause)
         found = [s for s in students if s.grading in matching]
     label = next((c.label for c in assignment.checks() if c.id == check), check)
-    return _page(
+    page = _page(
         request,
         "class_submissions.html",
         assignment,
@@ -131,6 +131,7 @@ async def show_submissions(
         state=state,
         cause=cause,
     )
+    return page if check else _compressed(request, page)
 
 
 @router.get("/assignments/{slug}/class/settings", response_class=HTMLResponse)

@@ -174,3 +174,10 @@ def test_programs_get_a_problem(prof, server, url):
     headers = {"Referer": f"{server.url}/settings", "Authorization": f"Bearer {entered(url, 'prof', 'instructor')}"}
     status, received, _ = call(server, "/settings", b"time_zone=x", **headers)
     assert status == 403 and received["content-type"] == "application/problem+json"
+
+
+def test_only_pages_without_a_token_are_compressed(server, url):
+    headers = {"Authorization": f"Bearer {entered(url, 'prof', 'instructor')}", "Accept-Encoding": "gzip"}
+    for path, compressed in (("students", True), ("submissions", True), ("submissions?check=2-energy", False)):
+        status, received, _ = call(server, f"/assignments/rigid-body/class/{path}", **headers)
+        assert (status, received["content-encoding"] == "gzip") == (200, compressed), path

@@ -91,19 +91,13 @@ def rigid_body():
 @pytest.fixture(scope="session")
 def sandbox():
     """A sandbox at isolation level ``namespaces``, as a server has it where it can."""
-    sandbox = Sandbox(choose("namespaces"))
-    sandbox.self_test()
-    yield sandbox
-    sandbox.close()
+    yield from _self_tested(Sandbox(choose("namespaces")))
 
 
 @pytest.fixture(scope="session")
 def warm_sandbox():
     """The sandbox of a worker."""
-    sandbox = WarmSandbox(choose("namespaces"))
-    sandbox.self_test()
-    yield sandbox
-    sandbox.close()
+    yield from _self_tested(WarmSandbox(choose("namespaces")))
 
 
 @pytest.fixture(scope="session", params=["namespaces", "process"])
@@ -112,10 +106,13 @@ def either_sandbox(request, sandbox):
     if request.param == "namespaces":
         yield sandbox
         return
-    bare = Sandbox(process_isolation())
-    bare.self_test()
-    yield bare
-    bare.close()
+    yield from _self_tested(Sandbox(process_isolation()))
+
+
+def _self_tested(sandbox):
+    sandbox.self_test()
+    yield sandbox
+    sandbox.close()
 
 
 @pytest.fixture(scope="module")

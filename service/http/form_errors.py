@@ -65,7 +65,7 @@ def _address(request: Request) -> str:
 
 
 async def _get(request: Request, address: str) -> tuple[str, list[tuple[bytes, bytes]]]:
-    """Return the page at ``address`` as the sender of the request sees it and the cookies that it sets; "" if it is no page."""
+    """Request the page at ``address`` for the sender of the request. Return its HTML, "" if the answer is none, and its cookies."""
     path, _, query = address.partition("?")
     headers = [(name, value) for name, value in request.headers.raw if not NOT_OF_THE_PAGE.fullmatch(name.decode("latin-1"))]
     scope = {key: request.scope[key] for key in OF_THE_SERVER if key in request.scope}

@@ -176,7 +176,7 @@ class Sandbox:
 
 
 def _lacked_processor(job: Job, played: PlayResult, budget: TimeBudget) -> bool:
-    """Return whether the process reached a wall-clock limit because other programs had the processors."""
+    """Return whether the process reached a limit of elapsed time because other programs used the processors."""
     budgets = [scene.budget_s for scene in job.scenes if _timed_out(played.scene_ends.get(scene.name))]
     budgets += [job.load_budget_s for cell_end in played.cells.values() if _timed_out(cell_end)]
     in_scene = budget.starved and budget.cpu_left() > 0 and played.cpu_s < max(budgets, default=0.0)

@@ -129,11 +129,11 @@ class Database(Queries):
         self._options, self._wait_s = connect_options(name), wait_s
         self._places = asyncio.Semaphore(connections)
         self._idle: list[psycopg.AsyncConnection[Row]] = []
-        self._most_idle = connections
+        self._closed = False
 
     async def close(self) -> None:
         """Close the idle connections, and others once they are not used any more."""
-        self._most_idle = 0
+        self._closed = True
         await self._close_idle()
 
     async def _close_idle(self) -> None:
@@ -161,7 +161,7 @@ class Database(Queries):
                     raise NoConnection(str(error)) from error
                 raise
             finally:
-                if connection.info.transaction_status is TransactionStatus.IDLE and len(self._idle) < self._most_idle:
+                if connection.info.transaction_status is TransactionStatus.IDLE and not self._closed:
                     self._idle.append(connection)
                 else:
                     await connection.close()

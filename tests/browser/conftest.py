@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 
+from tests.support.app import App
 from tests.support.database import entered
 
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
@@ -51,16 +52,25 @@ def page(browser):
     assert not [error for error in errors if not any(words in error for words in opened.allowed)]
 
 
+@pytest.fixture(scope="module")
+def server(url):
+    """An application without workers."""
+    started = App(database_url=url)
+    yield started
+    started.stop()
+
+
 @pytest.fixture
 def seen_by(page, server, url):
-    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in."""
+    """``seen_by("ann", "student", path)`` is a page in a browser of their own, in which they have logged in, also without
+    JavaScript."""
 
-    def opened(name, role, path):
-        new = page()
+    def opened(name, role, path, *, javascript=True):
+        new = page(java_script_enabled=javascript)
         new.goto(f"{server.url}{path}")
         new.get_by_label("Token from your course").fill(entered(url, name, role))
         new.get_by_role("button", name="Log in").click()
-        new.locator("button.keys").wait_for()
+        new.locator("button.keys" if javascript else "nav .me").wait_for()
         return new
 
     return opened

@@ -2,18 +2,10 @@
 
 import pytest
 
-from tests.support.app import App
 from tests.support.database import run
 from tests.support.submissions import hand_in
 
 pytestmark = pytest.mark.slow  # tests/service/pages has the requests of each step
-
-
-@pytest.fixture(scope="module")
-def server(url):
-    started = App(database_url=url)
-    yield started
-    started.stop()
 
 
 def test_a_request_an_answer_and_a_comment(page, seen_by, server, url):

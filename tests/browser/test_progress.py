@@ -3,7 +3,6 @@
 import pytest
 
 from service.store import runs
-from tests.support.app import App
 from tests.support.database import entered, run, sql
 from tests.support.submissions import claim, grade
 
@@ -14,13 +13,6 @@ DROP = """files => {
     for (const [name, content] of files) dataTransfer.items.add(new File([content], name));
     document.querySelector(".upload").dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
 }"""
-
-
-@pytest.fixture(scope="module")
-def server(url):
-    started = App(database_url=url)
-    yield started
-    started.stop()
 
 
 def test_an_upload_is_followed_to_its_report_and_asks_before_it_is_repeated(page, server, url, tmp_path):

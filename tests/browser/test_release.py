@@ -2,19 +2,11 @@
 
 import pytest
 
-from tests.support.app import App
 from tests.support.database import run
 from tests.support.submissions import hand_in
 
 pytestmark = pytest.mark.slow  # tests/service/pages/test_course_settings.py has the requests of each step
 BASE = "/assignments/rigid-body"
-
-
-@pytest.fixture(scope="module")
-def server(url):
-    started = App(database_url=url)
-    yield started
-    started.stop()
 
 
 def test_scores_are_held_back_and_released(seen_by, server, url):

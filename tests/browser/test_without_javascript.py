@@ -1,36 +1,21 @@
 """Forms without JavaScript: a rejected form is shown again, with the reason beside its field and all that was typed."""
 
+import functools
+
 import pytest
 
-from tests.support.app import App
-from tests.support.database import entered, run
+from tests.support.database import run
 from tests.support.submissions import hand_in
 
 pytestmark = pytest.mark.slow  # tests/service/http/test_form_errors.py has the rules
 CLASS = "/assignments/rigid-body/class"
 
 
-@pytest.fixture(scope="module")
-def server(url):
-    started = App(database_url=url)
-    yield started
-    started.stop()
-
-
 @pytest.fixture
-def visit(page, server, url):
+def visit(page, seen_by):
     """``visit(name, role, path)`` is that page, for that person."""
     page.allowed += ["status of 422", "status of 404"]
-
-    def opened(name, role, path):
-        new = page(java_script_enabled=False)
-        new.goto(f"{server.url}{path}")
-        new.get_by_label("Token from your course").fill(entered(url, name, role))
-        new.get_by_role("button", name="Log in").click()
-        new.locator("nav .me").wait_for()
-        return new
-
-    return opened
+    return functools.partial(seen_by, javascript=False)
 
 
 @pytest.fixture

@@ -89,26 +89,18 @@ def _obey(control: socket.socket, prepared: Any) -> None:
     spare = _Spare(prepared)
     while True:
         play, fds, _, _ = socket.recv_fds(control, 128, 4)
-        if play.startswith(IMPORT):
-            library = play.removeprefix(IMPORT).decode()
-            sys.modules["guest.unused_libraries"].remove(library)
-            _import(library)
-            sys.modules["guest.run_scenes"].copy_modules()
-            gc.collect()
-            gc.freeze()
+        if play.startswith((IMPORT, KEEP)):
+            if play.startswith(IMPORT):
+                _import_later(play.removeprefix(IMPORT).decode())
+            else:
+                sys.modules["guest.wire"].keep(play.removeprefix(KEEP).decode(), fds[0])
+                os.close(fds[0])
             spare.end()
             spare = _Spare(prepared)
             control.send(READY)
             continue
         if not fds:
             return
-        if play.startswith(KEEP):
-            sys.modules["guest.wire"].keep(play.removeprefix(KEEP).decode(), fds[0])
-            os.close(fds[0])
-            spare.end()
-            spare = _Spare(prepared)
-            control.send(READY)
-            continue
         if len(fds) == 1:
             if middle := os.fork():
                 os.waitpid(middle, 0)
@@ -133,6 +125,15 @@ def _obey(control: socket.socket, prepared: Any) -> None:
         socket.send_fds(control, [b"child"], handles)
         spare = _Spare(prepared)
         control.send(_reap(children, handles))
+
+
+def _import_later(library: str) -> None:
+    """Import a library that was left out at the start."""
+    sys.modules["guest.unused_libraries"].remove(library)
+    _import(library)
+    sys.modules["guest.run_scenes"].copy_modules()
+    gc.collect()
+    gc.freeze()
 
 
 def _import(library: str) -> None:

@@ -152,7 +152,7 @@ def test_a_rejected_form_is_on_its_page_also_the_second_time(prof, server):
     ],
 )
 def test_otherwise_the_error_is_a_page(prof, server, referer):
-    """Without a page, from another server, from what is no page (one of them has no end), from one without this form."""
+    """The form came from no page, from another server, from an address that is not HTML (one never ends) or lacks this form."""
     status, page = settings(prof, server, referer)
     assert status == 422 and "<h1>Invalid request</h1>" in page and "no time zone Mars/Phobos" in page
 

@@ -61,7 +61,7 @@ def test_every_link_within_the_page_leads_somewhere(page):
 
 
 def test_the_commands_are_requests_that_the_server_understands(server, document, page, url):
-    """What stands in capitals is no submission here: the answer is never that route, method or body are wrong."""
+    """Words in capitals name no submission here, so a request may fail, but not because of its route, method or body."""
     token = f"Bearer {entered(url, 'ann')}"
     commands = [shlex.split(unescape(one)) for one in re.findall(r">(curl [^<]+)</pre>", page)]
     assert len(commands) == sum(map(len, document["paths"].values()))

@@ -39,8 +39,8 @@ def test_the_best_counts_of_equals_the_newest_and_who_sent_nothing_is_there(data
         "no submission",
         "Zoe Adams",
     )
-    told = [s.name for s in run(database_url, lambda database: gradebook.students(database, "rigid-body"))]
-    assert told == ["ann", "zoe"]
+    listed = [s.name for s in run(database_url, lambda database: gradebook.students(database, "rigid-body"))]
+    assert listed == ["ann", "zoe"]
     row = run(database_url, lambda database: gradebook.rules(database, "rigid-body"))
     assert (row.submitted, row.students, row.open, row.faults, row.regrades) == (1, 2, 1, 0, 0)
 
